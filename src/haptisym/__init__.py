@@ -1,4 +1,5 @@
-"""haptisym: evaluate haptic displays symbolically. What is felt instead, when it is noticed, and as what.
+"""haptisym: evaluate haptic displays symbolically. What is felt instead, when it is noticed, and as
+what.
 
 >>> import haptisym as hs
 >>> m, b, k = hs.symbols("m b k")
@@ -22,7 +23,8 @@ _MODULES = {
     )
     for name in re.findall(r"(\w+) as", several or names)
 }
-"""The public names and the modules that have them, as the stub says; each is loaded when it is used: not even SymPy is before."""
+"""The public names and the modules that have them, as the stub says; each is loaded when it is
+used: not even SymPy is before."""
 __all__ = sorted(_MODULES)
 
 

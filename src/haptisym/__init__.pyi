@@ -13,7 +13,12 @@ from haptisym.kernel.reals import RealNumber as RealNumber
 from haptisym.kernel.rings import omega as omega, s as s, symbols as symbols
 from haptisym.kernel.roots import Interval as Interval, Point as Point
 from haptisym.kernel.sets import ValueSet as ValueSet
-from haptisym.model.catalogue import Effect as Effect, Environment as Environment, Hand as Hand, hands as hands
+from haptisym.model.catalogue import (
+    Effect as Effect,
+    Environment as Environment,
+    Hand as Hand,
+    hands as hands,
+)
 from haptisym.model.devices import devices as devices
 from haptisym.model.distortion import Distortion as Distortion, distort as distort
 from haptisym.model.estimating import estimated as estimated
@@ -21,7 +26,12 @@ from haptisym.model.jnd import Part as Part, Published as Published, Threshold a
 from haptisym.model.measured import Measurement as Measurement
 from haptisym.model.measuredscene import MeasuredScene as MeasuredScene
 from haptisym.model.measuring import measured as measured, sampled as sampled
-from haptisym.model.motions import chirp as chirp, multisine as multisine, recording as recording, sine as sine
+from haptisym.model.motions import (
+    chirp as chirp,
+    multisine as multisine,
+    recording as recording,
+    sine as sine,
+)
 from haptisym.model.scene import Scene as Scene
 from haptisym.model.scenefile import (
     SceneFamily as SceneFamily,
@@ -41,7 +51,10 @@ from haptisym.verbs.design.entry import Design as Design, design as design
 from haptisym.verbs.effects.relevance import Relevance as Relevance, relevance as relevance
 from haptisym.verbs.evaluate.entry import evaluate as evaluate
 from haptisym.verbs.family.answers import FamilyAnswers as FamilyAnswers, answer_each as answer_each
-from haptisym.verbs.family.entry import FamilyEvaluation as FamilyEvaluation, evaluate_all as evaluate_all
+from haptisym.verbs.family.entry import (
+    FamilyEvaluation as FamilyEvaluation,
+    evaluate_all as evaluate_all,
+)
 from haptisym.verbs.identify.entry import Identification as Identification, identify as identify
 from haptisym.verbs.jnd.entry import (
     Psychometric as Psychometric,
@@ -50,12 +63,18 @@ from haptisym.verbs.jnd.entry import (
     published as published,
 )
 from haptisym.verbs.measured.entry import MeasuredEvaluation as MeasuredEvaluation
-from haptisym.verbs.metrics.controlloading import ControlLoading as ControlLoading, control_loading as control_loading
+from haptisym.verbs.metrics.controlloading import (
+    ControlLoading as ControlLoading,
+    control_loading as control_loading,
+)
 from haptisym.verbs.metrics.entry import metrics as metrics
 from haptisym.verbs.metrics.metric import Metrics as Metrics
 from haptisym.verbs.require.designmap import DesignMap as DesignMap, design_map as design_map
 from haptisym.verbs.require.required import Requirement as Requirement, require as require
-from haptisym.verbs.sensitivity.entry import Sensitivities as Sensitivities, sensitivity as sensitivity
+from haptisym.verbs.sensitivity.entry import (
+    Sensitivities as Sensitivities,
+    sensitivity as sensitivity,
+)
 from haptisym.verbs.simulate.entry import (
     EncoderQuantisation as EncoderQuantisation,
     ForceSaturation as ForceSaturation,
@@ -67,7 +86,11 @@ from haptisym.verbs.simulate.release import Release as Release, release as relea
 from haptisym.verbs.stability.entry import Stability as Stability, stability as stability
 from haptisym.verbs.sweep.entry import sweep as sweep
 from haptisym.verbs.tolerances.proofs import Tolerances as Tolerances, tolerances as tolerances
-from haptisym.writing.code import Language as Language, distortion_code as distortion_code, scene_code as scene_code
+from haptisym.writing.code import (
+    Language as Language,
+    distortion_code as distortion_code,
+    scene_code as scene_code,
+)
 from haptisym.writing.mathml import mathml as mathml
 from haptisym.writing.schemas import json_schema as json_schema
 

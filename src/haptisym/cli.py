@@ -1,7 +1,7 @@
 """The command line: ``haptisym evaluate SCENE`` and its sisters.
 
-What only some calls need (Rich for text, matplotlib for figures, the LaTeX printer) is imported where it is called
-for, so that ``--json`` in a loop pays for none of it.
+What only some calls need (Rich for text, matplotlib for figures, the LaTeX printer) is imported
+where it is called for, so that ``--json`` in a loop pays for none of it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,15 @@ from pkgutil import get_data, resolve_name
 import click
 
 from haptisym import __version__
-from haptisym.commands.terminal import ReaderLeft, interrupts, loading, note, prepare, says_help, write
+from haptisym.commands.terminal import (
+    ReaderLeft,
+    interrupts,
+    loading,
+    note,
+    prepare,
+    says_help,
+    write,
+)
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
 _COMMANDS = {
@@ -28,7 +36,8 @@ _COMMANDS = {
     for module in ("verbs", "shipped")
 }
 VERBS = dict(chain(*_COMMANDS.values()))
-"""Each verb with the first sentence of its help, as ``commands.verbs`` and ``commands.shipped`` say, which are only read."""
+"""Each verb with the first sentence of its help, as ``commands.verbs`` and ``commands.shipped``
+say, which are only read."""
 LIGHT = tuple(dict(_COMMANDS["shipped"]))
 """Those of ``commands.shipped``, which need no SymPy."""
 
@@ -60,7 +69,9 @@ class _Sisters(click.Group):
             hint = meant(args[0], VERBS)
             if args[0].endswith(".toml"):
                 hint = f'did you mean "haptisym evaluate {args[0]}"?'
-            ctx.fail(f'unknown command "{args[0]}": {hint or "haptisym --help lists them"}'.rstrip())
+            ctx.fail(
+                f'unknown command "{args[0]}": {hint or "haptisym --help lists them"}'.rstrip()
+            )
         return super().resolve_command(ctx, args)
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
@@ -73,7 +84,9 @@ def _say_version(context: click.Context, _option: click.Parameter, asked: bool) 
         context.exit()
 
 
-@click.group(cls=_Sisters, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False)
+@click.group(
+    cls=_Sisters, context_settings={"help_option_names": ["-h", "--help"]}, no_args_is_help=False
+)
 @click.option(
     "--version",
     is_flag=True,
@@ -85,8 +98,9 @@ def _say_version(context: click.Context, _option: click.Parameter, asked: bool) 
 def app() -> None:
     """Evaluate haptic displays symbolically.
 
-    A scene says what a hand should feel (the environment) and what stands in between (the effects). haptisym derives in
-    closed form what is felt instead, proves from which frequency a person notices, and as what: stiffness, mass, damping.
+    A scene says what a hand should feel (the environment) and what stands in between (the effects).
+    haptisym derives in closed form what is felt instead, proves from which frequency a person
+    notices, and as what: stiffness, mass, damping.
 
     \b
     Begin with:
@@ -99,21 +113,28 @@ def app() -> None:
 
 
 _EXTRAS = {
-    "scipy": "simulate", "xarray": "sweep", "dask": "sweep", "zarr": "sweep", "numba": "fast",
+    "scipy": "simulate",
+    "xarray": "sweep",
+    "dask": "sweep",
+    "zarr": "sweep",
+    "numba": "fast",
     "psignifit": "psychophysics",
-}  # fmt: skip
+}
 """Packages that only some verbs need, and the extra of each."""
 
 
 def main(loaded: Callable[[], None] | None = None) -> None:
-    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided, 130 interrupted.
+    """Run the command line: exit status 0 done, 2 wrong scene or command line, 3 undecided, 130
+    interrupted.
 
     ``loaded`` : is called when everything that the verb always needs is there.
     """
     prepare()
     with interrupts() as interrupted:
         try:
-            status = app(sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym", obj=loaded)
+            status = app(
+                sys.argv[1:] or ["--help"], standalone_mode=False, prog_name="haptisym", obj=loaded
+            )
         except Exception as error:  # noqa: BLE001  all that nobody foresaw is raised again
             status = _told(error, is_interrupted=bool(interrupted))
     sys.exit(status)
@@ -135,7 +156,13 @@ def _told(error: Exception, *, is_interrupted: bool) -> int:
         case HaptisymError():
             return _failed(f"error: {error}", 2)
         case ModuleNotFoundError() if (package := (error.name or "").split(".")[0]) in _EXTRAS:
-            return _failed(f'error: {package} is missing: this needs pip install "haptisym[{_EXTRAS[package]}]"', 2)
+            return _failed(
+                (
+                    f"error: {package} is missing: this needs pip install "
+                    f'"haptisym[{_EXTRAS[package]}]"'
+                ),
+                2,
+            )
         case OSError():
             where = "" if error.filename is None else f"{error.filename}: "
             return _failed(f"error: {where}{error.strerror or error}", 2)

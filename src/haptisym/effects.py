@@ -1,9 +1,11 @@
 """The catalogue of effects: what stands between environment and hand, as chain matrices.
 
-``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``, so that ``H_perc = (A H + B)/(C H + D)``. A series effect multiplies
-the force by G, a shunt adds an impedance beside the environment, a compliance adds 1/K to 1/H.
+``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``, so that ``H_perc = (A H + B)/(C H + D)``. A series
+effect multiplies the force by G, a shunt adds an impedance beside the environment, a compliance
+adds 1/K to 1/H.
 
-Parameters are numbers in SI, strings with units or SymPy symbols; each function also takes ``name``. It returns an
+Parameters are numbers in SI, strings with units or SymPy symbols; each function also takes
+``name``. It returns an
 ``Effect`` and raises ``SceneError`` for a wrong unit, a forbidden value or a missing parameter.
 """
 
@@ -60,7 +62,8 @@ def first_order_lag(omega_c: Frequency) -> Matrix:
 
 @effect("second-order-lowpass")
 def second_order_lowpass(omega_n: Frequency, zeta: DampingRatio) -> Matrix:
-    """Second-order low-pass filter: G(s) = omega_n^2/(s^2 + 2 zeta omega_n s + omega_n^2), in series.
+    """Second-order low-pass filter: G(s) = omega_n^2/(s^2 + 2 zeta omega_n s + omega_n^2), in
+    series.
 
     omega_n : undamped natural frequency, rad/s, > 0; zeta : damping ratio, >= 0.
     Source: Fu, van Paassen and Mulder (2019), eq. (8).
@@ -85,7 +88,8 @@ def delay(tau: Time) -> Matrix:
 
 @effect("pade-delay")
 def pade_delay(tau: Time, order: Order) -> Matrix:
-    """The diagonal Pade approximant of a delay, for comparison with the exact one: G(s) = p(-s tau)/p(s tau), in series.
+    """The diagonal Pade approximant of a delay, for comparison with the exact one: G(s) = p(-s
+    tau)/p(s tau), in series.
 
     tau : delay, s, >= 0; order : 1 to 10.
     p(x) = sum over i of C(n, i) (2 n - i)!/(2 n)! x^i.
@@ -119,13 +123,17 @@ def zero_order_hold(T: PositiveTime) -> Matrix:
 
 @effect("sampled-loop")
 def sampled_loop(T: PositiveTime, method: Method = "", delay: Samples = 0) -> Matrix:
-    """A controller with a clock: it samples the position, renders the environment as D(z) = H(s(z)), and holds the force.
+    """A controller with a clock: it samples the position, renders the environment as D(z) =
+    H(s(z)), and holds the force.
 
-    T : sampling period, s, > 0; delay : whole samples of computation, absent = none; method : what s becomes,
-    "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or "forward-difference" (z - 1)/T; absent where a
-    difference-equation is rendered, which is D(z) itself.
-    The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s T delay)
-    (1 - exp(-s T))/(s T), exact for prescribed motion; its matrix alone has delay and hold, in a scene D - H beside them, too.
+    T : sampling period, s, > 0; delay : whole samples of computation, absent = none; method : what
+    s becomes, "backward-difference" (1 - 1/z)/T, "tustin" (2/T)(1 - 1/z)/(1 + 1/z) or
+    "forward-difference" (z - 1)/T; absent where a difference-equation is rendered, which is D(z)
+    itself.
+    The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s
+    T delay)
+    (1 - exp(-s T))/(s T), exact for prescribed motion; its matrix alone has delay and hold, in a
+    scene D - H beside them, too.
 
     >>> from haptisym.environments import kelvin_voigt
     >>> from haptisym.model.distortion import distort
@@ -149,10 +157,14 @@ def series(G: Formula) -> Matrix:
 
 
 @effect("shunt")
-def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = None) -> Matrix:
-    """An impedance beside the environment (the device's own mass, say): H_perc = H + Z, Z(s) = m s^2 + b s + k.
+def shunt(
+    m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = None
+) -> Matrix:
+    """An impedance beside the environment (the device's own mass, say): H_perc = H + Z, Z(s) = m
+    s^2 + b s + k.
 
-    m : kg; b : N s/m; k : N/m; any sign (a negative mass is inertia compensation); each may be absent.
+    m : kg; b : N s/m; k : N/m; any sign (a negative mass is inertia compensation); each may be
+    absent.
     Z : a formula in ``s`` and the names of ``parameters`` instead of these.
 
     >>> shunt(m="-45 g").matrix
@@ -168,7 +180,8 @@ def shunt(m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Fo
 
 @effect("compliance")
 def compliance(k: PositiveStiffness = 0, b: PositiveDamping = 0) -> Matrix:
-    """A spring and damper in the drive train (torsion bar, cable, virtual coupling): 1/H_perc = 1/H + 1/(k + b s).
+    """A spring and damper in the drive train (torsion bar, cable, virtual coupling): 1/H_perc = 1/H
+    + 1/(k + b s).
 
     k : stiffness, N/m; b : damping, N s/m; both > 0; one of them may be absent.
 
@@ -182,7 +195,8 @@ def compliance(k: PositiveStiffness = 0, b: PositiveDamping = 0) -> Matrix:
 
 @effect("coulomb-friction")
 def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
-    """Dry friction as its describing function, a shunt Z = j 4 F/(pi A): exact for sinusoidal motion of that amplitude.
+    """Dry friction as its describing function, a shunt Z = j 4 F/(pi A): exact for sinusoidal
+    motion of that amplitude.
 
     force : friction force F, N, >= 0; amplitude : of the hand's motion A, m, > 0.
 
@@ -194,7 +208,8 @@ def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
 
 @effect("admittance-display")
 def admittance_display(P: Formula, tau: Time = 0) -> Matrix:
-    """An admittance display, X = P exp(-s tau) F/H_env: H_perc = H_env exp(s tau)/P, with P(s) the closed position loop.
+    """An admittance display, X = P exp(-s tau) F/H_env: H_perc = H_env exp(s tau)/P, with P(s) the
+    closed position loop.
 
     P : formula in ``s`` and the names of ``parameters``; tau : its delay, s, absent = none.
 
@@ -208,9 +223,11 @@ def admittance_display(P: Formula, tau: Time = 0) -> Matrix:
 
 @effect("wave-variables")
 def wave_variables(b: PositiveDamping, tau: PositiveTime) -> Matrix:
-    """A wave-variable (lossless transmission line) link: [[cosh s tau, b s sinh s tau], [sinh s tau/(b s), cosh s tau]].
+    """A wave-variable (lossless transmission line) link: [[cosh s tau, b s sinh s tau], [sinh s
+    tau/(b s), cosh s tau]].
 
-    b : wave impedance, N s/m, > 0; tau : one-way delay, s, > 0. Source: Niemeyer and Slotine (1991).
+    b : wave impedance, N s/m, > 0; tau : one-way delay, s, > 0. Source: Niemeyer and Slotine
+    (1991).
 
     >>> wave_variables(2, 3).matrix
     (cosh(3*s), 2*s*sinh(3*s), sinh(3*s)/(2*s), cosh(3*s))
@@ -224,8 +241,8 @@ def position_force_teleoperator(
 ) -> Matrix:
     """Position-force teleoperator: H_perc = Zm + E Cs H/(Zs + Cs + H).
 
-    Zm = Mm s^2 and Zs = Ms s^2 : the devices, kg; Cs = Bs s + Ks : the slave's controller, N s/m and N/m;
-    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Zm = Mm s^2 and Zs = Ms s^2 : the devices, kg; Cs = Bs s + Ks : the slave's controller, N s/m
+    and N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
 
     >>> position_force_teleoperator(1, 2, 3, 4).matrix[2:]
     (1, 2*s**2 + 3*s + 4)
@@ -236,12 +253,18 @@ def position_force_teleoperator(
 
 @effect("position-position-teleoperator")
 def position_position_teleoperator(
-    Mm: PositiveMass, Bm: Damping, Km: Stiffness, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+    Mm: PositiveMass,
+    Bm: Damping,
+    Km: Stiffness,
+    Ms: PositiveMass,
+    Bs: Damping,
+    Ks: Stiffness,
+    tau: Time = 0,
 ) -> Matrix:
     """Position-position teleoperator: H_perc = Zm + Cm - E Cm Cs/(Zs + Cs + H).
 
-    Zm = Mm s^2, Zs = Ms s^2 : the devices, kg; Cm = Bm s + Km, Cs = Bs s + Ks : the controllers, N s/m and N/m;
-    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Zm = Mm s^2, Zs = Ms s^2 : the devices, kg; Cm = Bm s + Km, Cs = Bs s + Ks : the controllers, N
+    s/m and N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
 
     >>> position_position_teleoperator(1, 1, 1, 2, 3, 4).matrix[0]
     s**2 + s + 1
@@ -253,9 +276,16 @@ def position_position_teleoperator(
 
 @effect("four-channel-teleoperator")
 def four_channel_teleoperator(
-    Mm: PositiveMass, Bm: Damping, Km: Stiffness, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+    Mm: PositiveMass,
+    Bm: Damping,
+    Km: Stiffness,
+    Ms: PositiveMass,
+    Bs: Damping,
+    Ks: Stiffness,
+    tau: Time = 0,
 ) -> Matrix:
-    """Four-channel teleoperator: H_perc = Zcm + E (H - Zcm)(Zcm + Zcs)/(Zcs + H - E (H - Zcm)); H itself without delay.
+    """Four-channel teleoperator: H_perc = Zcm + E (H - Zcm)(Zcm + Zcs)/(Zcs + H - E (H - Zcm)); H
+    itself without delay.
 
     Zcm = Mm s^2 + Bm s + Km, Zcs = Ms s^2 + Bs s + Ks : device plus controller, kg, N s/m, N/m;
     E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.

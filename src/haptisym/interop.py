@@ -1,7 +1,8 @@
 """Dynamics from and to SymPy, python-control and SciPy.
 
-In: anything that is a continuous-time system with one input and one output becomes an exact expression in ``s``, floats
-read as the decimals that they are written as. Out: a rational dynamics as a transfer function of the other package.
+In: anything that is a continuous-time system with one input and one output becomes an exact
+expression in ``s``, floats read as the decimals that they are written as. Out: a rational dynamics
+as a transfer function of the other package.
 These packages are optional: one is imported only to export to it.
 """
 
@@ -36,11 +37,13 @@ System: TypeAlias = Any
 def dynamics(system: System) -> Expr:
     """The transfer function of a system, exact, as an expression in haptisym's ``s``.
 
-    ``system`` : a SymPy expression in a symbol named s; a number; a system of ``sympy.physics.control``, ``control`` or
-    ``scipy.signal`` (transfer function, zeros and poles, state space; SymPy's also in series, parallel or feedback); a pair
-    of numerator and denominator, coefficients of the highest power first; an Environment, or an Effect in series. Floats are
-    read as their shortest decimals. Raises SceneError for several inputs or outputs, for discrete time, and for
-    roots that are not in conjugate pairs.
+    ``system`` : a SymPy expression in a symbol named s; a number; a system of
+    ``sympy.physics.control``, ``control`` or
+    ``scipy.signal`` (transfer function, zeros and poles, state space; SymPy's also in series,
+    parallel or feedback); a pair of numerator and denominator, coefficients of the highest power
+    first; an Environment, or an Effect in series. Floats are read as their shortest decimals.
+    Raises SceneError for several inputs or outputs, for discrete time, and for roots that are not
+    in conjugate pairs.
 
     >>> dynamics(([1.8, 15, 100], [1]))
     9*s**2/5 + 15*s + 100
@@ -59,13 +62,15 @@ def dynamics(system: System) -> Expr:
         if found is not None:
             return found
     raise SceneError(
-        f"{_shown(system)} is not a system: give a SymPy expression in s, a pair of numerator and denominator, or a "
+        f"{_shown(system)} is not a system: give a SymPy expression in s, a pair of "
+        f"numerator and denominator, or a "
         "continuous-time system of sympy.physics.control, control or scipy.signal"
     )
 
 
 def environment(system: System) -> Environment:
-    """The environment with H_env(s) = ``dynamics(system)``, exact: force per position, N/m or N m/rad; errors as there.
+    """The environment with H_env(s) = ``dynamics(system)``, exact: force per position, N/m or N
+    m/rad; errors as there.
 
     >>> environment(([2, 0, 50], [1])).H
     2*s**2 + 50
@@ -74,7 +79,8 @@ def environment(system: System) -> Environment:
 
 
 def series(system: System, name: str = "") -> Effect:
-    """The effect that multiplies the force by G(s) = ``dynamics(system)``, exact, no unit: a filter, an actuator, a sensor.
+    """The effect that multiplies the force by G(s) = ``dynamics(system)``, exact, no unit: a
+    filter, an actuator, a sensor.
 
     ``name`` : of the effect, as in paths of parameters. Errors as of ``dynamics``.
 
@@ -85,9 +91,11 @@ def series(system: System, name: str = "") -> Effect:
 
 
 def to_sympy(system: System) -> Any:
-    """The system as a ``sympy.physics.control.TransferFunction``, exact, common factors cancelled; parameters may be symbols.
+    """The system as a ``sympy.physics.control.TransferFunction``, exact, common factors cancelled;
+    parameters may be symbols.
 
-    ``system`` : as of ``dynamics``; units stay, SI. Raises SceneError for what is not rational in s.
+    ``system`` : as of ``dynamics``; units stay, SI. Raises SceneError for what is not rational in
+    s.
 
     >>> to_sympy(environments.maxwell(100, 5))
     TransferFunction(100*s, s + 20, s)
@@ -98,11 +106,13 @@ def to_sympy(system: System) -> Any:
 
 
 def to_control(system: System) -> Any:
-    """The system as a ``control.TransferFunction`` in continuous time, coefficients the nearest doubles.
+    """The system as a ``control.TransferFunction`` in continuous time, coefficients the nearest
+    doubles.
 
-    ``system`` : as of ``dynamics``; units stay, SI and rad/s. Common factors are cancelled; scaled so that ``dynamics`` of the
-    result is the same system exactly where doubles allow it. Raises SceneError for parameters that are still symbols, for delays
-    and other dynamics that are not rational, and where python-control is not installed.
+    ``system`` : as of ``dynamics``; units stay, SI and rad/s. Common factors are cancelled; scaled
+    so that ``dynamics`` of the result is the same system exactly where doubles allow it. Raises
+    SceneError for parameters that are still symbols, for delays and other dynamics that are not
+    rational, and where python-control is not installed.
 
     >>> to_control(environments.maxwell(100, 5)).num[0][0].tolist()
     [100.0, 0.0]
@@ -111,10 +121,12 @@ def to_control(system: System) -> Any:
 
 
 def to_scipy(system: System) -> Any:
-    """The system as a ``scipy.signal.TransferFunction`` in continuous time; otherwise like ``to_control``.
+    """The system as a ``scipy.signal.TransferFunction`` in continuous time; otherwise like
+    ``to_control``.
 
-    SciPy divides by the leading coefficient of the denominator, in doubles: the same system comes back where the quotients
-    are exact. It has frequency responses of improper systems too (a mass, say), but simulates proper ones only.
+    SciPy divides by the leading coefficient of the denominator, in doubles: the same system comes
+    back where the quotients are exact. It has frequency responses of improper systems too (a mass,
+    say), but simulates proper ones only.
 
     >>> to_scipy(environments.maxwell(100, 5)).poles.tolist()
     [-20.0]
@@ -123,10 +135,11 @@ def to_scipy(system: System) -> Any:
 
 
 def to_frd(response: Measurement) -> Any:
-    """A measured or sampled response as python-control's data (``control.FRD``): the same points, H in N/m over rad/s.
+    """A measured or sampled response as python-control's data (``control.FRD``): the same points, H
+    in N/m over rad/s.
 
-    ``response`` : a Measurement. Coherence and radius are lost: FRD has no place for them. Raises SceneError where
-    python-control is not installed.
+    ``response`` : a Measurement. Coherence and radius are lost: FRD has no place for them. Raises
+    SceneError where python-control is not installed.
 
     >>> from haptisym.model.measuring import measured
     >>> to_frd(measured([1, 2], [3 + 4j, 5])).omega.tolist()
@@ -135,7 +148,8 @@ def to_frd(response: Measurement) -> Any:
     return _package("control", "python-control").frd(response.H, response.omega)
 
 
-# --- in --------------------------------------------------------------------------------------------------------------
+# --- in
+# --------------------------------------------------------------------------------------------------------------
 
 
 def _series_gain(effect: Effect) -> Expr:
@@ -213,44 +227,61 @@ def _pair(system: System) -> Expr | None:
 
 def _one_channel(inputs: int, outputs: int) -> None:
     if (inputs, outputs) != (1, 1):
-        raise SceneError(f"the system has {inputs} inputs and {outputs} outputs: take one of each, or write a two-port")
+        raise SceneError(
+            f"the system has {inputs} inputs and {outputs} outputs: take one of each, or "
+            f"write a two-port"
+        )
 
 
 def _continuous(dt: Any) -> None:
     """A sampling time of 0, or none at all, is continuous time."""
     if dt is not None and dt != 0:
         raise SceneError(
-            f"the system is in discrete time (dt = {dt}): give its continuous-time dynamics and, for sampling, the effects "
+            f"the system is in discrete time (dt = {dt}): give its continuous-time dynamics "
+            f"and, for sampling, the effects "
             "zero-order-hold and delay"
         )
 
 
 def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
-    top, bottom = (Add(*(_number(x) * s**n for n, x in enumerate(reversed([*row])))) for row in (above, below))
+    top, bottom = (
+        Add(*(_number(x) * s**n for n, x in enumerate(reversed([*row])))) for row in (above, below)
+    )
     if bottom == 0:
         raise SceneError("the denominator is zero")
     return top / bottom
 
 
 def _from_roots(roots: Any) -> Expr:
-    factors = (s - _number(x.real) - I * _number(x.imag) for x in map(complex, np.atleast_1d(roots)))
+    factors = (
+        s - _number(x.real) - I * _number(x.imag) for x in map(complex, np.atleast_1d(roots))
+    )
     product = reduce(mul, factors, Integer(1)).expand()
     if product.has(I):
-        raise SceneError(f"the roots {_shown(np.atleast_1d(roots).tolist())} are not in conjugate pairs")
+        raise SceneError(
+            f"the roots {_shown(np.atleast_1d(roots).tolist())} are not in conjugate pairs"
+        )
     return product
 
 
 def _state_space(A: Any, B: Any, C: Any, D: Any) -> Expr:
     """C (sI - A)^-1 B + D, by det(sI - A + BC) = det(sI - A) (1 + C (sI - A)^-1 B)."""
-    a, b, c, d = (Matrix(np.atleast_2d(np.array(x)).shape[0], np.atleast_2d(np.array(x)).shape[1],
-                  [_number(entry) for entry in np.array(x).ravel()]) for x in (A, B, C, D))  # fmt: skip
+    a, b, c, d = (
+        Matrix(
+            np.atleast_2d(np.array(x)).shape[0],
+            np.atleast_2d(np.array(x)).shape[1],
+            [_number(entry) for entry in np.array(x).ravel()],
+        )
+        for x in (A, B, C, D)
+    )
     _one_channel(b.shape[1], c.shape[0])
     below, above = (m.charpoly(s).as_expr() for m in (a, a - b * c))
     return d[0, 0] + (above - below).expand() / below
 
 
 def _number(given: Any) -> Expr:
-    """An exact number, or an expression in parameters; of a complex number, its real part if that is all."""
+    """An exact number, or an expression in parameters; of a complex number, its real part if that
+    is all."""
     if isinstance(given, complex | np.complexfloating):
         if given.imag != 0:
             raise SceneError(f"{given} is complex: give real coefficients")
@@ -258,24 +289,29 @@ def _number(given: Any) -> Expr:
     return quantity(given, Dimension.ANY).value
 
 
-# --- out -------------------------------------------------------------------------------------------------------------
+# --- out
+# -------------------------------------------------------------------------------------------------------------
 
 
 def _fraction(system: System) -> tuple[list[Expr], list[Expr]]:
-    """Numerator and denominator in lowest terms, the highest power first, scaled as doubles keep it best."""
+    """Numerator and denominator in lowest terms, the highest power first, scaled as doubles keep it
+    best."""
     expression = dynamics(system)
     ring = Ring.of([expression])
     function = ring.convert(expression).reduced()
     for index, other in enumerate(ring.functions, ring.size):
         if degree_in([function.numerator, function.denominator], index):
             raise SceneError(
-                f"{other} is not rational in s: only rational dynamics can be exported (a delay as the effect pade-delay)"
+                f"{other} is not rational in s: only rational dynamics can be exported (a "
+                f"delay as the effect pade-delay)"
             )
     monic, whole = (_coefficients(ring, f) for f in (function, function.cleared()))
     return whole if not _kept(monic) and _kept(whole) else monic
 
 
-def _coefficients(ring: PolynomialRing, function: RationalFunction) -> tuple[list[Expr], list[Expr]]:
+def _coefficients(
+    ring: PolynomialRing, function: RationalFunction
+) -> tuple[list[Expr], list[Expr]]:
     above, below = (ring.coefficients(p)[::-1] for p in (function.numerator, function.denominator))
     return above, below
 
@@ -289,7 +325,10 @@ def _floats(system: System) -> tuple[list[float], list[float]]:
     above, below = _fraction(system)
     symbols = sorted({x.name for e in [*above, *below] for x in e.free_symbols})
     if symbols:
-        raise SceneError(f"{', '.join(symbols)} {'is a symbol' if len(symbols) == 1 else 'are symbols'}: give values")
+        raise SceneError(
+            f"{', '.join(symbols)} {'is a symbol' if len(symbols) == 1 else 'are symbols'}: "
+            f"give values"
+        )
     return [float(ExactNumber(x)) for x in above], [float(ExactNumber(x)) for x in below]
 
 

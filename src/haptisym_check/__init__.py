@@ -1,4 +1,5 @@
-"""Checks certificates of haptisym against scene files: written from docs/certificates.md alone, with nothing of haptisym."""
+"""Checks certificates of haptisym against scene files: written from docs/certificates.md alone,
+with nothing of haptisym."""
 
 from haptisym_check.proof import check
 from haptisym_check.values import RefusedError, UnreadableError

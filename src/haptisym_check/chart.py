@@ -1,4 +1,5 @@
-"""Rules 2 to 5: the places of the band, the signs around them, and how many zeros are in Re s >= 0."""
+"""Rules 2 to 5: the places of the band, the signs around them, and how many zeros are in Re s >=
+0."""
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
@@ -8,7 +9,17 @@ from typing import Any
 
 from haptisym_check.polynomials import PI, Factor, affordable, order, signs, sliced, turns
 from haptisym_check.scene import PARTS, Product, Scene, link
-from haptisym_check.values import ONE, Point, Polynomial, Ratio, keyed, listed, need, numbers, polynomial
+from haptisym_check.values import (
+    ONE,
+    Point,
+    Polynomial,
+    Ratio,
+    keyed,
+    listed,
+    need,
+    numbers,
+    polynomial,
+)
 
 # Rules 2, 3 and 4: the places of the band, and what follows from the signs around them.
 
@@ -21,13 +32,26 @@ def ends_of_band(scene: Scene) -> list[list[Fraction]]:
 
 
 class Chart:
-    """The places of the band in order, with the orders of all factors there, and their signs in between."""
+    """The places of the band in order, with the orders of all factors there, and their signs in
+    between."""
 
-    def __init__(self, scene: Scene, points: list[Fraction], factors: list[Factor], told: list[list[Fraction]]) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        points: list[Fraction],
+        factors: list[Factor],
+        told: list[list[Fraction]],
+    ) -> None:
         """``told``: the enclosures of the places."""
         low, high = ends_of_band(scene)
-        need(0 <= points[0] <= low[0] and low[1] <= points[1], "the first cell does not hold the low end of the band")
-        need(points[-2] <= high[0] and high[1] <= points[-1], "the last cell does not hold the high end of the band")
+        need(
+            0 <= points[0] <= low[0] and low[1] <= points[1],
+            "the first cell does not hold the low end of the band",
+        )
+        need(
+            points[-2] <= high[0] and high[1] <= points[-1],
+            "the last cell does not hold the high end of the band",
+        )
         need(holds(told[0], low), "the low end of the band is not in its enclosure")
         need(holds(told[-1], high), "the high end of the band is not in its enclosure")
         affordable(points, sum(x.cost for x in factors))
@@ -35,17 +59,24 @@ class Chart:
         self.from_0, self.orders, self.signs = low[1] == 0, list[list[Any]](), list[list[int]]()
         self.powers = [x.powers for x in factors]
         for a, b in pairwise(points):
-            leads, found = zip(*(x.signs(a, b) for x in factors), strict=True) if factors else ((), ())
+            leads, found = (
+                zip(*(x.signs(a, b) for x in factors), strict=True) if factors else ((), ())
+            )
             inner, counts = [[x for x in row if x] for row in found], list(map(turns, found))
             last = [order(row[::-1]) for row in found]
             fits = (low == [a, a] or not any(leads)) and (high == [b, b] or not any(last))
             need(fits, "a factor is zero at a breakpoint")
             most = 1 if low[1] <= a and b <= high[0] else 0
             need(sum(counts) <= most, "a cell may hold two zeros, or one beside an end of the band")
-            self.orders, self.signs = self.orders or [list(leads)], self.signs or [[x[0] for x in inner]]
+            self.orders, self.signs = (
+                self.orders or [list(leads)],
+                self.signs or [[x[0] for x in inner]],
+            )
             if any(counts):
                 own, (x, y) = factors[counts.index(1)], told[min(len(self.orders), len(told) - 1)]
-                need(a < x <= y < b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero")
+                need(
+                    a < x <= y < b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero"
+                )
                 self.orders.append(counts)
                 self.signs.append([x[-1] for x in inner])
         self.orders.append(last)
@@ -66,25 +97,44 @@ class Curve:
     """The orders of a function at the places, and its signs before, at and after each."""
 
     def __init__(self, x: Product, chart: Chart) -> None:
-        self.order = [away(sum(n * found[i] for i, n in x.powers.items())) for found in chart.orders]
+        self.order = [
+            away(sum(n * found[i] for i, n in x.powers.items())) for found in chart.orders
+        ]
         own = (x.number > 0) - (x.number < 0)
-        self.between = [own * prod(row[i] ** abs(n) for i, n in x.powers.items()) for row in chart.signs]
-        one_sided = chart.from_0 and any(chart.powers[i] for i in x.powers)  # a power of omega has no other side
-        self.before = [self.between[0] * (-1) ** (0 if one_sided else abs(self.order[0])), *self.between]
+        self.between = [
+            own * prod(row[i] ** abs(n) for i, n in x.powers.items()) for row in chart.signs
+        ]
+        one_sided = chart.from_0 and any(
+            chart.powers[i] for i in x.powers
+        )  # a power of omega has no other side
+        self.before = [
+            self.between[0] * (-1) ** (0 if one_sided else abs(self.order[0])),
+            *self.between,
+        ]
         self.after = [*self.between, self.between[-1] * (-1) ** abs(self.order[-1])]
-        self.at = [0 if n > 0 or a != b else b for n, a, b in zip(self.order, self.before, self.after, strict=True)]
-        self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][:-1]  # places and pieces
+        self.at = [
+            0 if n > 0 or a != b else b
+            for n, a, b in zip(self.order, self.before, self.after, strict=True)
+        ]
+        self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][
+            :-1
+        ]  # places and pieces
 
 
 def runs(line: Iterable[Any]) -> list[tuple[int, int, Any]]:
-    """The longest pieces of one value, of a line of places and what is between them, as pairs of places."""
+    """The longest pieces of one value, of a line of places and what is between them, as pairs of
+    places."""
     rows = [(x, [i for i, _ in row]) for x, row in groupby(enumerate(line), key=lambda x: x[1])]
     return [(row[0] // 2, (row[-1] + 1) // 2, x) for x, row in rows if x]
 
 
 def where(test: Callable[[int], bool], *curves: Curve) -> list[list[int]]:
-    """As few closed intervals as possible, of places and of what is between: where all curves pass."""
-    return [[a, b] for a, b, _ in runs(all(map(test, x)) for x in zip(*(c.line for c in curves), strict=True))]
+    """As few closed intervals as possible, of places and of what is between: where all curves
+    pass."""
+    return [
+        [a, b]
+        for a, b, _ in runs(all(map(test, x)) for x in zip(*(c.line for c in curves), strict=True))
+    ]
 
 
 def claimed(curves: dict[str, Curve], *, from_0: bool) -> dict[str, Any]:
@@ -95,32 +145,50 @@ def claimed(curves: dict[str, Curve], *, from_0: bool) -> dict[str, Any]:
         touches = c.before[i] == c.after[i] and not (i == 0 and from_0 and c.after[i] > 0)
         kind = "touches" if touches else "exceeds" if c.after[i] > 0 else "returns"
         side = curves[f"difference.{part}"].after[i]
-        crossings.append({"at": i, "part": part, "kind": kind, "sign": side, "multiplicity": c.order[i]})
+        crossings.append(
+            {"at": i, "part": part, "kind": kind, "sign": side, "multiplicity": c.order[i]}
+        )
     turning = {name: curves[f"{name}.real"] for name in ("environment", "perceived")}
     return {
         "crossings": crossings,
         "transparent": where(lambda x: x <= 0, *excess.values()),
-        "changeovers": {name: [i for i in places if c.before[i] * c.after[i] < 0] for name, c in turning.items()},
-        "percepts": [x for part in PARTS for x in percepts(part, *(curves[f"{x}.{part}"] for x in CURVES))],
+        "changeovers": {
+            name: [i for i in places if c.before[i] * c.after[i] < 0] for name, c in turning.items()
+        },
+        "percepts": [
+            x for part in PARTS for x in percepts(part, *(curves[f"{x}.{part}"] for x in CURVES))
+        ],
         "outside_model": where(lambda x: x < 0, active),
         "unbounded": [i for i in places if any(c.order[i] < 0 for c in excess.values())],
     }
 
 
 CURVES = "environment", "perceived", "excess", "difference", "sum"
-PROPERTIES = {(1, 1): "stiffness", (-1, -1): "mass", (1, -1): "stiffness-to-mass", (-1, 1): "mass-to-stiffness"}
+PROPERTIES = {
+    (1, 1): "stiffness",
+    (-1, -1): "mass",
+    (1, -1): "stiffness-to-mass",
+    (-1, 1): "mass-to-stiffness",
+}
 
 
-def percepts(part: str, env: Curve, perc: Curve, excess: Curve, change: Curve, both: Curve) -> list[dict[str, Any]]:
+def percepts(
+    part: str, env: Curve, perc: Curve, excess: Curve, change: Curve, both: Curve
+) -> list[dict[str, Any]]:
     """What is felt where a ratio exceeds its threshold."""
     line: list[Any] = []
-    for i, (x, y, e, n) in enumerate(zip(env.between, perc.between, excess.between, both.between, strict=True)):
+    for i, (x, y, e, n) in enumerate(
+        zip(env.between, perc.between, excess.between, both.between, strict=True)
+    ):
         felt = None
         if e > 0 and (part == "real" or y >= 0):
             kind = PROPERTIES[x or y, y or x] if part == "real" else "damping"
             felt = kind, ("equal", "higher", "lower")[change.between[i] * n]
         line += [felt if line and felt == line[-1] and excess.at[i] > 0 else None, felt]
-    return [{"part": part, "from": a, "to": b, "property": x, "change": y} for a, b, (x, y) in runs(line)]
+    return [
+        {"part": part, "from": a, "to": b, "property": x, "change": y}
+        for a, b, (x, y) in runs(line)
+    ]
 
 
 # Rule 5: how many zeros a function of s has in Re s >= 0.
@@ -142,10 +210,14 @@ def coprime(p: Polynomial, q: Polynomial) -> bool:
 
 
 def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
-    """The zeros of p in Re s >= 0: that at 0, and what the turns of p(j omega) = E + j omega O between points of omega^2 tell."""
+    """The zeros of p in Re s >= 0: that at 0, and what the turns of p(j omega) = E + j omega O
+    between points of omega^2 tell."""
     at_0 = order([any(row) for row in p])
     n, p = len(p) - 1 - at_0, p[at_0:]
-    even, odd = (sliced([[c * (-1) ** k for c in row] for k, row in enumerate(p[i::2])] or [[0]]) for i in (0, 1))
+    even, odd = (
+        sliced([[c * (-1) ** k for c in row] for k, row in enumerate(p[i::2])] or [[0]])
+        for i in (0, 1)
+    )
     left, last = 0, 0  # zeros in Re s < 0, less those in Re s >= 0; the sign of E O at the end
     for low, high in pairwise([*(x.as_integer_ratio() for x in points), (1, 0)]):
         e, o = signs(even, low, high), signs(odd, low, high)
@@ -153,12 +225,15 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
         need(turns(e) + turns(o) < 2 or not turns(e), "a cell may hold two zeros")
         side = next((x for x in o if x), 0)
         left += 2 * turns(e) * (e[0] * side if side else -1)
-        last = [x for x in e if x][-1] * o[-1]  # which counts where n is odd: the highest power is one of O
+        last = [x for x in e if x][-1] * o[
+            -1
+        ]  # which counts where n is odd: the highest power is one of O
     return at_0 + (n - left - n % 2 * last) // 2
 
 
 def zeros(x: Any, function: Callable[[Point], Ratio], length: int, share: int = 1) -> int:
-    """Those in Re s >= 0 of a function of s and pi, counted with multiplicity; ``length``, ``share``: as ``link`` has them."""
+    """Those in Re s >= 0 of a function of s and pi, counted with multiplicity; ``length``,
+    ``share``: as ``link`` has them."""
     told, product, cells = keyed(x, "factors", "function", "cells")
     factors = [Factor(polynomial(p)) for p in listed(told, 100)]
     values = lambda s, pi: {"it": function(Point((s, ONE), pi))}  # noqa: E731
@@ -170,6 +245,9 @@ def zeros(x: Any, function: Callable[[Point], Ratio], length: int, share: int = 
         affordable(points[i], factors[i].cost * len(factors) * share)
         found = to_the_right(factors[i].rows, points[i]) if n > 0 else 0
         below = [factors[k].rows for k, m in own.powers.items() if m < 0 and found]
-        need(all(coprime(factors[i].rows, q) for q in below), "a zero may be none: the denominator may share it")
+        need(
+            all(coprime(factors[i].rows, q) for q in below),
+            "a zero may be none: the denominator may share it",
+        )
         count += n * found
     return count

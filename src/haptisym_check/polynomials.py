@@ -12,13 +12,20 @@ Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
 
 def arctangent(n: int, terms: int) -> list[Fraction]:
-    """Bounds of arctan(1/n): an alternating series lies between two of its partial sums that follow one another."""
-    sums = [sum(Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(m)) for m in (terms, terms + 1)]
+    """Bounds of arctan(1/n): an alternating series lies between two of its partial sums that follow
+    one another."""
+    sums = [
+        sum(Fraction((-1) ** k, (2 * k + 1) * n ** (2 * k + 1)) for k in range(m))
+        for m in (terms, terms + 1)
+    ]
     return sorted(map(Fraction, sums))
 
 
 FIFTH, OTHER, SCALE = arctangent(5, 75), arctangent(239, 22), 10**100
-PI = (int((16 * FIFTH[0] - 4 * OTHER[1]) * SCALE), SCALE), (int((16 * FIFTH[1] - 4 * OTHER[0]) * SCALE) + 1, SCALE)
+PI = (
+    (int((16 * FIFTH[0] - 4 * OTHER[1]) * SCALE), SCALE),
+    (int((16 * FIFTH[1] - 4 * OTHER[0]) * SCALE) + 1, SCALE),
+)
 """Numbers below and above pi (Machin: pi/4 = 4 arctan 1/5 - arctan 1/239)."""
 
 
@@ -28,7 +35,8 @@ def times(p: list[int], a: int, b: int) -> list[int]:
 
 
 def moved(p: list[int], low: Point, high: Point) -> list[int]:
-    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n: from low = a/c at u = 0 to high = b/d at infinity."""
+    """The coefficients of p((a + b u)/(c + d u)) (c + d u)^n: from low = a/c at u = 0 to high = b/d
+    at infinity."""
     found, power = [p[-1]], [1]
     for c in p[-2::-1]:
         power = times(power, low[1], high[1])
@@ -37,9 +45,15 @@ def moved(p: list[int], low: Point, high: Point) -> list[int]:
 
 
 def sliced(p: Polynomial, low: Point = PI[0], high: Point = PI[1]) -> list[list[int]]:
-    """Polynomials whose sum, with positive weights, p is for every value between two of what stands beside its variable."""
+    """Polynomials whose sum, with positive weights, p is for every value between two of what stands
+    beside its variable."""
     width = max(map(len, p))
-    return [list(x) for x in zip(*(moved([*row, *[0] * (width - len(row))], low, high) for row in p), strict=True)]
+    return [
+        list(x)
+        for x in zip(
+            *(moved([*row, *[0] * (width - len(row))], low, high) for row in p), strict=True
+        )
+    ]
 
 
 def signs(slices: list[list[int]], low: Point, high: Point) -> list[int]:
@@ -65,7 +79,8 @@ def pairs(row: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def affordable(numbers: Iterable[Fraction], cost: int) -> None:
-    """That signs, with that cost where numbers have one bit, are soon found at all of some numbers."""
+    """That signs, with that cost where numbers have one bit, are soon found at all of some
+    numbers."""
     bits = sum(x.denominator.bit_length() + x.numerator.bit_length() for x in numbers)
     need(bits * cost < 5 * 10**9, "the cells are too many, or too fine")
 
@@ -95,7 +110,9 @@ class Factor:
         """In omega, in pi, in each tangent, and in Re and Im of each power together."""
         count, every = len(self.waves), [row for _, p in self.terms for row in p]
         high = self.step * max(len(p) - 1 for _, p in self.terms), max(map(len, every)) - 1
-        both = zip(*([sum(x) for x in pairs(turns[count:])] for turns, _ in self.terms), strict=True)
+        both = zip(
+            *([sum(x) for x in pairs(turns[count:])] for turns, _ in self.terms), strict=True
+        )
         found = (*high, *self.waves, *map(max, both))
         return (*found, *[0] * (MOST_OTHERS + 2 - len(found)))
 
@@ -103,16 +120,25 @@ class Factor:
     def values(self, x: int, pi: int) -> list[int]:
         """Those of the polynomials of all terms."""
         power = x**self.step
-        return [sum(c * pi**k * power**n for n, row in enumerate(p) for k, c in enumerate(row)) for _, p in self.terms]
+        return [
+            sum(c * pi**k * power**n for n, row in enumerate(p) for k, c in enumerate(row))
+            for _, p in self.terms
+        ]
 
     def at(self, x: int, pi: int, others: list[int]) -> Value:
-        """The value, over cos(omega tau/2)^n for each delay, where tangents, and Re and Im of powers, are whole numbers."""
+        """The value, over cos(omega tau/2)^n for each delay, where tangents, and Re and Im of
+        powers, are whole numbers."""
         each = zip(self.terms, self.values(x, pi), strict=True)
-        return Value(sum(own * prod(map(pow, others, turns)) for (turns, _), own in each), 0, self.degrees)
+        return Value(
+            sum(own * prod(map(pow, others, turns)) for (turns, _), own in each), 0, self.degrees
+        )
 
     def signs(self, a: Fraction, b: Fraction) -> tuple[Fraction | int, list[int]]:
-        """The order of the zero at a; signs whose changes are the zeros between a and b, then as many zeros as the order at b."""
-        found = signs(self.slices, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio())
+        """The order of the zero at a; signs whose changes are the zeros between a and b, then as
+        many zeros as the order at b."""
+        found = signs(
+            self.slices, (a**self.step).as_integer_ratio(), (b**self.step).as_integer_ratio()
+        )
         n = order(found)
         return n * (1 if a else self.step), found[n:]  # at 0 the order is one in omega
 

@@ -9,7 +9,16 @@ from haptisym_check.chart import CURVES, Chart, Curve, claimed, zeros
 from haptisym_check.delayterms import factor_of
 from haptisym_check.requirement import requirement
 from haptisym_check.scene import PARTS, Element, Scene, functions, link
-from haptisym_check.values import UnreadableError, combined, keyed, listed, need, number, numbers, others
+from haptisym_check.values import (
+    UnreadableError,
+    combined,
+    keyed,
+    listed,
+    need,
+    number,
+    numbers,
+    others,
+)
 
 # A certificate against a scene file: proven, or refused.
 
@@ -34,10 +43,19 @@ def check(text: bytes, scene_file: bytes) -> str:
         need(depth(told) < 20, "lists are nested too deeply")
     except (ValueError, RecursionError) as error:
         raise UnreadableError(f"the certificate is no JSON: {error}") from None
-    kind, digest, name, claim, proof = keyed(told, "format", "scene_sha256", "environment", "claim", "proof")
+    kind, digest, name, claim, proof = keyed(
+        told, "format", "scene_sha256", "environment", "claim", "proof"
+    )
     need(kind == "haptisym.certificate/1", "the format is not haptisym.certificate/1")
-    need(digest == hashlib.sha256(scene_file).hexdigest(), "the certificate is that of another scene file")
-    known = [answer for x, answer in QUESTIONS.items() if isinstance(claim, dict) and claim.get("question") == x]
+    need(
+        digest == hashlib.sha256(scene_file).hexdigest(),
+        "the certificate is that of another scene file",
+    )
+    known = [
+        answer
+        for x, answer in QUESTIONS.items()
+        if isinstance(claim, dict) and claim.get("question") == x
+    ]
     need(known, "the claim answers no question that is known")
     follows = known[0](claim, proof, Scene(scene_file, name, claim.get("free")))
     keyed(claim, "question", *follows)
@@ -54,11 +72,22 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any
     factors = [factor_of(x, delays, orders) for x in listed(told, 500)]
     at_point = partial(functions, scene, delays, orders)
     proven = link(products, NAMES, factors, at_point, scene.length, (len(delays), len(orders)))
-    enclosures = [[number(x) for x in listed(pair, 2, 2)] for pair in listed(claim.get("frequencies"), 2000, 2)]
+    enclosures = [
+        [number(x) for x in listed(pair, 2, 2)]
+        for pair in listed(claim.get("frequencies"), 2000, 2)
+    ]
     chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
     found = claimed({key: Curve(x, chart) for key, x in proven.items()}, from_0=chart.from_0)
-    count = None if poles is None else zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length)
-    return {"frequencies": claim["frequencies"], **found, "stable": None if count is None else count == 0}
+    count = (
+        None
+        if poles is None
+        else zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length)
+    )
+    return {
+        "frequencies": claim["frequencies"],
+        **found,
+        "stable": None if count is None else count == 0,
+    }
 
 
 def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
@@ -74,8 +103,13 @@ def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]
 
 
 def in_hand(hand: Any, scene: Scene) -> Any:
-    """What H_perc + m s^2 + b s + k is at a point: of a hand of the scene file by its name, or as claimed."""
-    own = scene.hand(hand) if isinstance(hand, str) else dict(zip("mbk", map(number, keyed(hand, *"mbk")), strict=True))
+    """What H_perc + m s^2 + b s + k is at a point: of a hand of the scene file by its name, or as
+    claimed."""
+    own = (
+        scene.hand(hand)
+        if isinstance(hand, str)
+        else dict(zip("mbk", map(number, keyed(hand, *"mbk")), strict=True))
+    )
     z = Element({**own, "model": "mass-spring-damper"}, 1)
     return lambda point: combined("+", scene.at(point)[1], z.at(point)[0])
 
@@ -90,19 +124,31 @@ QUESTIONS = {"evaluation": evaluation, "stability": stability, "requirement": re
 
 def words(claim: dict[str, Any]) -> list[str]:
     """A line for what it is about, then one for each thing that it says."""
-    return {"evaluation": of_band, "stability": of_roots, "requirement": of_values}[claim["question"]](claim)
+    return {"evaluation": of_band, "stability": of_roots, "requirement": of_values}[
+        claim["question"]
+    ](claim)
 
 
 def of_band(claim: dict[str, Any]) -> list[str]:
     """Of an evaluation."""
     at = [x if x == y else f"[{x}, {y}]" for x, y in claim["frequencies"]]
     n = len(claim["crossings"])
-    lines = [f"Proven on the band from {at[0]} to {at[-1]} rad/s: {n or 'no'} crossing{'s'[: n > 1]}, none missed."]
+    lines = [
+        (
+            f"Proven on the band from {at[0]} to {at[-1]} rad/s: {n or 'no'} "
+            f"crossing{'s'[: n > 1]}, none missed."
+        )
+    ]
     for x in claim["crossings"]:
         lines += [f"{x['part']} part {MEETS[x['kind']]} its threshold at {at[x['at']]} rad/s"]
     lines += [f"transparent from {at[x]} to {at[y]} rad/s" for x, y in claim["transparent"]]
     for x in claim["percepts"]:
-        lines += [f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to {at[x['to']]} rad/s"]
+        lines += [
+            (
+                f"{x['change']} {x['property']} ({x['part']} part) from {at[x['from']]} to "
+                f"{at[x['to']]} rad/s"
+            )
+        ]
     return [*lines, f"prescribed motion: {POLES[claim['stable']]} poles of H_perc in Re s >= 0"]
 
 
@@ -110,7 +156,11 @@ def of_roots(claim: dict[str, Any]) -> list[str]:
     """Of stability."""
     lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (prescribed motion)."]
     for hand, roots in ((x["hand"], x["unstable"]) for x in claim["held"]):
-        name = ascii(hand) if isinstance(hand, str) else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
+        name = (
+            ascii(hand)
+            if isinstance(hand, str)
+            else ", ".join(f"{key} = {hand[key]}" for key in "mbk")
+        )
         lines += [f"held in the hand {name}: {roots} roots in Re s >= 0"]
     return lines
 
@@ -118,9 +168,19 @@ def of_roots(claim: dict[str, Any]) -> list[str]:
 def of_values(claim: dict[str, Any]) -> list[str]:
     """Of a requirement."""
     free, parts, binds = claim["free"], claim["parts"], claim["binds"]
-    lines = [f"Proven of {ascii('.'.join(map(str, free)))[1:-1]}, {' and '.join(parts)} part, on the whole band:"]
+    lines = [
+        (
+            f"Proven of {ascii('.'.join(map(str, free)))[1:-1]}, {' and '.join(parts)} part, on "
+            f"the whole band:"
+        )
+    ]
     for low, high, holds in claim["values"]:
-        lines += [f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and {high or 'oo'}"]
+        lines += [
+            (
+                f"{'transparent' if holds else 'not transparent'} between {low or '-oo'} and "
+                f"{high or 'oo'}"
+            )
+        ]
     return lines + ([f"what binds: {', '.join(f'{part} part' for part in binds)}"] if binds else [])
 
 

@@ -48,8 +48,11 @@ def words_of(text: str) -> list[str]:
     return found[::-1]
 
 
-def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T], *, spaced: bool = False) -> T:
-    """A formula's value, from what numbers, names and their broken powers are and how two combine; ``spaced``: N m is N*m."""
+def evaluated(
+    text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T], T], *, spaced: bool = False
+) -> T:
+    """A formula's value, from what numbers, names and their broken powers are and how two combine;
+    ``spaced``: N m is N*m."""
     words = [*words_of(text)]
 
     def value(least: int) -> T:
@@ -71,7 +74,9 @@ def evaluated(text: str, leaf: Callable[[str], T], combine: Callable[[str, T, T]
                 found = combine("*" if n > 0 else "/", found, base)
         while words and words[-1] != ")" and BINDS.get(words[-1], BINDS["*"]) > least:
             sign = words[-1] if words[-1] in BINDS else "*"
-            unsaid = words[-1] != sign and (not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789"))
+            unsaid = words[-1] != sign and (
+                not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789")
+            )
             need(not unsaid, f"{text[:60]!r} is not understood")
             found = combine(sign, found, value(BINDS[words.pop() if words[-1] == sign else sign]))
         return found
@@ -97,7 +102,9 @@ class Number(NamedTuple):
 
 FREE = Number(Fraction(1), 1)  # a parameter that is left free takes the place of pi
 CATALOGUE = tomllib.loads((Path(__file__).parent / "catalogue.toml").read_text(encoding="utf-8"))
-SPELLED: dict[int, str] = {ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)}
+SPELLED: dict[int, str] = {
+    ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)
+}
 
 
 def unit(word: str) -> Number:
@@ -120,15 +127,23 @@ def units(sign: str, x: Number, y: Number) -> Number:
     n = 1 if sign == "*" else -1
     need(n > 0 or y.value, "a division by zero")
     value = x.value * y.value**n
-    need(value.numerator.bit_length() + value.denominator.bit_length() < 10**5, "a number is too large")
-    both = [a + n * b for a, b in zip(x.dimension or [0, 0, 0], y.dimension or [0, 0, 0], strict=True)]
+    need(
+        value.numerator.bit_length() + value.denominator.bit_length() < 10**5,
+        "a number is too large",
+    )
+    both = [
+        a + n * b for a, b in zip(x.dimension or [0, 0, 0], y.dimension or [0, 0, 0], strict=True)
+    ]
     return Number(value, x.pi + n * y.pi, None if x.dimension is y.dimension is None else both)
 
 
 def quantity(given: Any, kind: str = "") -> Number:
-    """A number with or without a unit, exactly; of a range the nominal value. ``kind``: a key of the dimensions."""
+    """A number with or without a unit, exactly; of a range the nominal value. ``kind``: a key of
+    the dimensions."""
     if isinstance(given, list):
-        need(2 <= len(given) <= 3, "a range has two ends, and perhaps its nominal value between them")
+        need(
+            2 <= len(given) <= 3, "a range has two ends, and perhaps its nominal value between them"
+        )
         low, *between, high = (quantity(x, kind) for x in given)
         need(low[1:] == high[1:], "the ends of a range have different units")
         return between[0] if between else low._replace(value=(low.value + high.value) / 2)
@@ -140,58 +155,101 @@ def quantity(given: Any, kind: str = "") -> Number:
     text, *deviation = re.split(r"\+/?-|±", given)
     found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
     own = CATALOGUE["dimensions"][kind] if kind else []
-    need(len(deviation) < 2 and (not own or found.dimension in (None, *own)), f"{given[:60]!r} has the wrong dimension")
+    need(
+        len(deviation) < 2 and (not own or found.dimension in (None, *own)),
+        f"{given[:60]!r} has the wrong dimension",
+    )
     return found
 
 
-# What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever it is asked for.
+# What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever
+# it is asked for.
 
-Powered = tuple[Ratio, Fraction]  # times s to that power: in a product they are added, as s^a s^b = s^(a + b)
+Powered = tuple[
+    Ratio, Fraction
+]  # times s to that power: in a product they are added, as s^a s^b = s^(a + b)
 
 
 def row(model: str, given: dict[str, Any]) -> list[str]:
     """That of the catalogue for these parameters; lists among them are taken apart."""
     if model == "prony":
         k, b = given.pop("k", None), given.pop("b", None)
-        need(isinstance(k, list) and isinstance(b, list) and 0 < len(k) == len(b) <= 20, "k and b must be lists alike")
-        given.update({f"{key}_{i}": x for key, xs in (("k", k), ("b", b)) for i, x in enumerate(xs, 1)})
+        need(
+            isinstance(k, list) and isinstance(b, list) and 0 < len(k) == len(b) <= 20,
+            "k and b must be lists alike",
+        )
+        given.update(
+            {f"{key}_{i}": x for key, xs in (("k", k), ("b", b)) for i, x in enumerate(xs, 1)}
+        )
         own = "".join(f" + k_{i}*b_{i}*s/(k_{i} + b_{i}*s)" for i in range(1, len(k) + 1))
         return [" ".join(["k0", *set(re.findall(r"[kb]_\d+", own))]), f"k0{own}"]
     if model == "pade-delay":
         n = given.pop("order", 0)
         need(type(n) is int and 1 <= n <= 10, "the order must be a whole number from 1 to 10")
         weights = [comb(n, i) * factorial(2 * n - i) for i in range(n + 1)]
-        back, forth = (" + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", ""))
+        back, forth = (
+            " + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", "")
+        )
         return ["tau", back, "0", "0", forth]
     if model == "sampled-loop":
         method, n = given.pop("method", None), given.pop("delay", 0)
-        need(type(n) is int and 0 <= n <= 20, "the delay must be a whole number of samples, from 0 to 20")
-        clock = "v/u" if method is None else CATALOGUE["clocks"].get(str(method))  # without a method: z itself
+        need(
+            type(n) is int and 0 <= n <= 20,
+            "the delay must be a whole number of samples, from 0 to 20",
+        )
+        clock = (
+            "v/u" if method is None else CATALOGUE["clocks"].get(str(method))
+        )  # without a method: z itself
         need(clock is not None, "the method of a clock is not understood")
         return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", str(clock)]
-    full = next((f"{model} {x}" for x in ("Z", "tau") if x in given and f"{model} {x}" in CATALOGUE["models"]), model)
+    full = next(
+        (
+            f"{model} {x}"
+            for x in ("Z", "tau")
+            if x in given and f"{model} {x}" in CATALOGUE["models"]
+        ),
+        model,
+    )
     need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
     return list(CATALOGUE["models"][full])
 
 
 class Element:
-    """An environment (one formula) or an effect (four), with the numbers that the names in them stand for."""
+    """An environment (one formula) or an effect (four), with the numbers that the names in them
+    stand for."""
 
     def __init__(self, table: Any, formulas: int, felt: "Element | None" = None) -> None:
         """``felt``: the environment whose parameters what is rendered may refer to."""
-        need(isinstance(table, dict) and isinstance(table.get("model"), str), "an environment or effect has no model")
-        model, given = table["model"], {key: x for key, x in table.items() if key not in ("model", "name")}
+        need(
+            isinstance(table, dict) and isinstance(table.get("model"), str),
+            "an environment or effect has no model",
+        )
+        model, given = (
+            table["model"],
+            {key: x for key, x in table.items() if key not in ("model", "name")},
+        )
         own, self.lag = given.pop("parameters", {}), None
         self.in_z = model == "difference-equation"
         signature, *self.texts = row(model, given)
         names = {re.split("[=?@^]", x)[0]: x for x in signature.split()}
         needed = {key for key, x in names.items() if "?" not in x}
-        fits = len(self.texts[:4]) == formulas and needed <= given.keys() <= names.keys() and isinstance(own, dict)
-        need(fits and (not own or "=" in signature), f"the parameters of {model} are not understood")
+        fits = (
+            len(self.texts[:4]) == formulas
+            and needed <= given.keys() <= names.keys()
+            and isinstance(own, dict)
+        )
+        need(
+            fits and (not own or "=" in signature), f"the parameters of {model} are not understood"
+        )
         if "=" in signature:
-            self.texts = [re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts]
+            self.texts = [
+                re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts
+            ]
             lag = {key for key, x in names.items() if "@" in x and key in given}
-            words = {*own, *re.findall(r"\w+", str([x for key, x in given.items() if key not in lag]))}
+            words = {
+                *own,
+                *re.findall(r"\w+", str([x for key, x in given.items() if key not in lag])),
+            }
             need(not lag or not {"u", "v", *lag} & words, "a name stands for two numbers")
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
             self.numbers |= {key: self.number(given[key], "t", felt) for key in lag}
@@ -199,13 +257,26 @@ class Element:
                 need("s" not in words and "z" not in own, "no difference equation in z")
                 self.texts = [re.sub(r"\bz\b", "s", text) for text in self.texts]
         else:
-            kinds = {key: key if key in CATALOGUE["dimensions"] else key[0].lower() for key in names}
-            self.numbers = {key: self.number(given.get(key, 0), kind, felt) for key, kind in kinds.items()}
-        lags = [(self.numbers[key], int(x[-1])) for key, x in names.items() if "@" in x and key in self.numbers]
-        need(all(not x.pi and x.value >= 0 for x, _ in lags), "a delay is negative, or has pi in it")
+            kinds = {
+                key: key if key in CATALOGUE["dimensions"] else key[0].lower() for key in names
+            }
+            self.numbers = {
+                key: self.number(given.get(key, 0), kind, felt) for key, kind in kinds.items()
+            }
+        lags = [
+            (self.numbers[key], int(x[-1]))
+            for key, x in names.items()
+            if "@" in x and key in self.numbers
+        ]
+        need(
+            all(not x.pi and x.value >= 0 for x, _ in lags), "a delay is negative, or has pi in it"
+        )
         self.lag = sum((n * x.value for x, n in lags), Fraction(0)) if lags else None
         order = next((self.numbers[key] for key, x in names.items() if "^" in x), None)
-        need(not order or (not order.pi and 0 < order.value < 1), "an order is not a number between 0 and 1")
+        need(
+            not order or (not order.pi and 0 < order.value < 1),
+            "an order is not a number between 0 and 1",
+        )
         self.order = order and order.value
 
     @staticmethod
@@ -230,8 +301,13 @@ class Element:
         def leaf(word: str) -> Powered:
             if word.startswith("s^"):
                 return (ONE, ONE), Fraction(word[2:])
-            need(word in known or ("^" not in word and word[0] in "+-.0123456789"), f"the name {word!r} is not known")
-            return known[word] if word in known else Number(Fraction(word)).at(point.pi), Fraction(0)
+            need(
+                word in known or ("^" not in word and word[0] in "+-.0123456789"),
+                f"the name {word!r} is not known",
+            )
+            return known[word] if word in known else Number(Fraction(word)).at(point.pi), Fraction(
+                0
+            )
 
         def shifted(x: Ratio, n: Fraction) -> Ratio:
             return combined("*", x, point.raised(n)) if n else x
@@ -240,8 +316,12 @@ class Element:
             (a, m), (b, n) = x, y
             if sign in "*/":
                 return combined(sign, a, b), m + n if sign == "*" else m - n
-            alike = m == n and all(max(v.degrees) <= 0 for v in (*a, *b))  # multiples of one power, without s
-            nothing = [top.degrees[0] < 0 for top, _ in (a, b)]  # the polynomial 0, whose degree is below all others
+            alike = m == n and all(
+                max(v.degrees) <= 0 for v in (*a, *b)
+            )  # multiples of one power, without s
+            nothing = [
+                top.degrees[0] < 0 for top, _ in (a, b)
+            ]  # the polynomial 0, whose degree is below all others
             if alike or any(nothing):
                 return combined(sign, a, b), n if nothing[0] else m
             return combined(sign, shifted(a, m), shifted(b, n)), Fraction(0)
@@ -251,14 +331,20 @@ class Element:
 
 def tables(x: Any) -> list[dict[str, Any]]:
     """A list of tables, of a file."""
-    need(isinstance(x, list) and len(x) <= 100 and {*map(type, x)} <= {dict}, "a list of at most 100 tables is none")
+    need(
+        isinstance(x, list) and len(x) <= 100 and {*map(type, x)} <= {dict},
+        "a list of at most 100 tables is none",
+    )
     return list(x)
 
 
 def leave_free(table: Any, path: Any) -> None:
     """Put FREE for a number of a file: its path has keys, and places in lists from 0."""
     try:
-        need(all(type(x) is str or (type(x) is int and x >= 0) for x in path), "a path is not understood")
+        need(
+            all(type(x) is str or (type(x) is int and x >= 0) for x in path),
+            "a path is not understood",
+        )
         place = reduce(getitem, path[:-1], table)
         quantity(place[path[-1]])
         place[path[-1]] = FREE
@@ -267,14 +353,21 @@ def leave_free(table: Any, path: Any) -> None:
 
 
 def carried(table: Any) -> list[dict[str, Any]]:
-    """What a file's device puts at the hand: a shunt of its mass and damping, and its friction at an amplitude."""
+    """What a file's device puts at the hand: a shunt of its mass and damping, and its friction at
+    an amplitude."""
     fits = isinstance(table, dict) and table.keys() <= {"like", "m", "b", "friction", "amplitude"}
     need(fits, "[device] is not understood")
     need(str(table.get("like")) in CATALOGUE["devices"], "the device is not known")
     own = {**CATALOGUE["devices"][str(table["like"])], **table}
     shunt = {key: own[key] for key in ("m", "b") if key in own}
-    need(shunt and ("friction" in own or "amplitude" not in own), "a number of the device is missing")
-    rubbing = {"model": "coulomb-friction", "force": own.get("friction"), "amplitude": own.get("amplitude")}
+    need(
+        shunt and ("friction" in own or "amplitude" not in own), "a number of the device is missing"
+    )
+    rubbing = {
+        "model": "coulomb-friction",
+        "force": own.get("friction"),
+        "amplitude": own.get("amplitude"),
+    }
     return [{"model": "shunt", **shunt}, *([rubbing] if "amplitude" in own else [])]
 
 
@@ -299,24 +392,42 @@ class Scene:
     """Band, thresholds and hands of a scene file, and its chain."""
 
     def __init__(self, data: bytes, name: str | None, free: list[str | int] | None = None) -> None:
-        """``name``: which of several environments; ``free``: the keys, in the file, of a number that is left free."""
+        """``name``: which of several environments; ``free``: the keys, in the file, of a number
+        that is left free."""
         if sum(line.count(b".") ** 2 for line in data.splitlines()) > MOST_STEPS:
-            raise UnreadableError("the scene has too many dots in a line: keys of so many parts are not read")
+            raise UnreadableError(
+                "the scene has too many dots in a line: keys of so many parts are not read"
+            )
         try:
-            table = tomllib.loads(data.decode("utf-8-sig"), parse_float=lambda x: quantity(x.replace("_", "")).value)
+            table = tomllib.loads(
+                data.decode("utf-8-sig"), parse_float=lambda x: quantity(x.replace("_", "")).value
+            )
         except (ValueError, RecursionError) as error:
             raise UnreadableError(f"the scene is no TOML: {error}") from None
-        need(table.keys() <= KEYS, f"keys of the scene are not understood: {sorted(table.keys() - KEYS)}")
+        need(
+            table.keys() <= KEYS,
+            f"keys of the scene are not understood: {sorted(table.keys() - KEYS)}",
+        )
         if "environments" in table or name is not None:
-            every = [x for x in tables(table.get("environments")) if x.get("name", x.get("model")) == name]
-            fits = isinstance(name, str) and len(every) == 1 and table.keys().isdisjoint({"environment", "rendered"})
+            every = [
+                x
+                for x in tables(table.get("environments"))
+                if x.get("name", x.get("model")) == name
+            ]
+            fits = (
+                isinstance(name, str)
+                and len(every) == 1
+                and table.keys().isdisjoint({"environment", "rendered"})
+            )
             need(fits, f"there is not one environment {name!r}")
             table["environment"] = {key: x for key, x in every[0].items() if key != "rendered"}
             table |= {key: x for key, x in every[0].items() if key == "rendered"}
         if free is not None:
             leave_free(table, free)
         self.felt = Element(table.get("environment"), 1)
-        self.rendered = Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
+        self.rendered = (
+            Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
+        )
         worn = carried(table["device"]) if "device" in table else []
         self.effects, told = (
             [Element(x, 4) for x in [*tables(table.get("effects", [])), *worn]],
@@ -326,17 +437,28 @@ class Scene:
         fits = self.rendered.in_z == any(x.texts[4:] == ["v/u"] for x in self.effects)
         need(fits and not self.felt.in_z, "a clock and what it renders do not fit")
         self.length = sum(len(text) for element in elements for text in element.texts)
-        need(isinstance(told, dict) and told.keys() <= {"band", "jnd"}, "[evaluation] is not understood")
+        need(
+            isinstance(told, dict) and told.keys() <= {"band", "jnd"},
+            "[evaluation] is not understood",
+        )
         band, jnd = told.get("band", [0, 15]), told.get("jnd", Fraction(1, 10))
         need(isinstance(band, list) and len(band) == 2, "the band is not a pair")
         self.band = [quantity(x, "o") for x in band]
         both = jnd if isinstance(jnd, dict) else {"real": jnd, "imag": jnd}
-        need(both.keys() == {"real", "imag"}, "the threshold is not a number, nor one for each part")
+        need(
+            both.keys() == {"real", "imag"}, "the threshold is not a number, nor one for each part"
+        )
         self.threshold = {part: quantity(x, "z") for part, x in both.items()}
         if free is not None:
-            own = [*self.threshold.values(), *(x for element in elements for x in element.numbers.values())]
+            own = [
+                *self.threshold.values(),
+                *(x for element in elements for x in element.numbers.values()),
+            ]
             there = any("pi" in words_of(text) for element in elements for text in element.texts)
-            need(not there and all(x is FREE or not x.pi for x in own) and FREE in own, "a parameter is free beside pi")
+            need(
+                not there and all(x is FREE or not x.pi for x in own) and FREE in own,
+                "a parameter is free beside pi",
+            )
         self.hands = tables([table["hand"]] if "hand" in table else table.get("hands", []))
 
     def hand(self, name: str) -> dict[str, Any]:
@@ -346,11 +468,17 @@ class Scene:
         return {key: x for key, x in found[0].items() if key not in ("name", "source")}
 
     def at(self, point: Point) -> tuple[Ratio, Ratio]:
-        """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s of its method."""
+        """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s
+        of its method."""
         effects = [effect.at(point) for effect in self.effects]
         clocks = [s for effect in effects for s in effect[4:]]
-        need(not clocks or (len(clocks) == 1 and effects[0][4:]), "a clock that is not the first effect")
-        [(top, bottom)] = self.rendered.at(point._replace(s=clocks[0], orders=()) if clocks else point)
+        need(
+            not clocks or (len(clocks) == 1 and effects[0][4:]),
+            "a clock that is not the first effect",
+        )
+        [(top, bottom)] = self.rendered.at(
+            point._replace(s=clocks[0], orders=()) if clocks else point
+        )
         for (a, x), (b, y), (c, z), (d, w), *_ in effects:
             above = a.times(y).times(top).plus(b.times(x).times(bottom))
             below = c.times(w).times(top).plus(d.times(z).times(bottom))
@@ -371,26 +499,48 @@ class Product:
     def __init__(self, x: Any, factors: list[Factor]) -> None:
         value, powers = keyed(x, "number", "powers")
         rows = [listed(row, 2, 2) for row in listed(powers, 500)]
-        self.number, self.powers = number(value), {whole(i, 0, len(factors) - 1): whole(n, -100, 100) for i, n in rows}
+        self.number, self.powers = (
+            number(value),
+            {whole(i, 0, len(factors) - 1): whole(n, -100, 100) for i, n in rows},
+        )
         need(len(self.powers) == len(rows), "a factor stands twice in a product")
         need(self.number or not rows, "a function that is zero everywhere has no factors")
         self.size = sum(abs(n) * factors[i].size for i, n in self.powers.items())
-        waves = list(map(sum, zip(*([n * k for k in factors[i].waves] for i, n in self.powers.items()), strict=True)))
+        waves = list(
+            map(
+                sum,
+                zip(
+                    *([n * k for k in factors[i].waves] for i, n in self.powers.items()),
+                    strict=True,
+                ),
+            )
+        )
         need(not any(n % 2 for n in waves), "a product changes its sign in a turn")
         self.circles = [-n // 2 for n in waves]  # cos^2 = 1/(1 + t^2)
 
     def at(self, factors: list[Value], circles: list[Value]) -> Ratio:
-        """Numerator and denominator, with values of the factors and of 1 + t^2 for each tangent t."""
+        """Numerator and denominator, with values of the factors and of 1 + t^2 for each tangent
+        t."""
         found = [Value(self.number.numerator), Value(self.number.denominator)]
-        for x, n in [*((factors[i], n) for i, n in self.powers.items()), *zip(circles, self.circles, strict=False)]:
+        for x, n in [
+            *((factors[i], n) for i, n in self.powers.items()),
+            *zip(circles, self.circles, strict=False),
+        ]:
             found[n < 0] = found[n < 0].times(x.power(abs(n)))
         return found[0], found[1]
 
 
-def functions(scene: Scene, delays: Numbers, orders: Numbers, x: Value, pi: int, *others: Any) -> dict[str, Ratio]:
+def functions(
+    scene: Scene, delays: Numbers, orders: Numbers, x: Value, pi: int, *others: Any
+) -> dict[str, Ratio]:
     """The ten functions, numerator and denominator, at a frequency."""
     h, g = scene.at(Point((x.times(Value(0, 1)), ONE), pi, delays, orders, others))
-    pairs = {"environment": h, "perceived": g, "difference": combined("-", g, h), "sum": combined("+", g, h)}
+    pairs = {
+        "environment": h,
+        "perceived": g,
+        "difference": combined("-", g, h),
+        "sum": combined("+", g, h),
+    }
     found: dict[str, Ratio] = {}
     for name, (u, v) in pairs.items():
         turned = u.times(v.conjugate())  # u/v = u conj(v)/|v|^2
@@ -409,39 +559,70 @@ Counts = tuple[int, int]
 
 
 class Grid:
-    """Functions of a scene, and as told, at whole numbers in place of omega (or s), pi, tangents and powers."""
+    """Functions of a scene, and as told, at whole numbers in place of omega (or s), pi, tangents
+    and powers."""
 
     def __init__(
-        self, told: dict[str, Product], factors: list[Factor], scene: Values, delays: int, orders: int
+        self,
+        told: dict[str, Product],
+        factors: list[Factor],
+        scene: Values,
+        delays: int,
+        orders: int,
     ) -> None:
-        self.told, self.factors, self.scene, self.delays, self.orders = told, factors, scene, delays, orders
+        self.told, self.factors, self.scene, self.delays, self.orders = (
+            told,
+            factors,
+            scene,
+            delays,
+            orders,
+        )
         self.start = self.sides(0, 1, *[0] * delays, *[(0, 0)] * orders)
 
     def sides(self, x: int, pi: int, *others: Any) -> dict[str, Sides]:
         """Numerator and denominator of each function in the scene, and as told."""
-        circles = [Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(others[: self.delays])]
-        values = [own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])]) for own in self.factors]
+        circles = [
+            Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(others[: self.delays])
+        ]
+        values = [
+            own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])])
+            for own in self.factors
+        ]
         functions = self.scene(Value(x, 0, degree(0)), pi, *others)
-        return {name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()}
+        return {
+            name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()
+        }
 
     def elsewhere(self, k: int) -> dict[str, Sides]:
         """The same at a place that differs from others in all numbers."""
         powers = ((k + 3 + i, k + 4) for i in range(self.orders))
         return self.sides(k, k + 1, *range(k + 2, k + 2 + self.delays), *powers)
 
-    def zero(self, names: set[str], rests: Callable[[str, Sides], list[Value]], cost: int) -> set[str]:
-        """Those of which polynomials vanish on a grid that shows that they are zero; on it left bottom must be right top."""
+    def zero(
+        self, names: set[str], rests: Callable[[str, Sides], list[Value]], cost: int
+    ) -> set[str]:
+        """Those of which polynomials vanish on a grid that shows that they are zero; on it left
+        bottom must be right top."""
         rows = (x.degrees for name in names for x in rests(name, self.start[name]))
-        n, m, *size = [max(0, *column) + 1 for column in zip(*rows, strict=True)][: 2 + self.delays + self.orders]
+        n, m, *size = [max(0, *column) + 1 for column in zip(*rows, strict=True)][
+            : 2 + self.delays + self.orders
+        ]
         tangents, powers = size[: self.delays], size[self.delays :]
         corners = [k * (k + 1) // 2 for k in powers]  # of Re and Im together, as their degrees are
-        need(n <= 3000 and n * m * prod(tangents + corners) * cost <= 3 * 10**7, "the degrees are too high")
+        need(
+            n <= 3000 and n * m * prod(tangents + corners) * cost <= 3 * 10**7,
+            "the degrees are too high",
+        )
         triangles = ([(i, k) for i in range(most) for k in range(most - i)] for most in powers)
-        for at in product(*map(list[Any], (range(n), range(1, m + 1), *map(range, tangents), *triangles))):
+        for at in product(
+            *map(list[Any], (range(n), range(1, m + 1), *map(range, tangents), *triangles))
+        ):
             found = self.sides(*at) if names else {}
             wrong = [name for name in names if across(name, found[name])[0][:2] != (0, 0)]
             need(not wrong, f"{', '.join(sorted(wrong))}: not that of the scene")
-            names = {name for name in names if all(x[:2] == (0, 0) for x in rests(name, found[name]))}
+            names = {
+                name for name in names if all(x[:2] == (0, 0) for x in rests(name, found[name]))
+            }
         return names
 
 
@@ -451,15 +632,24 @@ def across(_: str, x: Sides) -> list[Value]:
 
 
 def link(
-    x: Any, names: list[str], factors: list[Factor], scene: Values, length: int, waves: Counts = (0, 0), share: int = 1
+    x: Any,
+    names: list[str],
+    factors: list[Factor],
+    scene: Values,
+    length: int,
+    waves: Counts = (0, 0),
+    share: int = 1,
 ) -> dict[str, Product]:
-    """Products, proven to be functions of a scene, which it gives for omega (or s), pi, tangents and powers: on a grid.
+    """Products, proven to be functions of a scene, which it gives for omega (or s), pi, tangents
+    and powers: on a grid.
 
-    ``length``: of the scene's formulas. ``waves``: how many delays and how many orders there are. ``share``: one of how many such
-    questions it is, which together may take so long as one.
+    ``length``: of the scene's formulas. ``waves``: how many delays and how many orders there are.
+    ``share``: one of how many such questions it is, which together may take so long as one.
     """
     told = {name: Product(y, factors) for name, y in zip(names, keyed(x, *names), strict=True)}
-    cost = share * (sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100)
+    cost = share * (
+        sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100
+    )
     grid, fixed = Grid(told, factors, scene, *waves), dict[str, tuple[Value, Value]]()
     for k in range(17, 25):
         other = grid.elsewhere(k) if len(fixed) < len(told) else {}
@@ -467,7 +657,8 @@ def link(
     need(len(fixed) == len(told), "a function is nowhere defined")
 
     def multiples(name: str, x: Sides) -> list[Value]:
-        """What vanishes where the scene's numerator and denominator are those told, times one number."""
+        """What vanishes where the scene's numerator and denominator are those told, times one
+        number."""
         u, v = (y._replace(degrees=degree(0, 0)) for y in fixed[name])
         return [x[i].times(u).plus(x[i + 2].times(v), -1) for i in range(2)]
 

@@ -1,4 +1,5 @@
-"""Values of polynomials, exact, with bounds on their degrees; numbers, lists and objects of a certificate; refusals."""
+"""Values of polynomials, exact, with bounds on their degrees; numbers, lists and objects of a
+certificate; refusals."""
 
 import re
 from fractions import Fraction
@@ -7,7 +8,8 @@ from itertools import pairwise
 from operator import add
 from typing import Any, NamedTuple
 
-# Values of polynomials, exact, with bounds on their degrees; and what is said where a certificate proves nothing.
+# Values of polynomials, exact, with bounds on their degrees; and what is said where a certificate
+# proves nothing.
 
 
 class RefusedError(Exception):
@@ -15,7 +17,8 @@ class RefusedError(Exception):
 
 
 class UnreadableError(RefusedError):
-    """There is nothing to check: a file is missing, or is no JSON (the certificate), no TOML (the scene)."""
+    """There is nothing to check: a file is missing, or is no JSON (the certificate), no TOML (the
+    scene)."""
 
 
 def need(condition: object, why: str) -> None:
@@ -29,12 +32,14 @@ Degrees = tuple[int, ...]
 
 
 def degree(place: int, n: int = 1) -> Degrees:
-    """That of a power of one variable: s or omega, pi, tan(omega tau/2) of each delay, (j omega)^alpha of each order."""
+    """That of a power of one variable: s or omega, pi, tan(omega tau/2) of each delay, (j
+    omega)^alpha of each order."""
     return (0,) * place + (n,) + (0,) * (MOST_OTHERS + 1 - place)
 
 
 class Value(NamedTuple):
-    """A Gaussian integer, the value of a polynomial at some point, with bounds on its degrees in each variable."""
+    """A Gaussian integer, the value of a polynomial at some point, with bounds on its degrees in
+    each variable."""
 
     re: int
     im: int = 0
@@ -42,7 +47,9 @@ class Value(NamedTuple):
 
     def plus(self, x: "Value", sign: int = 1) -> "Value":
         """x + y, or x - y."""
-        return Value(self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees)))
+        return Value(
+            self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees))
+        )
 
     def times(self, x: "Value") -> "Value":
         """x y."""
@@ -59,12 +66,18 @@ class Value(NamedTuple):
         return Value(self.re, -self.im, self.degrees)
 
 
-Ratio = tuple[Value, Value]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
-ONE, ZERO = Value(1), Value(0, 0, (-(10**6),) * (MOST_OTHERS + 2))  # the polynomial 0 has a degree below all others
+Ratio = tuple[
+    Value, Value
+]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
+ONE, ZERO = (
+    Value(1),
+    Value(0, 0, (-(10**6),) * (MOST_OTHERS + 2)),
+)  # the polynomial 0 has a degree below all others
 
 
 class Point(NamedTuple):
-    """Where a chain is computed: s, and whole numbers in place of pi and of what depends on omega otherwise.
+    """Where a chain is computed: s, and whole numbers in place of pi and of what depends on omega
+    otherwise.
 
     ``others``: tan(omega tau/2) of delays tau, then Re and Im of (j omega)^alpha of orders alpha.
     """
@@ -78,7 +91,10 @@ class Point(NamedTuple):
     def raised(self, exponent: Fraction) -> Ratio:
         """s to a power: a whole one, times that of an order."""
         n, order = int(exponent // 1), exponent % 1
-        need(abs(n) < 100 and (not order or order in self.orders), "a power of s: the proof has no such order")
+        need(
+            abs(n) < 100 and (not order or order in self.orders),
+            "a power of s: the proof has no such order",
+        )
         top, bottom = (x.power(abs(n)) for x in self.s[:: 1 if n >= 0 else -1])
         i = len(self.delays) + self.orders.index(order) if order else 0
         re, im = self.others[i] if order else (1, 0)
@@ -89,8 +105,13 @@ class Point(NamedTuple):
         if not lag:
             return ONE
         i = next((i for i, tau in enumerate(self.delays) if lag % tau == 0), None)
-        need(i is not None and lag / self.delays[i or 0] <= 64, "a delay: the proof has none that it is a multiple of")
-        return Value(1, -self.others[i or 0], degree(2 + (i or 0))).power(int(lag / self.delays[i or 0]))
+        need(
+            i is not None and lag / self.delays[i or 0] <= 64,
+            "a delay: the proof has none that it is a multiple of",
+        )
+        return Value(1, -self.others[i or 0], degree(2 + (i or 0))).power(
+            int(lag / self.delays[i or 0])
+        )
 
 
 def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
@@ -108,13 +129,19 @@ Polynomial = list[list[int]]  # coefficients, ascending, each ascending powers o
 
 def keyed(x: Any, *keys: str) -> list[Any]:
     """The values of an object that has these keys and no other."""
-    need(isinstance(x, dict) and x.keys() == set(keys), f"expected an object with the keys {', '.join(keys)}")
+    need(
+        isinstance(x, dict) and x.keys() == set(keys),
+        f"expected an object with the keys {', '.join(keys)}",
+    )
     return [x[key] for key in keys]
 
 
 def listed(x: Any, most: int, least: int = 0) -> list[Any]:
     """A list of so many entries."""
-    need(isinstance(x, list) and least <= len(x) <= most, f"expected a list of {least} to {most} entries")
+    need(
+        isinstance(x, list) and least <= len(x) <= most,
+        f"expected a list of {least} to {most} entries",
+    )
     return list(x)
 
 
@@ -141,14 +168,24 @@ def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
 def others(*told: Any) -> list[tuple[Fraction, ...]]:
     """Delays and orders."""
     delays, orders = (tuple(number(x) for x in listed(row, MOST_OTHERS)) for row in told)
-    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(x < 1 for x in orders)
-    need(fits and len(delays + orders) <= MOST_OTHERS, "delays or orders are not positive, too large, or too many")
+    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(
+        x < 1 for x in orders
+    )
+    need(
+        fits and len(delays + orders) <= MOST_OTHERS,
+        "delays or orders are not positive, too large, or too many",
+    )
     return [delays, orders]
 
 
 def polynomial(x: Any) -> Polynomial:
     """Its coefficients, ascending, each by powers of pi."""
     rows = [listed(row, 100, 1) for row in listed(x, 300, 1)]
-    good = all(isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row)
-    need(good and any(n.strip("-0") for n in rows[-1]), "a polynomial is not one, or its leading coefficient is 0")
+    good = all(
+        isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row
+    )
+    need(
+        good and any(n.strip("-0") for n in rows[-1]),
+        "a polynomial is not one, or its leading coefficient is 0",
+    )
     return [[int(n) for n in row] for row in rows]

@@ -1,4 +1,5 @@
-"""What computes the sets of a sweep (this process, some of this machine, or a cluster), and what Ctrl-C leaves of it."""
+"""What computes the sets of a sweep (this process, some of this machine, or a cluster), and what
+Ctrl-C leaves of it."""
 
 from __future__ import annotations
 
@@ -26,16 +27,25 @@ def engine(workers: int | None, cluster: str | None) -> Iterator[None]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise SceneError('distributed is missing: --workers and --cluster need "pip install haptisym[sweep]"') from None
+        raise SceneError(
+            'distributed is missing: --workers and --cluster need "pip install haptisym[sweep]"'
+        ) from None
     with ExitStack() as stack:
         address: Any = cluster
         if workers:
-            local = partial(distributed.LocalCluster, n_workers=workers, threads_per_worker=1, dashboard_address=None)
+            local = partial(
+                distributed.LocalCluster,
+                n_workers=workers,
+                threads_per_worker=1,
+                dashboard_address=None,
+            )
             with _deaf_children():
                 try:
                     address = stack.enter_context(local(silence_logs=logging.CRITICAL))
                 except (OSError, RuntimeError) as error:
-                    raise SceneError(f"--workers {workers}: they could not be started: {error}") from None
+                    raise SceneError(
+                        f"--workers {workers}: they could not be started: {error}"
+                    ) from None
         try:
             stack.enter_context(distributed.Client(address, timeout="10s"))
         except (OSError, ValueError):
@@ -49,7 +59,8 @@ def engine(workers: int | None, cluster: str | None) -> Iterator[None]:
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Threads and processes that are started inside do not hear Ctrl-C; this process hears it when they are there."""
+    """Threads and processes that are started inside do not hear Ctrl-C; this process hears it when
+    they are there."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -73,7 +84,8 @@ def _in_this_process() -> Iterator[None]:
 
 
 def left_of(out: Path | None, reached: str) -> str:
-    """What is left of a sweep that Ctrl-C ended there; before anything is reached, its file has not been opened."""
+    """What is left of a sweep that Ctrl-C ended there; before anything is reached, its file has not
+    been opened."""
     if out is None:
         return "nothing is kept; with --out FILE.zarr the same command would go on from there"
     if not reached:

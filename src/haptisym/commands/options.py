@@ -1,11 +1,14 @@
-"""What a verb of the command line is: a list of options, a question, and an answer that is handed over.
+"""What a verb of the command line is: a list of options, a question, and an answer that is handed
+over.
 
-A verb is a function of one value, ``ask``, which has an attribute for each option, and its docstring is the help. It returns the
-answer; what the options ask for besides (figures, a certificate, pages as files), the output and the exit status follow from the
-answer alone, in ``hand_over``, the same for all verbs. An option that several verbs have stands here, once.
+A verb is a function of one value, ``ask``, which has an attribute for each option, and its
+docstring is the help. It returns the answer; what the options ask for besides (figures, a
+certificate, pages as files), the output and the exit status follow from the answer alone, in
+``hand_over``, the same for all verbs. An option that several verbs have stands here, once.
 
-What would be ignored or lost is refused before the work begins: an option given twice, two that contradict each other, one that
-means nothing without another, an output that would be written over a file that the call reads, or over another output.
+What would be ignored or lost is refused before the work begins: an option given twice, two that
+contradict each other, one that means nothing without another, an output that would be written over
+a file that the call reads, or over another output.
 """
 
 from __future__ import annotations
@@ -25,7 +28,15 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import click
 from click.core import ParameterSource
 
-from haptisym.commands.terminal import ends_with_what_is_proven, note, progress, say, say_document, says_help, to_file
+from haptisym.commands.terminal import (
+    ends_with_what_is_proven,
+    note,
+    progress,
+    say,
+    say_document,
+    says_help,
+    to_file,
+)
 from haptisym.figures.pen import checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import NothingToDrawError, SceneError, UndecidedError, meant
@@ -44,7 +55,8 @@ Rule: TypeAlias = tuple[str, str, str]
 
 
 def option(flags: str, words: str, **given: Any) -> click.Option:
-    """An option by its flag and what it takes (``--hand NAME``; a bare flag takes nothing), its help, and all else as of click.
+    """An option by its flag and what it takes (``--hand NAME``; a bare flag takes nothing), its
+    help, and all else as of click.
 
     >>> option("--hand NAME", "A hand; repeatable.", multiple=True).metavar
     'NAME'
@@ -53,15 +65,22 @@ def option(flags: str, words: str, **given: Any) -> click.Option:
     takes_nothing = not metavar and not {"type", "flag_value"} & {*given}
     names = [flag, *([given.pop("name")] if "name" in given else [])]
     return click.Option(
-        names, metavar=metavar or None, is_flag=given.pop("is_flag", takes_nothing or None), help=words, **given
+        names,
+        metavar=metavar or None,
+        is_flag=given.pop("is_flag", takes_nothing or None),
+        help=words,
+        **given,
     )
 
 
 def output(flags: str, words: str, checked: Callable[[Path], Path] = Path) -> click.Option:
-    """An option that names a file to be written; a path that will not do is refused before the work begins."""
+    """An option that names a file to be written; a path that will not do is refused before the work
+    begins."""
     what = flags.partition(" ")[0].removeprefix("--")
 
-    def writable(_context: click.Context, _option: click.Parameter, path: Path | None) -> Path | None:
+    def writable(
+        _context: click.Context, _option: click.Parameter, path: Path | None
+    ) -> Path | None:
         return None if path is None else checked(_can_be_written(what, path))
 
     return option(flags, words, type=Place(dir_okay=False, path_type=Path), callback=writable)
@@ -86,11 +105,17 @@ class _Choice(click.Choice[str]):
     """One of some words; the nearest is offered for another."""
 
     def get_invalid_choice_message(self, value: Any, ctx: click.Context | None) -> str:
-        return f'"{value}" is unknown: {meant(str(value), self.choices)}valid are {", ".join(self.choices)}'
+        return (
+            f'"{value}" is unknown: {meant(str(value), self.choices)}valid are '
+            f"{', '.join(self.choices)}"
+        )
 
 
-def number(flags: str, words: str, low: int, high: int | None = None, default: int | None = None) -> click.Option:
-    """An option that takes a whole number of a range; its default, where it has one, is in its help."""
+def number(
+    flags: str, words: str, low: int, high: int | None = None, default: int | None = None
+) -> click.Option:
+    """An option that takes a whole number of a range; its default, where it has one, is in its
+    help."""
     kind = click.IntRange(low, high)
     kind.name = "whole number"
     return option(flags, words, type=kind, default=default, show_default=default is not None)
@@ -109,7 +134,8 @@ def optional(name: str, **given: Any) -> click.Argument:
 def _checked_latex(path: Path) -> Path:
     if path.suffix.lower() in (".pdf", ".html"):
         raise SceneError(
-            f'latex: the name "{path.name}" must end in .tex; for this page as a PDF: --report {path.name}'
+            f'latex: the name "{path.name}" must end in .tex; for this page as a PDF: '
+            f"--report {path.name}"
         )
     return path
 
@@ -117,22 +143,34 @@ def _checked_latex(path: Path) -> Path:
 ENVIRONMENT = option("--environment NAME", "Use this environment, where a scene has several.")
 NO_FILES = option("--no-files", "Read no file that a scene names, as scenes of strangers may.")
 SCENE = (click.Argument(["scene"]), ENVIRONMENT, NO_FILES)
-"""SCENE and, of a scene with several environments, ``--environment NAME``: the verb gets the loaded scene.
+"""SCENE and, of a scene with several environments, ``--environment NAME``: the verb gets the loaded
+scene.
 
 It is one of formulas, which names no file: ``--no-files`` has nothing to refuse there.
 """
 JSON = option("--json", "Print one JSON document.")
-CERTIFICATE = output("--certificate FILE", "Write a certificate, for python -m haptisym_check FILE SCENE.toml.")
-FIGURES = option("--figures DIR", "Write the figures to this folder.", type=Place(file_okay=False, path_type=Path))
+CERTIFICATE = output(
+    "--certificate FILE", "Write a certificate, for python -m haptisym_check FILE SCENE.toml."
+)
+FIGURES = option(
+    "--figures DIR",
+    "Write the figures to this folder.",
+    type=Place(file_okay=False, path_type=Path),
+)
 LIMIT = option(
     "--limit SECONDS",
-    "Stop after this many seconds of processor time; print what is proven and mark the rest undecided.",
+    (
+        "Stop after this many seconds of processor time; print what is proven and mark the rest "
+        "undecided."
+    ),
     type=click.FloatRange(min=0, min_open=True, max=1e9),
     default=SECONDS,
     show_default=True,
 )
 """Of a verb that one Ctrl-C ends as the limit does: with what is proven so far."""
-_DIGITS = option("--digits N", "Digits to print (4 if not given; 15 in --json).", type=click.IntRange(1, 10_000))
+_DIGITS = option(
+    "--digits N", "Digits to print (4 if not given; 15 in --json).", type=click.IntRange(1, 10_000)
+)
 _PAGES = (
     output("--latex FILE", "Write the page as a LaTeX document.", _checked_latex),
     output("--report FILE", "Write the page as a report (.html or .pdf).", checked_report),
@@ -154,9 +192,11 @@ def verb(
 ) -> Callable[[Callable[[Ask], Any]], Verb]:
     """The decorator of a verb: its arguments and options in the order of its help.
 
-    ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of them" is added. ``needs`` : an
-    option that means nothing without another one, and what it is about. ``pages`` : whether it answers with a page, which
-    ``--latex`` and ``--report`` write to files. ``each`` : whether it is asked about each of several environments.
+    ``apart`` : options that may not both be given, and why: a sentence to which "leave out one of
+    them" is added. ``needs`` : an option that means nothing without another one, and what it is
+    about. ``pages`` : whether it answers with a page, which
+    ``--latex`` and ``--report`` write to files. ``each`` : whether it is asked about each of
+    several environments.
     """
     listed = [y for x in options for y in (x if isinstance(x, tuple) else (x,))]
     last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
@@ -197,7 +237,8 @@ class Verb(click.Command):
             raise
 
     def invoke(self, ctx: click.Context) -> None:
-        """Ask, and hand the answer over; what contradicts itself, is ignored or would be lost is refused before."""
+        """Ask, and hand the answer over; what contradicts itself, is ignored or would be lost is
+        refused before."""
         for one, other, why in self.apart:
             if given(one) and given(other):
                 raise SceneError(f"{why}: leave out one of them")
@@ -219,7 +260,10 @@ class Verb(click.Command):
 
     def _opened(self, ask: Ask) -> Any:
         """The scene, or the family that is asked about as a whole."""
-        from haptisym.model.scenefile import load_scene, load_scenes  # SymPy, which help does not need
+        from haptisym.model.scenefile import (
+            load_scene,
+            load_scenes,
+        )  # SymPy, which help does not need
 
         if not self.each or ask.environment is not None:
             return load_scene(ask.scene, ask.environment)
@@ -236,7 +280,9 @@ class Verb(click.Command):
             return self.question(ask)
         from haptisym.verbs.family.answers import answer_each
 
-        return answer_each(ask.scene, lambda scene: self.question(SimpleNamespace(**{**vars(ask), "scene": scene})))
+        return answer_each(
+            ask.scene, lambda scene: self.question(SimpleNamespace(**{**vars(ask), "scene": scene}))
+        )
 
 
 def given(option: str) -> bool:
@@ -251,7 +297,9 @@ def _with_option(flag: str, ctx: click.Context) -> str:
     group = ctx.parent.command if ctx.parent is not None else None
     if not isinstance(group, click.Group):
         return ""
-    commands = [x for name in group.list_commands(ctx) if (x := group.get_command(ctx, name)) is not None]
+    commands = [
+        x for name in group.list_commands(ctx) if (x := group.get_command(ctx, name)) is not None
+    ]
     having = [str(x.name) for x in commands if any(flag in y.opts for y in x.params)]
     return f"it is an option of {', '.join(having)}" if having else ""
 
@@ -262,15 +310,20 @@ def _once_each(order: Sequence[click.Parameter]) -> None:
     for key in dict.fromkeys(x.name for x in options):
         same = list(dict.fromkeys(x.opts[-1] for x in options if x.name == key))
         if len(same) > 1:
-            raise SceneError(f"{same[0]} and {same[1]} contradict each other: leave out one of them")
+            raise SceneError(
+                f"{same[0]} and {same[1]} contradict each other: leave out one of them"
+            )
     for one, times in Counter(options).items():
         if times > 1 and not one.is_flag:
-            words = f"is given {times} times, and only one of them would count: leave out the others"
+            words = (
+                f"is given {times} times, and only one of them would count: leave out the others"
+            )
             raise SceneError(f"{one.opts[-1]} {words}")
 
 
 def _nothing_lost(ctx: click.Context) -> None:
-    """Refuse an output that would be written over a file that is read, whatever its name, or over another output."""
+    """Refuse an output that would be written over a file that is read, whatever its name, or over
+    another output."""
     values = [(x.opts[-1], ctx.params.get(str(x.name))) for x in ctx.command.params]
     outputs = [(name.removeprefix("--"), x) for name, x in values if isinstance(x, Path)]
     not_over((path for _, x in values for path in _files(x)), dict(outputs), "")
@@ -281,7 +334,9 @@ def _nothing_lost(ctx: click.Context) -> None:
                 raise SceneError(f"{both}: choose another name for one of them")
 
 
-def not_over(read: Iterable[Path | None], outputs: Mapping[str, Path | None], flag: str = "--") -> None:
+def not_over(
+    read: Iterable[Path | None], outputs: Mapping[str, Path | None], flag: str = "--"
+) -> None:
     """SceneError where an output would be written over a file that a scene names."""
     for path in filter(None, read):
         for name, target in outputs.items():
@@ -320,7 +375,8 @@ def _can_be_written(what: str, path: Path) -> Path:
 
 
 def keep(what: str, path: Path, save: Callable[[], Any]) -> None:
-    """Write a file (or a folder of them) and report it on standard error; what it cannot be written for is a sentence."""
+    """Write a file (or a folder of them) and report it on standard error; what it cannot be written
+    for is a sentence."""
     with to_file(what, path):
         found = save()
     note(f"{f'{len(found)} figures' if what == 'figures' else what} written to {path}")
@@ -334,7 +390,8 @@ def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
 
 
 def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
-    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; a function that gives it, made once."""
+    """Write the page of an answer to the files that ``--latex`` and ``--report`` name; a function
+    that gives it, made once."""
     page = cache(found.document)
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
@@ -346,9 +403,11 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
 
 
 def hand_over(found: Answer, ask: Ask) -> None:
-    """Write the files that were asked for, print the answer; exit status 3 where something in it is undecided.
+    """Write the files that were asked for, print the answer; exit status 3 where something in it is
+    undecided.
 
-    Else 2 where a figure was asked for and could not be drawn. For a certificate there is the limit once more.
+    Else 2 where a figure was asked for and could not be drawn. For a certificate there is the limit
+    once more.
     """
     is_drawn, is_proven = draw(found, ask), True
     if getattr(ask, "certificate", None) is not None:
@@ -369,7 +428,8 @@ def hand_over(found: Answer, ask: Ask) -> None:
 
 
 def draw(found: Answer, ask: Ask) -> bool:
-    """Write the figure, or the figures, of an answer where they were asked for; say why where there is nothing to draw.
+    """Write the figure, or the figures, of an answer where they were asked for; say why where there
+    is nothing to draw.
 
     False where a figure was asked for and is not there.
     """

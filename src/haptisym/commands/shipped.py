@@ -1,4 +1,5 @@
-"""The verbs that list what the package ships, ``haptisym scenes`` and ``schemas``: they load no SymPy."""
+"""The verbs that list what the package ships, ``haptisym scenes`` and ``schemas``: they load no
+SymPy."""
 
 from __future__ import annotations
 
@@ -27,13 +28,19 @@ def scenes(ask: Ask) -> None:
             raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
         write(shipped_text(ask.name) or printable(_file(ask.name)))
         return
-    found = [(name, tomllib.loads(shipped_text(name) or "")) for name in (*scene_names(), *family_names())]
+    found = [
+        (name, tomllib.loads(shipped_text(name) or ""))
+        for name in (*scene_names(), *family_names())
+    ]
     rows = [
         {
             "name": name,
             "title": x["title"],
             "source": x["source"],
-            "effects": [*(e.get("name", e["model"]) for e in x.get("effects", ())), *({"device"} & x.keys())],
+            "effects": [
+                *(e.get("name", e["model"]) for e in x.get("effects", ())),
+                *({"device"} & x.keys()),
+            ],
             "environments": len(x.get("environments", [x])),
         }
         for name, x in found
@@ -63,17 +70,29 @@ def schemas(ask: Ask) -> None:
 
     if ask.name is not None:
         if ask.json:
-            raise SceneError("--json lists the documents: a schema is JSON already, leave out --json")
+            raise SceneError(
+                "--json lists the documents: a schema is JSON already, leave out --json"
+            )
         say_document(schema_text(ask.name).rstrip())
         return
     found = [(x, str(json_schema(x)["description"])) for x in schema_names()]
     rows = [{"name": x, "description": what} for x, what in found]
-    _list(ask, "schemas", rows, "Documents of --json", [(x, what.replace("`", "")) for x, what in found])
+    _list(
+        ask,
+        "schemas",
+        rows,
+        "Documents of --json",
+        [(x, what.replace("`", "")) for x, what in found],
+    )
 
 
-def _list(ask: Ask, kind: str, rows: list[dict[str, Any]], title: str, shown: list[tuple[str, str]]) -> None:
+def _list(
+    ask: Ask, kind: str, rows: list[dict[str, Any]], title: str, shown: list[tuple[str, str]]
+) -> None:
     """What the package ships, as a document or as a page."""
     if ask.json:
-        say_document(dumps({"schema": f"haptisym.{kind}/1", kind: rows}, indent=2, ensure_ascii=False))
+        say_document(
+            dumps({"schema": f"haptisym.{kind}/1", kind: rows}, indent=2, ensure_ascii=False)
+        )
         return
     say_list(title, shown)

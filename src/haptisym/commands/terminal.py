@@ -1,4 +1,5 @@
-"""How the command line meets its terminal: pages as wide, characters that it has, a bar of progress, nobody who reads, Ctrl-C.
+"""How the command line meets its terminal: pages as wide, characters that it has, a bar of
+progress, nobody who reads, Ctrl-C.
 
 Text for terminals and files that lack characters is spelt in words or ASCII signs.
 """
@@ -39,16 +40,21 @@ PATIENCE = 0.5  # s; what is done sooner shows no bar
 
 
 @contextmanager
-def progress(unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is no answer") -> Iterator[ProgressBar]:
-    """A bar on standard error, where that is a terminal: it comes after half a second and leaves nothing behind.
+def progress(
+    unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is no answer"
+) -> Iterator[ProgressBar]:
+    """A bar on standard error, where that is a terminal: it comes after half a second and leaves
+    nothing behind.
 
     ``unit`` : of what is counted, as in "1,200 of 65,536 sets"; percent are shown without it.
 
-    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came; of how far that was.
+    ``kept`` : what there is after Ctrl-C, as the end of a sentence that says how far it came; of
+    how far that was.
 
-    What it yields is called with what is done, of how much (None: nobody knows, the bar then shows only that it lives) and, if
-    there is something to say, at what it is; as often as one likes. It does nothing where nobody looks, and raises nothing but a
-    Ctrl-C that was pressed before and that a package dropped.
+    What it yields is called with what is done, of how much (None: nobody knows, the bar then shows
+    only that it lives) and, if there is something to say, at what it is; as often as one likes. It
+    does nothing where nobody looks, and raises nothing but a Ctrl-C that was pressed before and
+    that a package dropped.
 
     >>> with progress("sets") as told:
     ...     told(1, 10)
@@ -66,7 +72,9 @@ def progress(unit: str = "", *, kept: Callable[[str], str] = lambda _: "there is
 
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
-_pressed: ContextVar[Sequence[int]] = ContextVar("haptisym.pressed", default=())  # what ``interrupts`` yields
+_pressed: ContextVar[Sequence[int]] = ContextVar(
+    "haptisym.pressed", default=()
+)  # what ``interrupts`` yields
 _stop: ContextVar[Callable[[], None] | None] = ContextVar(
     "haptisym.stop", default=None
 )  # what Ctrl-C calls, if anything
@@ -103,16 +111,26 @@ class ProgressBar:
             self.bar.stop()
 
     def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
-        if _pressed.get() and _stop.get() is None:  # something between caught it, as a package being imported may
+        if (
+            _pressed.get() and _stop.get() is None
+        ):  # something between caught it, as a package being imported may
             raise KeyboardInterrupt
         self.reached = self._count(done, total)
-        if not self.seen or monotonic() - self.began < PATIENCE or (self.bar is None and done == total):
+        if (
+            not self.seen
+            or monotonic() - self.began < PATIENCE
+            or (self.bar is None and done == total)
+        ):
             return
         if self.bar is None:
             self.bar = _bar()
             self.bar.add_task(what, count="")
             self.bar.start()
-        self.bar.update(self.bar.task_ids[0], description=what, count=", ".join(filter(None, (self.reached, _limit()))))
+        self.bar.update(
+            self.bar.task_ids[0],
+            description=what,
+            count=", ".join(filter(None, (self.reached, _limit()))),
+        )
         self.bar.tasks[0].total = total  # ``update`` takes None for "as before"
         self.bar.update(self.bar.task_ids[0], completed=done)
 
@@ -129,14 +147,21 @@ def _figure(x: float) -> str:
 
 
 def _limit() -> str:
-    """How much of the limit is used; the clock beside it goes on while other programs have the processor."""
+    """How much of the limit is used; the clock beside it goes on while other programs have the
+    processor."""
     used = spent()
     return "" if used is None else f"processor {used[0]:.0f} of {used[1]:g} s"
 
 
 def _bar() -> Progress:
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
     from rich.table import Column
 
     console = Console(stderr=True)
@@ -146,23 +171,96 @@ def _bar() -> Progress:
         for x in ("{task.fields[count]}", "{task.description}")
     )
     times = (TimeElapsedColumn(), TimeRemainingColumn()) if roomy else ()
-    # Pages ask standard output for its encoding while the bar is there: Rich must not stand in front of it.
+    # Pages ask standard output for its encoding while the bar is there: Rich must not stand in
+    # front of it.
     return Progress(
-        BarColumn(30 if roomy else 8), count, *times, what, console=console, transient=True, redirect_stdout=False
+        BarColumn(30 if roomy else 8),
+        count,
+        *times,
+        what,
+        console=console,
+        transient=True,
+        redirect_stdout=False,
     )
 
 
 _SIGNS = {
-    "−": "-", "–": "-", "—": "-", "─": "-", "━": "-", "═": "=", "│": "|", "·": "*", "⋅": "*", "×": "*", "∙": "*",
-    "÷": "/", "⁄": "/", "≈": "~=", "≤": "<=", "≥": ">=", "≠": "!=", "≡": "==", "±": "+-", "∓": "-+", "∞": "inf",
-    "√": "sqrt", "∂": "d", "∑": "sum", "∏": "product", "∫": "integral", "∈": "in", "∠": "angle", "→": "->",
-    "←": "<-", "↔": "<->", "⇒": "=>", "°": "deg", "µ": "u", "‘": "'", "’": "'", "‚": "'", "“": '"', "”": '"',
-    "„": '"', "′": "'", "″": "''", "…": "...", "•": "*", "†": "+", "ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe",
-    "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L", "đ": "d", "ð": "d", "þ": "th", "ı": "i", "ȷ": "j", "€": "EUR",
-    "£": "GBP", "§": "section ", "©": "(c)", "®": "(R)", "«": '"', "»": '"', "∆": "Delta", "Ω": "Omega",
-    "ϵ": "epsilon", "ϕ": "phi", "ς": "sigma", "ϑ": "theta", "\N{NO-BREAK SPACE}": " ",
-    "\N{NARROW NO-BREAK SPACE}": " ", MISSING: "?",
-}  # fmt: skip
+    "−": "-",
+    "–": "-",
+    "—": "-",
+    "─": "-",
+    "━": "-",
+    "═": "=",
+    "│": "|",
+    "·": "*",
+    "⋅": "*",
+    "×": "*",
+    "∙": "*",
+    "÷": "/",
+    "⁄": "/",
+    "≈": "~=",
+    "≤": "<=",
+    "≥": ">=",
+    "≠": "!=",
+    "≡": "==",
+    "±": "+-",
+    "∓": "-+",
+    "∞": "inf",
+    "√": "sqrt",
+    "∂": "d",
+    "∑": "sum",
+    "∏": "product",
+    "∫": "integral",
+    "∈": "in",
+    "∠": "angle",
+    "→": "->",
+    "←": "<-",
+    "↔": "<->",
+    "⇒": "=>",
+    "°": "deg",
+    "µ": "u",
+    "‘": "'",
+    "’": "'",
+    "‚": "'",
+    "“": '"',
+    "”": '"',
+    "„": '"',
+    "′": "'",
+    "″": "''",
+    "…": "...",
+    "•": "*",
+    "†": "+",
+    "ß": "ss",
+    "æ": "ae",
+    "Æ": "AE",
+    "œ": "oe",
+    "Œ": "OE",
+    "ø": "o",
+    "Ø": "O",
+    "ł": "l",
+    "Ł": "L",
+    "đ": "d",
+    "ð": "d",
+    "þ": "th",
+    "ı": "i",
+    "ȷ": "j",
+    "€": "EUR",
+    "£": "GBP",
+    "§": "section ",
+    "©": "(c)",
+    "®": "(R)",
+    "«": '"',
+    "»": '"',
+    "∆": "Delta",
+    "Ω": "Omega",
+    "ϵ": "epsilon",
+    "ϕ": "phi",
+    "ς": "sigma",
+    "ϑ": "theta",
+    "\N{NO-BREAK SPACE}": " ",
+    "\N{NARROW NO-BREAK SPACE}": " ",
+    MISSING: "?",
+}
 _GREEK = re.compile(r"GREEK (SMALL|CAPITAL) LETTER (\w+)")
 _ALIASES = {"LAMDA": "lambda"}
 
@@ -201,15 +299,20 @@ def _word(text: str, at: int) -> str:
         apart = " " if at and text[at - 1].isalnum() else ""
         return apart + (word.capitalize() if kind == "CAPITAL" else word)
     is_small = any(word in name(x, "") for word in ("SUPERSCRIPT", "SUBSCRIPT"))
-    plain = "".join(_SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y))
+    plain = "".join(
+        _SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y)
+    )
     if plain.isascii() and plain:
-        raised = "SUPERSCRIPT" in name(x, "") and not (at and "SUPERSCRIPT" in name(text[at - 1], ""))
+        raised = "SUPERSCRIPT" in name(x, "") and not (
+            at and "SUPERSCRIPT" in name(text[at - 1], "")
+        )
         return f"^{plain}" if raised else f"_{plain}" if "SUBSCRIPT" in name(x, "") else plain
     return "" if combining(x) else f"\\u{ord(x):04x}" if ord(x) < 0x10000 else f"\\U{ord(x):08x}"
 
 
 def escaped(document: str, encoding: str) -> str:
-    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks, and for hidden ones.
+    r"""A JSON document with JSON's own escapes for the characters that an encoding lacks, and for
+    hidden ones.
 
     >>> escaped('{"title": "Prüfstand ω"}', "latin-1")
     '{"title": "Prüfstand \\u03c9"}'
@@ -245,15 +348,19 @@ class CannotWriteError(HaptisymError):
 
 
 def prepare() -> None:
-    """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to C or POSIX."""
+    """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to
+    C or POSIX."""
     codecs.register_error("haptisym.spelt", _spell)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(encoding="ascii" if _is_plain(stream) else stream.encoding, errors="haptisym.spelt")
+            stream.reconfigure(
+                encoding="ascii" if _is_plain(stream) else stream.encoding, errors="haptisym.spelt"
+            )
 
 
 def _is_plain(stream: TextIOWrapper) -> bool:
-    """Python writes UTF-8 where the locale is C, as containers have it unasked; a terminal that was told so has ASCII."""
+    """Python writes UTF-8 where the locale is C, as containers have it unasked; a terminal that was
+    told so has ASCII."""
     if not stream.isatty() or os.environ.get("PYTHONIOENCODING") or os.environ.get("PYTHONUTF8"):
         return False
     locale = next((x for name in ("LC_ALL", "LC_CTYPE", "LANG") if (x := os.environ.get(name))), "")
@@ -270,23 +377,37 @@ def _columns() -> int:
 
 
 def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
-    """Names and what they are, on standard output: a page for which neither its writer nor SymPy is loaded."""
+    """Names and what they are, on standard output: a page for which neither its writer nor SymPy is
+    loaded."""
     columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
     lines, is_wide = [fill(title, columns), ""], columns - after >= _ROOM
     for key, words in rows:
         begun = f"  {key}".ljust(after) if is_wide else " " * 4
         lines += [] if is_wide else [f"  {key}"]
         rest = " " * len(begun)
-        lines.append(fill(words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False))
+        lines.append(
+            fill(
+                words, columns, initial_indent=begun, subsequent_indent=rest, break_on_hyphens=False
+            )
+        )
     write(spelt("\n".join(lines) + "\n", _encoding()))
 
 
 def say(page: Document, digits: int | None = None, *, formulas: bool = False) -> None:
-    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can be compared."""
+    """A page on standard output: as wide as the terminal, 80 columns anywhere else so that it can
+    be compared."""
     from haptisym.writing.document import DIGITS  # only a page needs the writer
     from haptisym.writing.plain import plain
 
-    write(plain(page, _columns(), lambda words: spelt(words, _encoding()), digits=digits or DIGITS, formulas=formulas))
+    write(
+        plain(
+            page,
+            _columns(),
+            lambda words: spelt(words, _encoding()),
+            digits=digits or DIGITS,
+            formulas=formulas,
+        )
+    )
 
 
 def say_document(document: str) -> None:
@@ -295,7 +416,8 @@ def say_document(document: str) -> None:
 
 
 def write(text: str) -> None:
-    """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get there."""
+    """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get
+    there."""
     if sys.stdout is None:
         raise CannotWriteError("standard output cannot be written: it is closed")
     quiet()
@@ -342,7 +464,11 @@ def _tell(message: str) -> None:
 def _narrowed(line: str) -> str:
     """A line of a message in the terminal's width; what is indented is typed, and stays."""
     width = min(max(os.get_terminal_size(sys.stderr.fileno()).columns, 40), 96)
-    return line if line.startswith("    ") else fill(line, width, break_long_words=False, break_on_hyphens=False)
+    return (
+        line
+        if line.startswith("    ")
+        else fill(line, width, break_long_words=False, break_on_hyphens=False)
+    )
 
 
 def _encoding() -> str:
@@ -363,7 +489,8 @@ def _reason(error: OSError) -> str:
 
 
 def _close() -> None:
-    """What is still in the buffer goes nowhere, so that the end of the process does not try again."""
+    """What is still in the buffer goes nowhere, so that the end of the process does not try
+    again."""
     with suppress(OSError, ValueError, AttributeError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
@@ -380,7 +507,8 @@ def _interrupt() -> None:
 
 @contextmanager
 def loading() -> Iterator[None]:
-    """Ctrl-C ends the process at once: packages that are being loaded have handlers that would drop what it raises."""
+    """Ctrl-C ends the process at once: packages that are being loaded have handlers that would drop
+    what it raises."""
     before = signal.getsignal(signal.SIGINT)
     if threading.current_thread() is not threading.main_thread() or not callable(before):
         yield
@@ -394,12 +522,14 @@ def loading() -> Iterator[None]:
 
 @contextmanager
 def interrupts() -> Iterator[list[int]]:
-    """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import made another error of it.
+    """Ctrl-C raises KeyboardInterrupt, once; what it yields then is not empty, even if an import
+    made another error of it.
 
     Inside of ``ends_with_what_is_proven`` it stops the work instead, which then answers.
-    Whoever presses it again while things are being tidied up does not wait any longer: status 130 at once. Where it falls into
-    code whose errors Python drops (a finalizer, a callback of an import's lock) it comes again a moment later; where a package
-    caught it, with the next report of progress.
+    Whoever presses it again while things are being tidied up does not wait any longer: status 130
+    at once. Where it falls into code whose errors Python drops (a finalizer, a callback of an
+    import's lock) it comes again a moment later; where a package caught it, with the next report of
+    progress.
     """
     seen: list[int] = []
     dropped = sys.unraisablehook
@@ -442,7 +572,8 @@ def interrupts() -> Iterator[list[int]]:
 
 @contextmanager
 def ends_with_what_is_proven(budget: Budget) -> Iterator[None]:
-    """The first Ctrl-C inside lets the work end with what is proven by then; a second one ends the process."""
+    """The first Ctrl-C inside lets the work end with what is proven by then; a second one ends the
+    process."""
     token = _stop.set(budget.stop)
     try:
         yield

@@ -1,7 +1,8 @@
-"""The verbs: of each its help, its options and its question. A new verb is a function here (``cli.VERBS`` reads its first line).
+"""The verbs: of each its help, its options and its question. A new verb is a function here
+(``cli.VERBS`` reads its first line).
 
-What only some calls need (figures, SciPy, dask, the writers) is imported where it is called for, so that ``--json`` in a
-loop pays for none of it.
+What only some calls need (figures, SciPy, dask, the writers) is imported where it is called for, so
+that ``--json`` in a loop pays for none of it.
 """
 
 from __future__ import annotations
@@ -54,17 +55,28 @@ from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scen
     JSON,
     ENVIRONMENT,
     NO_FILES,
-    option("--environments FILE...", "Use the environments of these scenes instead.", multiple=True),
+    option(
+        "--environments FILE...", "Use the environments of these scenes instead.", multiple=True
+    ),
     option("--tolerance X", "Leave out effects that together change the ratios by at most X."),
     option("--regions", "Compare with square, disc and diamond of the same half widths."),
-    option("--discriminate", "With --regions: the changes that would decide between square, disc and tilted ellipse."),
+    option(
+        "--discriminate",
+        "With --regions: the changes that would decide between square, disc and tilted ellipse.",
+    ),
     option("--proportion P", "Convert the JND to this proportion of correct answers, as 0.84."),
     option(
         "--movement MOVEMENT",
-        'What a fit of stiffness, damping and mass reports: "0:15" or "velocity:1:15" (rad/s), or a file.',
+        (
+            'What a fit of stiffness, damping and mass reports: "0:15" or "velocity:1:15" '
+            "(rad/s), or a file."
+        ),
     ),
     FIGURES,
-    output("--response FILE", "Write the exact response, sampled on the band, as a CSV file that [perceived] reads."),
+    output(
+        "--response FILE",
+        "Write the exact response, sampled on the band, as a CSV file that [perceived] reads.",
+    ),
     number("--points N", "Number of frequency points of --response.", 2, 1_000_000, 200),
     CERTIFICATE,
     LIMIT,
@@ -79,11 +91,12 @@ def evaluate(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Step 1: every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env| crosses the JND. Step 2:
+    Step 1: every frequency of the band at which r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env|
+    crosses the JND. Step 2:
     the mechanical property that changes there (stiffness, damping, mass). All crossings are proven.
 
-    A scene with several environments ([[environments]], or --environments after SCENE) gives a row for each, and the band
-    on which the display is transparent with all of them.
+    A scene with several environments ([[environments]], or --environments after SCENE) gives a row
+    for each, and the band on which the display is transparent with all of them.
 
     \b
     Examples:
@@ -121,26 +134,44 @@ def evaluate(ask: Ask) -> Answer:
         return evaluate_all(family, ask.digits or 15, **same)
     from haptisym.verbs.evaluate.entry import evaluate as of
 
-    scene = family[str(ask.environment)] if ask.environments else chosen(family, Path(ask.scene).name, ask.environment)
+    scene = (
+        family[str(ask.environment)]
+        if ask.environments
+        else chosen(family, Path(ask.scene).name, ask.environment)
+    )
     own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
     result = of(scene, ask.digits or 15, **own, **same)
     if ask.response is not None:
         from haptisym.model.measuring import write_sampled
 
-        keep("response", ask.response, lambda: write_sampled(result.given, ask.response, ask.points))
+        keep(
+            "response", ask.response, lambda: write_sampled(result.given, ask.response, ask.points)
+        )
     return result
 
 
 _ABOUT_FORMULAS = (
-    "--environments", "--environment", "--digits", "--tolerance", "--certificate", "--regions", "--proportion", "--response",
-    "--points", "--limit", "--movement", "--discriminate",
-)  # fmt: skip
+    "--environments",
+    "--environment",
+    "--digits",
+    "--tolerance",
+    "--certificate",
+    "--regions",
+    "--proportion",
+    "--response",
+    "--points",
+    "--limit",
+    "--movement",
+    "--discriminate",
+)
 
 
 def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
     for one in _ABOUT_FORMULAS:
         if given(one):
-            raise SceneError(f"{one} is about scenes of formulas, and this one is measured: leave it out")
+            raise SceneError(
+                f"{one} is about scenes of formulas, and this one is measured: leave it out"
+            )
     not_over(scene.files, {"latex": ask.latex, "report": ask.report})
     from haptisym.verbs.measured.entry import judge
 
@@ -161,10 +192,27 @@ class _Language(click.Choice[str]):
 
 @verb(
     SCENE,
-    option("--symbolic", "Keep every parameter a symbol (default).", name="mode", flag_value="symbolic"),
-    option("--numeric", "Insert the number of the scene for every parameter.", name="mode", flag_value="numeric"),
-    option("--keep NAME", "Keep only this parameter a symbol, by path or name; repeatable.", multiple=True),
-    option("--to", "Language of the output.", type=_Language(_OUTPUTS), default="text", show_default=True),
+    option(
+        "--symbolic", "Keep every parameter a symbol (default).", name="mode", flag_value="symbolic"
+    ),
+    option(
+        "--numeric",
+        "Insert the number of the scene for every parameter.",
+        name="mode",
+        flag_value="numeric",
+    ),
+    option(
+        "--keep NAME",
+        "Keep only this parameter a symbol, by path or name; repeatable.",
+        multiple=True,
+    ),
+    option(
+        "--to",
+        "Language of the output.",
+        type=_Language(_OUTPUTS),
+        default="text",
+        show_default=True,
+    ),
     option("--of QUANTITY", "Print only this quantity; repeatable.", multiple=True),
     JSON,
     LIMIT,
@@ -174,10 +222,11 @@ def derive(ask: Ask) -> None:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Quantities for --of: H_env, H_perc, dH, Re dH, Im dH, |H_env|^2, r_r, r_i, Re(dH/H_env), Im(dH/H_env), the threshold
-    polynomials p_r and p_i, the perceived properties k_env, m_env, b_env, k_perc, m_perc, b_perc, the force phasors F_si_env,
-    F_d_env, F_si_perc, F_d_perc, jnd k, jnd b, jnd m, the crossings omega_r and omega_i, the changeovers omega_env and
-    omega_perc, and the sensitivities d omega_r/d NAME and d omega_i/d NAME of a crossing to a parameter.
+    Quantities for --of: H_env, H_perc, dH, Re dH, Im dH, |H_env|^2, r_r, r_i, Re(dH/H_env),
+    Im(dH/H_env), the threshold polynomials p_r and p_i, the perceived properties k_env, m_env,
+    b_env, k_perc, m_perc, b_perc, the force phasors F_si_env, F_d_env, F_si_perc, F_d_perc, jnd k,
+    jnd b, jnd m, the crossings omega_r and omega_i, the changeovers omega_env and omega_perc, and
+    the sensitivities d omega_r/d NAME and d omega_i/d NAME of a crossing to a parameter.
 
     \b
     Examples:
@@ -190,7 +239,8 @@ def derive(ask: Ask) -> None:
     language = "json" if ask.json else ask.to
     if ask.keep and ask.mode:
         raise SceneError(
-            f"--keep gives the parameters that stay symbols, and so does --{ask.mode}: leave out one of them"
+            f"--keep gives the parameters that stay symbols, and so does --{ask.mode}: leave "
+            f"out one of them"
         )
     if ask.json and ask.to != "json" and given("--to"):
         what = f"--json is one document of all formulas, and --to {ask.to} another output"
@@ -214,7 +264,11 @@ def _in(language: str, d: Any, kept: tuple[str, ...] | None) -> str:
     if language in _CODE:
         from haptisym.writing.code import Language, scene_code
 
-        return scene_code(d.scene, Language["NUMPY" if language == "python" else language.upper()], parameters=kept)
+        return scene_code(
+            d.scene,
+            Language["NUMPY" if language == "python" else language.upper()],
+            parameters=kept,
+        )
     if language == "latex":
         return str(d.to_latex())
     if language == "sympy":
@@ -229,7 +283,12 @@ def _in(language: str, d: Any, kept: tuple[str, ...] | None) -> str:
 @verb(
     SCENE,
     JSON,
-    option("--tolerance X", "Allowed change of r_r and r_i by leaving out effects.", default="0.01", show_default=True),
+    option(
+        "--tolerance X",
+        "Allowed change of r_r and r_i by leaving out effects.",
+        default="0.01",
+        show_default=True,
+    ),
     figure("the influences along the band"),
     LIMIT,
 )
@@ -238,8 +297,9 @@ def effects(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Prints, proven, the largest change of r_r and r_i on the band without each effect, the smallest set of effects with
-    which both ratios stay within the tolerance, and intervals that hold all crossings of the full scene.
+    Prints, proven, the largest change of r_r and r_i on the band without each effect, the smallest
+    set of effects with which both ratios stay within the tolerance, and intervals that hold all
+    crossings of the full scene.
 
     \b
     Examples:
@@ -256,15 +316,29 @@ def effects(ask: Ask) -> Answer:
 
 @verb(
     SCENE,
-    option("--free PATH", "Free parameter, by path or name; twice for a map.", multiple=True, required=True),
     option(
-        "--range LO HI", 'Range searched, as "50 rad/s" "30 Hz"; 1e-6 to 1e6 times the value if not given.',
-        multiple=True, nargs=2,
+        "--free PATH",
+        "Free parameter, by path or name; twice for a map.",
+        multiple=True,
+        required=True,
+    ),
+    option(
+        "--range LO HI",
+        'Range searched, as "50 rad/s" "30 Hz"; 1e-6 to 1e6 times the value if not given.',
+        multiple=True,
+        nargs=2,
     ),
     choice("--part", "Require the condition of one part only.", "real", "imag"),
     choice(
-        "--that", "What is required; repeatable, for all of them together.", "transparent", "stable", "steady", "passive",
-        multiple=True, default=["transparent"], show_default=True,
+        "--that",
+        "What is required; repeatable, for all of them together.",
+        "transparent",
+        "stable",
+        "steady",
+        "passive",
+        multiple=True,
+        default=["transparent"],
+        show_default=True,
     ),
     option("--hand NAME", "Hand of --that stable or steady, of the scene or shipped."),
     option("--jnd C", "Add the transparent set for this JND to a map; repeatable.", multiple=True),
@@ -276,7 +350,10 @@ def effects(ask: Ask) -> Answer:
     CERTIFICATE,
     number("--slices N", "Largest number of exact slices of a map.", 3, 2000, 41),
     option("--uniform", "Space the slices of a map evenly."),
-    option("--within SHARE", "Estimated error of a map between slices, as a share (0.5 % if not given)."),
+    option(
+        "--within SHARE",
+        "Estimated error of a map between slices, as a share (0.5 % if not given).",
+    ),
     LIMIT,
     needs=[
         ("--hand", "--that", "the hand of --that stable"),
@@ -284,15 +361,15 @@ def effects(ask: Ask) -> Answer:
         ("--resolution", "--friction", "Abbott and Okamura's bound 2 f_c/Delta"),
     ],
     each=True,
-)  # fmt: skip
+)
 def require(ask: Ask) -> Answer:
     """Find all values of a parameter that satisfy a requirement.
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Required is that the display is transparent on its whole band, stable in a hand, steady in it (a drift is allowed), or
-    passive. The result is a proven
-    union of intervals, with what limits it at each end.
+    Required is that the display is transparent on its whole band, stable in a hand, steady in it (a
+    drift is allowed), or passive. The result is a proven union of intervals, with what limits it at
+    each end.
 
     \b
     Examples:
@@ -300,23 +377,29 @@ def require(ask: Ask) -> Answer:
       haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
       haptisym require fu2019 --free omega_n --certificate proof.json
       haptisym require delayed-spring --free tau --any-environment
-      haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
-      haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \\
-          --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd 0.2 --figure z-width.svg
-      haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
-    """
+      haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand
+      postural-arm haptisym require virtual-wall --free environment.b --free environment.k --range 0
+      40 --range 10 4000 \\ --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd
+      0.2 --figure z-width.svg haptisym require fu2019 --free omega_n --free zeta --range 60 200
+      --range 0.1 1 --figure map.svg"""
     from haptisym.model.jnd import Part
     from haptisym.verbs.require.required import require as of
 
     _refuse_contradictions(len(ask.free), len(ask.range))
     same: dict[str, Any] = {
-        "part": Part(ask.part) if ask.part else None, "that": ask.that, "hand": ask.hand, "limit": None,
+        "part": Part(ask.part) if ask.part else None,
+        "that": ask.that,
+        "hand": ask.hand,
+        "limit": None,
         "any_environment": ask.any_environment,
-    }  # fmt: skip
+    }
     if len(ask.free) == 2:
         from haptisym.verbs.require.designmap import design_map
 
-        same |= {key: getattr(ask, key) for key in ("slices", "uniform", "within", "jnd", "friction", "resolution")}
+        same |= {
+            key: getattr(ask, key)
+            for key in ("slices", "uniform", "within", "jnd", "friction", "resolution")
+        }
         return design_map(ask.scene, ask.free, ask.range, **same)
     found = of(ask.scene, ask.free[0], *ask.range, digits=ask.digits or 15, **same)
     _ = found.nearest  # which may take its time, within the limit
@@ -326,14 +409,24 @@ def require(ask: Ask) -> Answer:
 def _refuse_contradictions(free: int, ranges: int) -> None:
     """SceneError for options that do not go with so many parameters and ranges."""
     if free > 2 or (ranges and ranges != free):
-        raise SceneError("--free may be given once or twice, and --range not at all or as often, in the same order")
+        raise SceneError(
+            "--free may be given once or twice, and --range not at all or as often, in the "
+            "same order"
+        )
     if given("--certificate") and free == 2:
-        raise SceneError("--certificate is about one parameter's values: give --free once, or leave it out")
+        raise SceneError(
+            "--certificate is about one parameter's values: give --free once, or leave it out"
+        )
     for one in ("--slices", "--jnd", "--friction", "--uniform", "--within"):
         if given(one) and free == 1:
-            raise SceneError(f"{one} is about a map of two parameters: give --free twice, or leave it out")
+            raise SceneError(
+                f"{one} is about a map of two parameters: give --free twice, or leave it out"
+            )
     if given("--uniform") and given("--within"):
-        raise SceneError("--uniform places slices evenly, and --within where they are needed: leave out one of them")
+        raise SceneError(
+            "--uniform places slices evenly, and --within where they are needed: leave out "
+            "one of them"
+        )
     if free == 2 and not ranges:
         raise SceneError("a map of two parameters needs a --range for each")
 
@@ -341,7 +434,9 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
 @verb(
     SCENE,
     option("--hand NAME", "Hand of the scene, or a shipped one; repeatable.", multiple=True),
-    option("--free PATH", "Parameter whose stability limits are searched; repeatable.", multiple=True),
+    option(
+        "--free PATH", "Parameter whose stability limits are searched; repeatable.", multiple=True
+    ),
     figure("the hand's plane: where the display is stable"),
     JSON,
     CERTIFICATE,
@@ -353,10 +448,12 @@ def stability(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Three statements, each proven by itself: stable in a hand (mass, damping and stiffness, of [hand] in the scene or a
-    shipped one); stable under prescribed motion; passive, that is stable in the hand of any passive operator.
+    Three statements, each proven by itself: stable in a hand (mass, damping and stiffness, of
+    [hand] in the scene or a shipped one); stable under prescribed motion; passive, that is stable
+    in the hand of any passive operator.
 
-    Exit status 2 where a figure was asked for that cannot be drawn; the answer is printed all the same.
+    Exit status 2 where a figure was asked for that cannot be drawn; the answer is printed all the
+    same.
 
     \b
     Examples:
@@ -377,39 +474,61 @@ def stability(ask: Ask) -> Answer:
     ENVIRONMENT,
     NO_FILES,
     option(
-        "--free PATH[=LO:HI]", "Free parameter and its range; up to three. A tenth to ten times its value if no range is given.",
-        multiple=True, required=True,
+        "--free PATH[=LO:HI]",
+        (
+            "Free parameter and its range; up to three. A tenth to ten times its value if no "
+            "range is given."
+        ),
+        multiple=True,
+        required=True,
     ),
-    choice("--keep", "Search only values with this property; repeatable.", "passive", "stable", "steady", multiple=True),
+    choice(
+        "--keep",
+        "Search only values with this property; repeatable.",
+        "passive",
+        "stable",
+        "steady",
+        multiple=True,
+    ),
     option("--hand NAME", "Hand of --keep stable and steady, of the scene or shipped."),
-    option("--robust SHARE", "Maximise the worst bandwidth if all values are off by up to this share, as 5%."),
-    option("--gap SHARE", "Relative gap between the proven bounds (0.1 % if not given, 1 % for three parameters)."),
+    option(
+        "--robust SHARE",
+        "Maximise the worst bandwidth if all values are off by up to this share, as 5%.",
+    ),
+    option(
+        "--gap SHARE",
+        "Relative gap between the proven bounds (0.1 % if not given, 1 % for three parameters).",
+    ),
     JSON,
     figure("the bandwidth over one or two parameters"),
     LIMIT,
     needs=[("--hand", "--keep", "the hand of --keep stable")],
-)  # fmt: skip
+)
 def design(ask: Ask) -> Answer:
     """Find the values with the largest bandwidth.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene; of one with several environments the least bandwidth counts.
+    SCENE is a scene file (TOML) or the name of a shipped scene; of one with several environments
+    the least bandwidth counts.
 
-    Prints the best values, proven bounds of the largest bandwidth in the range, the criteria that limit it, and how much
-    bandwidth remains if all values are off by 1 % or 5 %.
+    Prints the best values, proven bounds of the largest bandwidth in the range, the criteria that
+    limit it, and how much bandwidth remains if all values are off by 1 % or 5 %.
 
     \b
     Examples:
       haptisym design fu2019 --free zeta=0.01:1
-      haptisym design inertia-compensation --free "m_c=0 g:32 g" --free "b_c=0 N*s/m:3.6 N*s/m" --keep passive
-      haptisym design lead-compensation --free "T=0 ms:30 ms" --robust 5%
-      haptisym design palpation-device --free omega_c --figure bandwidth.svg
-    """
+      haptisym design inertia-compensation --free "m_c=0 g:32 g" --free "b_c=0 N*s/m:3.6 N*s/m"
+      --keep passive haptisym design lead-compensation --free "T=0 ms:30 ms" --robust 5% haptisym
+      design palpation-device --free omega_c --figure bandwidth.svg"""
     from haptisym.verbs.design.entry import design as of
 
     found, _ = open_scenes(ask.scene, files=not ask.no_files)
     if isinstance(found, MeasuredScene):
-        raise SceneError("a measured scene has no parameters to choose: haptisym identify fits a model to it")
-    scene = found if ask.environment is None else chosen(found, Path(ask.scene).name, ask.environment)
+        raise SceneError(
+            "a measured scene has no parameters to choose: haptisym identify fits a model to it"
+        )
+    scene = (
+        found if ask.environment is None else chosen(found, Path(ask.scene).name, ask.environment)
+    )
     free = dict(map(_range_of, ask.free))
     return of(scene, free, keep=ask.keep, hand=ask.hand, robust=ask.robust, gap=ask.gap, limit=None)
 
@@ -421,7 +540,9 @@ def _range_of(text: str) -> tuple[str, tuple[str, str] | None]:
         return path, None
     low, colon, high = ends.partition(":")
     if not colon or not low.strip() or not high.strip():
-        raise SceneError(f'--free {text[:60]}: write the range as LO:HI, as zeta=0.01:1 or "tau=1 ms:9 ms"')
+        raise SceneError(
+            f'--free {text[:60]}: write the range as LO:HI, as zeta=0.01:1 or "tau=1 ms:9 ms"'
+        )
     return path.strip(), (low.strip(), high.strip())
 
 
@@ -431,8 +552,9 @@ def sensitivity(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    For every crossing, changeover frequency and the bandwidth, and every parameter p and the threshold c: the derivative
-    d omega/dp and the elasticity (p/omega) d omega/dp, proven. Undefined where a ratio is tangent to its threshold.
+    For every crossing, changeover frequency and the bandwidth, and every parameter p and the
+    threshold c: the derivative d omega/dp and the elasticity (p/omega) d omega/dp, proven.
+    Undefined where a ratio is tangent to its threshold.
 
     \b
     Examples:
@@ -450,7 +572,9 @@ def sensitivity(ask: Ask) -> Answer:
     JSON,
     number("--samples N", "Number of random sets for the estimates.", 0, 100_000, 200),
     option("--seed", "Seed of the random sets.", type=int, default=2019, show_default=True),
-    option("--hand NAME", "Test stability in this hand, for all values; repeatable.", multiple=True),
+    option(
+        "--hand NAME", "Test stability in this hand, for all values; repeatable.", multiple=True
+    ),
     figure("enclosures and samples, with a hand the plane of hands below them"),
     LIMIT,
     each=True,
@@ -458,12 +582,13 @@ def sensitivity(ask: Ask) -> Answer:
 def tolerances(ask: Ask) -> Answer:
     """Find what holds for all values in given ranges.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written "1.8 kg +- 5 %",
-    "1.8 kg +- 0.1 kg" or ["1.7 kg", "1.9 kg"], the threshold likewise.
+    SCENE is a scene file (TOML) or the name of a shipped scene; a parameter in it may be written
+    "1.8 kg +- 5 %", "1.8 kg +- 0.1 kg" or ["1.7 kg", "1.9 kg"], the threshold likewise.
 
-    Proven by branch and bound: whether the display is transparent for all values, for none or for some; where each
-    crossing lies; with --hand, whether it is stable for all values, for none or for some. Estimated: quantiles over random
-    values. Exit status 3 where a verdict is undecided within the limit.
+    Proven by branch and bound: whether the display is transparent for all values, for none or for
+    some; where each crossing lies; with --hand, whether it is stable for all values, for none or
+    for some. Estimated: quantiles over random values. Exit status 3 where a verdict is undecided
+    within the limit.
 
     \b
     Examples:
@@ -483,26 +608,35 @@ def tolerances(ask: Ask) -> Answer:
 @verb(
     SCENE,
     option(
-        "--vary PATH=LO:HI:N[:log]", 'N values of a parameter, as "omega_n=40 rad/s:200 rad/s:100"; repeatable.', multiple=True,
+        "--vary PATH=LO:HI:N[:log]",
+        'N values of a parameter, as "omega_n=40 rad/s:200 rad/s:100"; repeatable.',
+        multiple=True,
         required=True,
     ),
     option("--hand NAME", "Count unstable poles in this hand; repeatable.", multiple=True),
-    option("--out FILE", "Write to FILE.zarr or FILE.nc; continues what is there.", type=Place(path_type=Path)),
+    option(
+        "--out FILE",
+        "Write to FILE.zarr or FILE.nc; continues what is there.",
+        type=Place(path_type=Path),
+    ),
     JSON,
     figure("the design chart of one or two parameters"),
-    option("--workers N", "Processes on this machine (1 if not given).", type=click.IntRange(1, 1024)),
+    option(
+        "--workers N", "Processes on this machine (1 if not given).", type=click.IntRange(1, 1024)
+    ),
     option("--cluster ADDRESS", 'Address of a dask scheduler, as "tcp://10.0.0.1:8786".'),
     apart=[("--workers", "--cluster", "--workers computes on this machine, --cluster on others")],
-)  # fmt: skip
+)
 def sweep(ask: Ask) -> None:
     """Evaluate a scene for every combination of values.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY, environment.KEY,
-    evaluation.jnd, hand.KEY, or a symbol.
+    SCENE is a scene file (TOML) or the name of a shipped scene. PATH is effects.NAME.KEY,
+    environment.KEY, evaluation.jnd, hand.KEY, or a symbol.
 
-    For each set: the first crossing and the number of crossings of each part, the bandwidth, the transparent fraction of
-    the band, the changeover frequencies, and in each hand the number of unstable poles. Counts are proven, frequencies to
-    a relative 1e-10. The same command continues an interrupted sweep.
+    For each set: the first crossing and the number of crossings of each part, the bandwidth, the
+    transparent fraction of the band, the changeover frequencies, and in each hand the number of
+    unstable poles. Counts are proven, frequencies to a relative 1e-10. The same command continues
+    an interrupted sweep.
 
     \b
     Examples:
@@ -524,7 +658,9 @@ def sweep(ask: Ask) -> None:
     if len({path for path, _ in varied}) < len(varied):
         raise SceneError("--vary: each path may be given only once")
     if ask.figure is not None and len(varied) > 2:
-        raise SceneError(f"figure: {ask.figure} would show one or two parameters, not {len(varied)}")
+        raise SceneError(
+            f"figure: {ask.figure} would show one or two parameters, not {len(varied)}"
+        )
     with progress("sets", kept=lambda reached: left_of(ask.out, reached)) as told:
         with engine(ask.workers, ask.cluster):
             data = of(scene, dict(varied), out=ask.out, progress=told)
@@ -550,7 +686,10 @@ def sweep(ask: Ask) -> None:
     EVERYTHING,
     apart=[
         ("--json", "--to", "--json prints one document, and --to another output"),
-        *(("--rule", x, "--rule prints a report of its tests") for x in ("--absolute-stability", "--all", "--to")),
+        *(
+            ("--rule", x, "--rule prints a report of its tests")
+            for x in ("--absolute-stability", "--all", "--to")
+        ),
     ],
     needs=[(x, "--rule", "the tests of a rule") for x in ("--control", "--travel", "--sweep")],
     each=True,
@@ -560,9 +699,9 @@ def metrics(ask: Ask) -> Answer | None:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Transmitted over environment impedance and its 3 dB edges, relative distortion, Z_min, Z_max and Z_width, sensitivity,
-    passivity and absolute stability, effective stiffness, mass and damping, and the free-response tolerances of flight
-    simulators; --all prints formulas and values of each.
+    Transmitted over environment impedance and its 3 dB edges, relative distortion, Z_min, Z_max and
+    Z_width, sensitivity, passivity and absolute stability, effective stiffness, mass and damping,
+    and the free-response tolerances of flight simulators; --all prints formulas and values of each.
 
     \b
     Examples:
@@ -574,7 +713,9 @@ def metrics(ask: Ask) -> Answer | None:
     if ask.rule:
         from haptisym.verbs.metrics.controlloading import control_loading
 
-        return control_loading(ask.scene, ask.rule, ask.control, travel=ask.travel, sweeps=ask.sweep, limit=None)
+        return control_loading(
+            ask.scene, ask.rule, ask.control, travel=ask.travel, sweeps=ask.sweep, limit=None
+        )
     from haptisym.verbs.metrics.entry import metrics as of
 
     found = of(ask.scene, absolute_stability=ask.absolute_stability, limit=None)
@@ -602,9 +743,9 @@ def cost(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Correct digits and time, measured against proven references of higher precision: of the ratios in floats and to
-    many digits, of the crossings by grids, eigenvalues and proof, of Pade approximants for delays, and of each effect
-    left out.
+    Correct digits and time, measured against proven references of higher precision: of the ratios
+    in floats and to many digits, of the crossings by grids, eigenvalues and proof, of Pade
+    approximants for delays, and of each effect left out.
 
     \b
     Examples:
@@ -613,7 +754,9 @@ def cost(ask: Ask) -> Answer:
       haptisym cost --hard-cases --json
     """
     if ask.hard_cases and (ask.scene or ask.quick or ask.environment):
-        raise SceneError("--hard-cases brings its own scenes: leave out SCENE, --environment and --quick")
+        raise SceneError(
+            "--hard-cases brings its own scenes: leave out SCENE, --environment and --quick"
+        )
     if ask.scene is None and not ask.hard_cases:
         raise SceneError("cost: name a SCENE, or ask for --hard-cases")
     from haptisym.verbs.cost.entry import cost as of
@@ -637,7 +780,12 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
 @verb(
     SCENE,
     JSON,
-    option("--motion sine|multisine|chirp|FILE.csv", "Motion of the hand.", default="sine", show_default=True),
+    option(
+        "--motion sine|multisine|chirp|FILE.csv",
+        "Motion of the hand.",
+        default="sine",
+        show_default=True,
+    ),
     option("--amplitude LENGTH", 'Amplitude of the motion, as "5 cm" or "3 deg".'),
     option("--omega FREQUENCY", 'Frequency of a sine, or the highest; as "2 Hz".'),
     option("--duration TIME", 'Simulated time, as "20 s".'),
@@ -647,23 +795,37 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
     option("--quantise LENGTH", 'Resolution of the position encoder, as "0.1 mm".'),
     option("--saturate FORCE", 'Largest force that can be rendered, as "5 N".'),
     option("--lowpass FREQUENCY", 'Smooth a recorded motion (zero phase), as "20 Hz".'),
-    choice("--lowpass-order ORDER", "Order of the low-pass filter (4 if not given).", "2", "4", "6", "8"),
+    choice(
+        "--lowpass-order ORDER",
+        "Order of the low-pass filter (4 if not given).",
+        "2",
+        "4",
+        "6",
+        "8",
+    ),
     output("--force FILE", "Write the force in time, with the motion, as CSV."),
     FIGURES,
     LIMIT,
     apart=[
         ("--check", "--motion", "--check chooses the motion itself"),
         ("--check", "--force", "--check compares frequencies, --force writes one run in time"),
-        *(("--release", x, f"--release lets the hand go, {x} is about a hand that moves") for x in _MOVED),
+        *(
+            ("--release", x, f"--release lets the hand go, {x} is about a hand that moves")
+            for x in _MOVED
+        ),
     ],
-    needs=[("--lowpass-order", "--lowpass", "the low-pass"), ("--hand", "--release", "a hand that lets go")],
+    needs=[
+        ("--lowpass-order", "--lowpass", "the low-pass"),
+        ("--hand", "--release", "a hand that lets go"),
+    ],
 )
 def simulate(ask: Ask) -> Answer:
     """Simulate a scene in time, and compare with the closed form.
 
-    The force at the hand follows from the equations of motion of the elements of the scene (delay lines, sampling, sliding
-    friction), not from the closed form; a lock-in recovers Re and Im of H_perc. With --release the hand holds the display
-    displaced and lets go: does it shake, at which rate and frequency?
+    The force at the hand follows from the equations of motion of the elements of the scene (delay
+    lines, sampling, sliding friction), not from the closed form; a lock-in recovers Re and Im of
+    H_perc. With --release the hand holds the display displaced and lets go: does it shake, at which
+    rate and frequency?
 
     \b
     Examples:
@@ -671,9 +833,9 @@ def simulate(ask: Ask) -> Answer:
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate delayed-spring --release "1 cm" --hand light-touch
-      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm" --saturate "5 N"
-      haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
-    """
+      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm"
+      --saturate "5 N" haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force
+      force.csv"""
     with progress("s simulated") as told:
         if ask.release:
             from haptisym.verbs.simulate.entry import extras_of
@@ -681,14 +843,33 @@ def simulate(ask: Ask) -> Answer:
 
             extras = extras_of({"quantise": ask.quantise, "saturate": ask.saturate})
             found: Any = release(
-                ask.scene, ask.release, ask.hand, duration=ask.duration, extras=extras, progress=told, limit=None
+                ask.scene,
+                ask.release,
+                ask.hand,
+                duration=ask.duration,
+                extras=extras,
+                progress=told,
+                limit=None,
             )
             force = found
         else:
             from haptisym.verbs.simulate.entry import run  # SciPy is loaded for this verb alone
 
-            keys = ("amplitude", "omega", "duration", "quantise", "saturate", "lowpass", "lowpass_order")
-            found = run(ask.scene, ask.check, {"kind": ask.motion, **{x: getattr(ask, x) for x in keys}}, told)
+            keys = (
+                "amplitude",
+                "omega",
+                "duration",
+                "quantise",
+                "saturate",
+                "lowpass",
+                "lowpass_order",
+            )
+            found = run(
+                ask.scene,
+                ask.check,
+                {"kind": ask.motion, **{x: getattr(ask, x) for x in keys}},
+                told,
+            )
             force = found[0]
     keep_text("force", ask.force, force.to_csv)
     return found  # type: ignore[no-any-return]
@@ -697,7 +878,9 @@ def simulate(ask: Ask) -> Answer:
 def _need_a_model(_context: click.Context, option: click.Parameter, given: Any) -> Any:
     """What was given; SceneError with the names of all models where that is none."""
     if given == "" or (isinstance(given, tuple) and "" in given):
-        raise SceneError(f"{option.opts[0]} needs a model: valid are {', '.join(_models(option.multiple))}")
+        raise SceneError(
+            f"{option.opts[0]} needs a model: valid are {', '.join(_models(option.multiple))}"
+        )
     return given
 
 
@@ -711,16 +894,20 @@ def _no_such_option(_context: click.Context, _option: click.Parameter, given: st
     """SceneError for an option by which one looks for models."""
     if given is not None:
         raise SceneError(
-            "--model: what is felt is --environment MODEL, and what stands behind it --effect MODEL; or --degrees N D. "
+            "--model: what is felt is --environment MODEL, and what stands behind it "
+            "--effect MODEL; or --degrees N D. "
             f"Environments are {', '.join(_models(False))}; effects are {', '.join(_models(True))}"
         )
 
 
 _MAY_LACK: dict[str, Any] = {"is_flag": False, "flag_value": ""}
-"""Of an option that needs a model and may be given none, which is then said with the names of all."""
+"""Of an option that needs a model and may be given none, which is then said with the names of
+all."""
 
 
-def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...]) -> dict[str, str | int]:
+def _by_role(
+    ctx: click.Context, param: click.Parameter, given: tuple[str, ...]
+) -> dict[str, str | int]:
     """Of ROLE=VALUE, by role; whole numbers as such."""
     found: dict[str, str | int] = {}
     for text in given:
@@ -733,7 +920,12 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
 
 @verb(
     click.Argument(["file"]),
-    option("--environment MODEL", "Environment model, as mass-spring-damper.", callback=_need_a_model, **_MAY_LACK),
+    option(
+        "--environment MODEL",
+        "Environment model, as mass-spring-damper.",
+        callback=_need_a_model,
+        **_MAY_LACK,
+    ),
     option(
         "--effect MODEL",
         "Effect model, nearest the environment first; repeatable.",
@@ -742,7 +934,12 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
         **_MAY_LACK,
     ),
     option("--model", "", hidden=True, expose_value=False, callback=_no_such_option, **_MAY_LACK),
-    option("--degrees N D", "Degrees of numerator and denominator, in place of a model.", nargs=2, type=int),
+    option(
+        "--degrees N D",
+        "Degrees of numerator and denominator, in place of a model.",
+        nargs=2,
+        type=int,
+    ),
     option("--band LOW HIGH", 'Use only this band, as "1 Hz" "20 Hz".', nargs=2),
     option("--averages N", "Number of averages of the column coherence.", type=float),
     option("--confidence P", "Confidence of all intervals (0.95 if not given).", type=float),
@@ -754,7 +951,12 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
         multiple=True,
         callback=_by_role,
     ),
-    option("--unit ROLE=UNIT", "Unit of a column, as magnitude=dB; repeatable.", multiple=True, callback=_by_role),
+    option(
+        "--unit ROLE=UNIT",
+        "Unit of a column, as magnitude=dB; repeatable.",
+        multiple=True,
+        callback=_by_role,
+    ),
     option("--quantity NAME", "What the response is, as impedance (stiffness if not given)."),
     option("--sign -1", "The force was measured as the reaction: turn its sign round.", type=int),
     option("--title TEXT", "Title of the scene that is written.", default=""),
@@ -767,13 +969,14 @@ def _by_role(ctx: click.Context, param: click.Parameter, given: tuple[str, ...])
 def identify(ask: Ask) -> Answer:
     """Fit a model to a measured response.
 
-    FILE holds frequency points, or with --estimator records in time (CSV); or it is a scene with [perceived] (TOML), whose
-    environment is known and whose effects are fitted.
+    FILE holds frequency points, or with --estimator records in time (CSV); or it is a scene with
+    [perceived] (TOML), whose environment is known and whose effects are fitted.
 
-    MODEL is a model of the catalogue. After a colon follow the parameters that it has, where some are optional, and given
-    values: shunt:m,b or second-order-lowpass:zeta=0.5.
+    MODEL is a model of the catalogue. After a colon follow the parameters that it has, where some
+    are optional, and given values: shunt:m,b or second-order-lowpass:zeta=0.5.
 
-    Weighted least squares. Estimated: parameters with confidence intervals, and a test whether the model fits.
+    Weighted least squares. Estimated: parameters with confidence intervals, and a test whether the
+    model fits.
 
     \b
     Examples:
@@ -787,8 +990,12 @@ def identify(ask: Ask) -> Answer:
 
     keys = ("estimator", "segment", "columns", "unit", "quantity", "sign")
     records = {key: x for key in keys if (x := getattr(ask, key))}
-    measured = entry.opened(ask.file, ask.averages, ask.confidence, files=not ask.no_files, **records)
-    not_over(measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")})
+    measured = entry.opened(
+        ask.file, ask.averages, ask.confidence, files=not ask.no_files, **records
+    )
+    not_over(
+        measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")}
+    )
     asked: dict[str, Any] = {"degrees": ask.degrees, "band": ask.band, "title": ask.title}
     found = entry.identify(measured, ask.environment, ask.effect, **asked, limit=None)
     keep_text("scene", ask.scene, lambda: found.text)
@@ -803,11 +1010,17 @@ class _Number(click.ParamType[object]):
     def __init__(self, *words: str) -> None:
         self.words = words
 
-    def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> object:
+    def convert(
+        self, value: object, param: click.Parameter | None, ctx: click.Context | None
+    ) -> object:
         from haptisym.model.quantities import decimal
 
         try:
-            return value if isinstance(value, float) or value in self.words else float(decimal(str(value)))
+            return (
+                value
+                if isinstance(value, float) or value in self.words
+                else float(decimal(str(value)))
+            )
         except SceneError as error:
             raise error.within(param.opts[-1] if param else "number") from None
 
@@ -815,14 +1028,41 @@ class _Number(click.ParamType[object]):
 @verb(
     optional("data"),
     option("--published", "List published thresholds that a scene can use by name."),
-    option("--discriminate", "With --regions: the changes that would decide between square, disc and tilted ellipse."),
-    option("--proportion P", "Proportion of responses that defines the JND (0.75 if not given).", type=_Number()),
-    option("--alternatives M", "Forced choice between M alternatives; levels are differences.", type=int),
-    option("--reference X", "Level of the standard, for the JND as a fraction of it.", type=_Number()),
+    option(
+        "--discriminate",
+        "With --regions: the changes that would decide between square, disc and tilted ellipse.",
+    ),
+    option(
+        "--proportion P",
+        "Proportion of responses that defines the JND (0.75 if not given).",
+        type=_Number(),
+    ),
+    option(
+        "--alternatives M",
+        "Forced choice between M alternatives; levels are differences.",
+        type=int,
+    ),
+    option(
+        "--reference X", "Level of the standard, for the JND as a fraction of it.", type=_Number()
+    ),
     option("--guess G", "Guess rate (0 if not given).", type=_Number(), default=0.0),
-    option("--lapse L", 'Lapse rate, or "free" (0 if not given).', type=_Number("free"), default=0.0),
-    option("--confidence C", "Confidence of the interval (0.95 if not given).", type=_Number(), default=0.95),
-    choice("--method", "Method of the fit.", "likelihood", "psignifit", default="likelihood", show_default=True),
+    option(
+        "--lapse L", 'Lapse rate, or "free" (0 if not given).', type=_Number("free"), default=0.0
+    ),
+    option(
+        "--confidence C",
+        "Confidence of the interval (0.95 if not given).",
+        type=_Number(),
+        default=0.95,
+    ),
+    choice(
+        "--method",
+        "Method of the fit.",
+        "likelihood",
+        "psignifit",
+        default="likelihood",
+        show_default=True,
+    ),
     option("--level COLUMN", "Column of the levels."),
     option("--count COLUMN", "Column of the counted responses, k."),
     option("--trials COLUMN", "Column of all responses, n."),
@@ -835,11 +1075,13 @@ class _Number(click.ParamType[object]):
 def jnd(ask: Ask) -> Answer:
     """Fit a psychometric function to responses: the JND.
 
-    DATA is a table (CSV) with a row for each level (level, k of n responses; as quickpsy and Palamedes write it) or for
-    each trial (level, response; as PsychoPy writes it, staircases too), or a result of psignifit 4 (JSON).
+    DATA is a table (CSV) with a row for each level (level, k of n responses; as quickpsy and
+    Palamedes write it) or for each trial (level, response; as PsychoPy writes it, staircases too),
+    or a result of psignifit 4 (JSON).
 
-    Without --alternatives responses are "more" or "less" than the standard: the JND is the distance from the point of
-    subjective equality. With it they are correct or not, and the JND is the level itself.
+    Without --alternatives responses are "more" or "less" than the standard: the JND is the distance
+    from the point of subjective equality. With it they are correct or not, and the JND is the level
+    itself.
 
     \b
     Examples:
@@ -855,15 +1097,29 @@ def jnd(ask: Ask) -> Answer:
     if ask.published:
         spared = ("--published", "--json", "--latex", "--report")
         if any(given(x.opts[-1]) for x in jnd.params if x.opts[-1] not in spared):
-            raise SceneError("--published lists what others measured: leave out DATA and what is about it")
+            raise SceneError(
+                "--published lists what others measured: leave out DATA and what is about it"
+            )
         return published()
     if ask.data is None:
         raise SceneError("jnd: name a file of answers as DATA, or ask for --published")
     same = {
         key: getattr(ask, key)
-        for key in ("proportion", "alternatives", "guess", "reference", "confidence", "method", "more")
+        for key in (
+            "proportion",
+            "alternatives",
+            "guess",
+            "reference",
+            "confidence",
+            "method",
+            "more",
+        )
     }
-    columns = {key: x for key in ("level", "count", "trials", "answer") if (x := getattr(ask, key)) is not None}
+    columns = {
+        key: x
+        for key in ("level", "count", "trials", "answer")
+        if (x := getattr(ask, key)) is not None
+    }
     lapse = None if isinstance(ask.lapse, str) else ask.lapse
     return of(ask.data, lapse=lapse, where=_pairs(ask.where), columns=columns, **same)
 

@@ -1,1 +1,2 @@
-"""Figures, after those of the paper: each function draws on the axes that it is given and changes nothing else."""
+"""Figures, after those of the paper: each function draws on the axes that it is given and changes
+nothing else."""

@@ -1,9 +1,12 @@
-"""Accuracy against time as a figure: correct digits over seconds, both logarithmic, one panel for each question.
+"""Accuracy against time as a figure: correct digits over seconds, both logarithmic, one panel for
+each question.
 
-Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven ones: what nothing beats in
-both. Answers with a wrong number of crossings, or without a right digit, stand on the grey strip below.
+Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven
+ones: what nothing beats in both. Answers with a wrong number of crossings, or without a right
+digit, stand on the grey strip below.
 
-The hard cases are a table: families against methods, the darker a cell the more of its questions are answered wrong.
+The hard cases are a table: families against methods, the darker a cell the more of its questions
+are answered wrong.
 """
 
 from __future__ import annotations
@@ -94,9 +97,11 @@ def _draw_front(ax: Axes, rows: Iterable[Measurement], **style: Any) -> None:
 
 def _mark(ax: Axes, row: Measurement) -> None:
     ax.plot(
-        *_place(row), color=pen.INK, zorder=4,
+        *_place(row),
+        color=pen.INK,
+        zorder=4,
         **dots(4.6, markerfacecolor=pen.INK if row.proven else "white", markeredgewidth=0.9),
-    )  # fmt: skip
+    )
 
 
 def _dress(ax: Axes) -> None:
@@ -115,29 +120,45 @@ def _dress(ax: Axes) -> None:
 
 
 def _draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
-    """The name of each method beside its mark, where it covers neither a mark nor another name; once the axes have their size."""
+    """The name of each method beside its mark, where it covers neither a mark nor another name;
+    once the axes have their size."""
     room, size = Room(ax), pen.SMALL - 0.5
     for row in rows:
         room.take_point(*_place(row))
     for line in ax.get_lines():
         if line.get_drawstyle() == "steps-post":
-            x, y = np.asarray(line.get_xdata(), dtype=float), np.asarray(line.get_ydata(), dtype=float)
+            x, y = (
+                np.asarray(line.get_xdata(), dtype=float),
+                np.asarray(line.get_ydata(), dtype=float),
+            )
             room.take_line(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1])
     for row in sorted(rows, key=_place, reverse=True):
         name = raised(f"{row.method}: {row.wrong}" if row.wrong else row.method)
         right, up = room.beside(*_place(row), name, size)
-        leader = pen.LEADER if max(abs(right), abs(up)) > 2 * size and (up > size or up < -2 * size) else None
+        leader = (
+            pen.LEADER
+            if max(abs(right), abs(up)) > 2 * size and (up > size or up < -2 * size)
+            else None
+        )
         ax.annotate(
-            name, _place(row), xytext=(right, up), textcoords="offset points", fontsize=size, color=pen.INK, va="bottom",
-            zorder=5, arrowprops=leader,
-        )  # fmt: skip
+            name,
+            _place(row),
+            xytext=(right, up),
+            textcoords="offset points",
+            fontsize=size,
+            color=pen.INK,
+            va="bottom",
+            zorder=5,
+            arrowprops=leader,
+        )
 
 
 # The whole figure.
 
 
 def cost_figure(found: Cost) -> Figure:
-    """A panel for each task, two in a row; what the marks mean stands below, or in the place that is left."""
+    """A panel for each task, two in a row; what the marks mean stands below, or in the place that
+    is left."""
     rows = found.rows
     groups = [group for task in _TITLES if (group := [row for row in rows if row.task == task])]
     columns = min(2, len(groups))
@@ -147,8 +168,15 @@ def cost_figure(found: Cost) -> Figure:
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, group in zip(axes, groups, strict=False):
         draw_cost(ax, group)
-    figure.suptitle("\n".join(wrap(printable(found.scene.title), 88)), fontsize=pen.TEXT + 1, color=pen.INK)
-    style: dict[str, Any] = {"handles": _handles(rows), "fontsize": pen.SMALL, "frameon": False, "handlelength": 2}
+    figure.suptitle(
+        "\n".join(wrap(printable(found.scene.title), 88)), fontsize=pen.TEXT + 1, color=pen.INK
+    )
+    style: dict[str, Any] = {
+        "handles": _handles(rows),
+        "fontsize": pen.SMALL,
+        "frameon": False,
+        "handlelength": 2,
+    }
     if len(groups) < len(axes):
         _explain(axes[-1], found.summary, style)
     else:
@@ -164,7 +192,16 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
     """The sentence and the legend, in the place of a panel."""
     ax.set_axis_off()
     told = fill(raised(said.replace(" us", " µs")), 52)
-    ax.text(0, 0.97, told, fontsize=pen.SMALL, color=pen.INK, va="top", linespacing=1.5, transform=ax.transAxes)
+    ax.text(
+        0,
+        0.97,
+        told,
+        fontsize=pen.SMALL,
+        color=pen.INK,
+        va="top",
+        linespacing=1.5,
+        transform=ax.transAxes,
+    )
     ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
 
 
@@ -175,16 +212,25 @@ def _handles(rows: Sequence[Measurement]) -> list[Any]:
     return [
         *([Line2D([], [], **mark, label="proven")] if proven else []),
         Line2D([], [], markerfacecolor="white", **mark, label="not proven"),
-        *([Line2D([], [], color=pen.INK, linewidth=1.2, label="best of the proven")] if proven else []),
+        *(
+            [Line2D([], [], color=pen.INK, linewidth=1.2, label="best of the proven")]
+            if proven
+            else []
+        ),
         Line2D([], [], color=pen.GREY, linewidth=0.9, linestyle=_DASHED, label="best of all"),
         Patch(facecolor=pen.SHADE, label="no correct digit, or a wrong count"),
     ]
 
 
-_CELL, _LEFT, _LINE = 0.98, 1.95, 0.34  # inches: width of a cell, of the names of families, height of a line
+_CELL, _LEFT, _LINE = (
+    0.98,
+    1.95,
+    0.34,
+)  # inches: width of a cell, of the names of families, height of a line
 _TABLES = {"evaluate": "Values of the ratios", "crossings": "Crossings"}
 _DARKEST = 0.42
-"""The share of ink of a cell without a right answer: figures on it are still read, in grey print too."""
+"""The share of ink of a cell without a right answer: figures on it are still read, in grey print
+too."""
 
 
 def hard_costs_figure(found: HardCosts) -> Figure:
@@ -199,38 +245,61 @@ def hard_costs_figure(found: HardCosts) -> Figure:
     top = height + 0.1
     for group, (columns, lines) in zip(groups, sizes, strict=True):
         top -= _LINE * 1.9
-        place = (_LEFT / width, (top - _LINE * lines) / height, _CELL * columns / width, _LINE * lines / height)
+        place = (
+            _LEFT / width,
+            (top - _LINE * lines) / height,
+            _CELL * columns / width,
+            _LINE * lines / height,
+        )
         draw_table(figure.add_axes(place), group)
         top -= _LINE * lines
     figure.legend(
-        handles=_table_handles(), loc="lower center", ncols=4, fontsize=pen.SMALL, frameon=False, handlelength=1.4,
-    )  # fmt: skip
+        handles=_table_handles(),
+        loc="lower center",
+        ncols=4,
+        fontsize=pen.SMALL,
+        frameon=False,
+        handlelength=1.4,
+    )
     return figure
 
 
 def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
-    """Families down, methods across; in each cell how many answers are right, and what is wrong with the others."""
+    """Families down, methods across; in each cell how many answers are right, and what is wrong
+    with the others."""
     methods, families = _names(rows, "method"), _names(rows, "family")
     ax.set(xlim=(0, len(methods)), ylim=(len(families), 0))
     ax.set_axis_off()
     title = _TABLES[rows[0].task]
-    ax.text(-_LEFT / _CELL + 0.1, -0.6, title, fontsize=pen.TEXT + 1, color=pen.INK, fontweight="bold")
+    ax.text(
+        -_LEFT / _CELL + 0.1, -0.6, title, fontsize=pen.TEXT + 1, color=pen.INK, fontweight="bold"
+    )
     for j, method in enumerate(methods):
         ours = any(row.ours for row in rows if row.method == method)
         weight = "bold" if ours else "normal"
         ax.text(
-            j + 0.5, -0.2, _folded(method), fontsize=pen.SMALL, color=pen.INK, ha="center", va="bottom",
+            j + 0.5,
+            -0.2,
+            _folded(method),
+            fontsize=pen.SMALL,
+            color=pen.INK,
+            ha="center",
+            va="bottom",
             fontweight=weight,
-        )  # fmt: skip
+        )
     for i, family in enumerate(families):
         ax.text(-0.08, i + 0.5, family, fontsize=pen.SMALL, color=pen.INK, ha="right", va="center")
         for j, method in enumerate(methods):
-            _draw_cell(ax, (j, i), [row for row in rows if row.family == family and row.method == method])
+            _draw_cell(
+                ax, (j, i), [row for row in rows if row.family == family and row.method == method]
+            )
 
 
 def cases(found: HardCosts) -> Chart:
     """How many of the hard cases each method answers, for the first task."""
-    return Chart([_Panel([row for row in found.rows if row.task == found.rows[0].task], draw_table)])
+    return Chart(
+        [_Panel([row for row in found.rows if row.task == found.rows[0].task], draw_table)]
+    )
 
 
 def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> None:
@@ -238,15 +307,38 @@ def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> Non
     answered = [row for row in rows if row.answered]
     if not answered:
         ax.text(
-            x + 0.5, y + 0.5, "cannot", fontsize=pen.SMALL, color=pen.GREY, ha="center", va="center", fontstyle="italic"
+            x + 0.5,
+            y + 0.5,
+            "cannot",
+            fontsize=pen.SMALL,
+            color=pen.GREY,
+            ha="center",
+            va="center",
+            fontstyle="italic",
         )
         return
     right = sum(row.verdict == "right" for row in answered)
     share = 1 - right / len(answered)
-    ax.add_patch(Rectangle((x + 0.02, y + 0.05), 0.96, 0.9, facecolor=_shade(share), edgecolor=pen.GREY, linewidth=0.4))
+    ax.add_patch(
+        Rectangle(
+            (x + 0.02, y + 0.05),
+            0.96,
+            0.9,
+            facecolor=_shade(share),
+            edgecolor=pen.GREY,
+            linewidth=0.4,
+        )
+    )
     face = pen.INK if all(row.proven for row in answered) else "white"
     ax.plot(x + 0.13, y + 0.34, color=pen.INK, **dots(4, markeredgewidth=0.8, markerfacecolor=face))
-    ax.text(x + 0.22, y + 0.34, f"{right} of {len(answered)}", fontsize=pen.SMALL, color=pen.INK, va="center")
+    ax.text(
+        x + 0.22,
+        y + 0.34,
+        f"{right} of {len(answered)}",
+        fontsize=pen.SMALL,
+        color=pen.INK,
+        va="center",
+    )
     said = _short(worst_verdict(answered)) or f"{min(row.digits for row in answered):.0f} digits"
     ax.text(x + 0.08, y + 0.71, said, fontsize=pen.SMALL - 1, color=pen.INK, va="center")
 
@@ -262,7 +354,12 @@ def _short(verdict: str) -> str:
 
 
 def _folded(method: str) -> str:
-    return raised(method).replace(" in floats", "\nin floats").replace(" + Brent", "\n+ Brent").replace(", ", ",\n")
+    return (
+        raised(method)
+        .replace(" in floats", "\nin floats")
+        .replace(" + Brent", "\n+ Brent")
+        .replace(", ", ",\n")
+    )
 
 
 def _names(rows: Sequence[HardRow], attribute: str) -> list[str]:

@@ -1,7 +1,8 @@
 """What is drawn along a band, in floats: where curves are sampled, and what criteria judge there.
 
-Curves are sampled as finely as they bend, with every proven frequency of the evaluation among the samples. What is judged is a
-ratio against its threshold or, where a criterion has no number for its limit, how many times its region must be enlarged.
+Curves are sampled as finely as they bend, with every proven frequency of the evaluation among the
+samples. What is judged is a ratio against its threshold or, where a criterion has no number for its
+limit, how many times its region must be enlarged.
 """
 
 from __future__ import annotations
@@ -41,17 +42,21 @@ def evenly(evaluation: Evaluation) -> Array:
 
 
 def sampled(evaluation: Evaluation) -> Array:
-    """Even frequencies, all points of the chart, and ever closer ones around these and around resonances."""
+    """Even frequencies, all points of the chart, and ever closer ones around these and around
+    resonances."""
     low, high = band_of(evaluation)
     points = np.array([float(point.omega) for point in evaluation.chart.points])
     steps = (high - low) * 2.0 ** -np.arange(3, 34)
     centres = np.concatenate([points, _resonances(evaluation.distortion)])
     around = (centres[:, None] + np.concatenate([-steps, [0.0], steps])).ravel()
-    return np.unique(np.concatenate([evenly(evaluation), points, around[(around > low) & (around < high)]]))
+    return np.unique(
+        np.concatenate([evenly(evaluation), points, around[(around > low) & (around < high)]])
+    )
 
 
 def _resonances(distortion: Distortion) -> Array:
-    """The frequencies of all poles and zeros of H_env and H_perc: a lightly damped one makes a narrow feature."""
+    """The frequencies of all poles and zeros of H_env and H_perc: a lightly damped one makes a
+    narrow feature."""
     polynomials = [p for H in (distortion.environment, distortion.perceived) for p in fraction(H)]
     return np.concatenate([_frequencies_of_roots(p) for p in polynomials])
 
@@ -66,7 +71,8 @@ def _frequencies_of_roots(polynomial: Expr) -> Array:
 
 
 def refined(seen: Callable[[Array], Array], grid: Array) -> Array:
-    """The grid, halved wherever a straight line strays from what is ``seen`` by more than 1/2000 of the axes."""
+    """The grid, halved wherever a straight line strays from what is ``seen`` by more than 1/2000 of
+    the axes."""
     for _ in range(10):
         ends, middle = seen(grid), (grid[1:] + grid[:-1]) / 2
         bent = (np.abs(seen(middle) - (ends[1:] + ends[:-1]) / 2) > 5e-4).any(axis=1)
@@ -78,13 +84,17 @@ def refined(seen: Callable[[Array], Array], grid: Array) -> Array:
 
 def in_window(values: Array, low: Any, high: Any) -> Array:
     """Values as fractions of the axes, those far outside brought near."""
-    inside: Array = np.clip(np.nan_to_num((values - low) / (high - low), nan=2, posinf=2, neginf=-1), -1, 2)
+    inside: Array = np.clip(
+        np.nan_to_num((values - low) / (high - low), nan=2, posinf=2, neginf=-1), -1, 2
+    )
     return inside
 
 
 def broken(values: Array, omega: Array, poles: Iterable[Point]) -> Array:
     """Values with a gap at each pole, so that no line is drawn through infinity."""
-    gaps = np.isin(omega, [float(point.omega) for point in poles]) | ~np.isfinite(values).all(axis=1)
+    gaps = np.isin(omega, [float(point.omega) for point in poles]) | ~np.isfinite(values).all(
+        axis=1
+    )
     broken: Array = np.where(gaps[:, None], np.nan, values)
     return broken
 
@@ -92,11 +102,16 @@ def broken(values: Array, omega: Array, poles: Iterable[Point]) -> Array:
 def poles_of(evaluation: Evaluation) -> list[Point]:
     """Where H_env or H_perc is infinite."""
     keys = [(curve, part) for curve in (Curve.ENVIRONMENT, Curve.PERCEIVED) for part in Part]
-    return [point for point in evaluation.chart.points if any(point.orders.get(key, 0) < 0 for key in keys)]
+    return [
+        point
+        for point in evaluation.chart.points
+        if any(point.orders.get(key, 0) < 0 for key in keys)
+    ]
 
 
 def top_of(everywhere: Array, evenly: Array, least: float = 0.0) -> float:
-    """The upper end of an axis from 0: the highest value, unless that is a narrow peak far above most others."""
+    """The upper end of an axis from 0: the highest value, unless that is a narrow peak far above
+    most others."""
     highest, upper = float(np.nanmax(everywhere)), evenly.max(axis=1)
     most, nearly_all = np.quantile(upper[np.isfinite(upper)], (0.75, 0.9))
     return 1.06 * highest if highest <= 3 * nearly_all else max(2.5 * float(most), 4 * least)
@@ -106,7 +121,13 @@ def responses(f: Callable[..., Values], omega: Array) -> Array:
     """Re and Im of H_env, then of H_perc, in four columns."""
     values = f(omega)
     return np.stack(
-        [values.environment_real, values.environment_imag, values.perceived_real, values.perceived_imag], axis=1
+        [
+            values.environment_real,
+            values.environment_imag,
+            values.perceived_real,
+            values.perceived_imag,
+        ],
+        axis=1,
     )
 
 
@@ -130,7 +151,8 @@ def _index(symbol: str) -> str:
 
 
 def is_share(x: Criterion) -> bool:
-    """Whether a criterion has no number for its limit, so that what it judges is drawn as a multiple of that."""
+    """Whether a criterion has no number for its limit, so that what it judges is drawn as a
+    multiple of that."""
     return x.region is not None or bool(x.threshold.has(omega))
 
 
@@ -148,7 +170,9 @@ def name_of(x: Criterion) -> str:
 
 def columns(criteria: Iterable[Criterion], values: Values, at: Array) -> Array:
     """What criteria judge, a column each, from compiled values at frequencies."""
-    return np.stack([found for x in criteria if (found := judged(x, values, at)) is not None], axis=1)
+    return np.stack(
+        [found for x in criteria if (found := judged(x, values, at)) is not None], axis=1
+    )
 
 
 def judged(x: Criterion, values: Values, at: Array) -> Array | None:
@@ -166,7 +190,10 @@ def judged(x: Criterion, values: Values, at: Array) -> Array | None:
 
 def _enlarged(region: Joint, values: Values, at: Array) -> Array:
     """By which factor the region must be enlarged; infinite where a ratio is."""
-    across, up = np.copysign(values.ratio_real, values.real), np.copysign(values.ratio_imag, values.imag)
+    across, up = (
+        np.copysign(values.ratio_real, values.real),
+        np.copysign(values.ratio_imag, values.imag),
+    )
     with np.errstate(invalid="ignore"):
         found: Array = region.enlarged(across, up, lambda x: floats_of(x, at))
     shown: Array = np.where(np.isnan(found), np.inf, found)

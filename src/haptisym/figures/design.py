@@ -1,6 +1,8 @@
-"""Figures of the best values: the bandwidth over one parameter with its proven bounds, or level lines over two.
+"""Figures of the best values: the bandwidth over one parameter with its proven bounds, or level
+lines over two.
 
-The curve and the level lines are computed in floats; the bounds, what must not be (hatched) and the marks are proven.
+The curve and the level lines are computed in floats; the bounds, what must not be (hatched) and the
+marks are proven.
 """
 
 from __future__ import annotations
@@ -14,7 +16,18 @@ from matplotlib.artist import Artist
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings
-from haptisym.figures.layers import Axis, Chart, Curve, Ground, Layer, Mark, On, frequency, handle, parameter
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Ground,
+    Layer,
+    Mark,
+    On,
+    frequency,
+    handle,
+    parameter,
+)
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
@@ -31,9 +44,15 @@ def design(found: Design) -> Chart:
     """The bandwidth over one or two free parameters. NothingToDrawError for three."""
     question = found.question
     if question is None or len(found.free) > 2:
-        raise NothingToDrawError("the bandwidth is drawn over one parameter or over two: leave out one of them")
+        raise NothingToDrawError(
+            "the bandwidth is drawn over one parameter or over two: leave out one of them"
+        )
     axes = [_axis(found, i) for i in range(len(found.free))]
-    return _curve(found, question, axes[0]) if len(axes) == 1 else _map(found, question, axes[0], axes[1])
+    return (
+        _curve(found, question, axes[0])
+        if len(axes) == 1
+        else _map(found, question, axes[0], axes[1])
+    )
 
 
 def _axis(found: Design, i: int) -> Axis:
@@ -60,7 +79,12 @@ def _curve(found: Design, question: Question, axis: Axis) -> Chart:
         *_marks(found, lambda values, bandwidth: ([values[0]], [bandwidth])),
     ]
     top = min(1.2 * float(bandwidths.max(initial=end / 100)), end)
-    upright = Axis("bandwidth", found.family.frequency, (0.0, top * _ROOM), frequency(found.family.frequency).dimension)
+    upright = Axis(
+        "bandwidth",
+        found.family.frequency,
+        (0.0, top * _ROOM),
+        frequency(found.family.frequency).dimension,
+    )
     return Chart(layers, axis, upright, height=2.3)
 
 
@@ -75,7 +99,9 @@ def _parts(question: Question, values: Array, end: float) -> Iterator[Layer]:
     for part, first in question.points.first_crossings(values[:, None]).items():
         if (first < end).any():
             label, color, stroke = _LOOKS[part]
-            yield Curve(values, np.where(first < end, first, np.nan), color, stroke, 0.9, label=label)
+            yield Curve(
+                values, np.where(first < end, first, np.nan), color, stroke, 0.9, label=label
+            )
 
 
 def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
@@ -87,7 +113,11 @@ def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
         question.points.bandwidths(sets)[1].reshape(len(v), len(u)),
         label="bandwidth, " + found.family.frequency.text,
     )
-    layers = [*_refused(found, question), levels, *_marks(found, lambda values, _: ([values[0]], [values[1]]))]
+    layers = [
+        *_refused(found, question),
+        levels,
+        *_marks(found, lambda values, _: ([values[0]], [values[1]])),
+    ]
     return Chart(layers, x, y, height=2.6)
 
 
@@ -104,12 +134,17 @@ def _refused(found: Design, question: Question) -> Iterator[Layer]:
         return
     top = np.tile([0.0, _ROOM * float(found.family.band[1])], (len(cells), 1))
     y = (top[:, 0], top[:, 1]) if len(found.free) == 1 else _si(found, cells[:, 1], 1)
-    yield Ground(_si(found, cells[:, 0], 0), y, label=f"not {' and '.join(found.keep)}", look=_REFUSED)
+    yield Ground(
+        _si(found, cells[:, 0], 0), y, label=f"not {' and '.join(found.keep)}", look=_REFUSED
+    )
 
 
 def _marks(found: Design, place: object) -> Iterator[Layer]:
     """The scene's values, where they lie in the range, and the best ones."""
-    for one, label, face in ((found.given, "as in the scene", "white"), (found.best, "best", pen.INK)):
+    for one, label, face in (
+        (found.given, "as in the scene", "white"),
+        (found.best, "best", pen.INK),
+    ):
         if one is None:
             continue
         values = [float(x) for x in one.values]

@@ -1,8 +1,9 @@
-"""Figures of what matters: influences of effects, sensitivities to parameters, and other measures beside the JND's.
+"""Figures of what matters: influences of effects, sensitivities to parameters, and other measures
+beside the JND's.
 
-Influences: what each effect changes along the band, and which one changes most. Sensitivities: for each frequency bars of
-the elasticities, the parameter that moves it most on top. Measures: ``|Gamma|``, relative distortion and ratios, with the
-bands of each.
+Influences: what each effect changes along the band, and which one changes most. Sensitivities: for
+each frequency bars of the elasticities, the parameter that moves it most on top. Measures:
+``|Gamma|``, relative distortion and ratios, with the bands of each.
 """
 
 from __future__ import annotations
@@ -25,7 +26,19 @@ from haptisym.figures import pen
 from haptisym.figures.curves import ends_of, is_share, limit_of, sampled, written
 from haptisym.figures.evaluation import along
 from haptisym.figures.files import Drawings, sheet
-from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, On, draw, frequency, number, spread, text_width
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Layer,
+    Limit,
+    On,
+    draw,
+    frequency,
+    number,
+    spread,
+    text_width,
+)
 from haptisym.kernel.errors import NothingToDrawError, SceneError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Unit
@@ -48,7 +61,8 @@ _STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5
 
 
 def influences(found: Relevance, part: Part) -> Chart:
-    """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey where it is left out.
+    """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey
+    where it is left out.
 
     Each curve bears its name at its end.
 
@@ -61,7 +75,11 @@ def influences(found: Relevance, part: Part) -> Chart:
     tolerance, largest = float(found.tolerance), max((float(x.max()) for x in curves), default=0.0)
     middle = tolerance or largest or 1.0
     floor, top = middle * 10**-_DECADES, 2 * max(largest, middle)
-    styles, lines, ends = iter(_STYLES * len(curves)), list[Layer](), list[tuple[str, float, bool]]()
+    styles, lines, ends = (
+        iter(_STYLES * len(curves)),
+        list[Layer](),
+        list[tuple[str, float, bool]](),
+    )
     for x, values in zip(found.effects, curves, strict=True):
         color, width, stroke = (pen.INK, 1.2, next(styles)) if x.kept else (pen.GREY, 0.6, "-")
         shown = np.where(values >= floor / 10, values, np.nan)
@@ -73,7 +91,10 @@ def influences(found: Relevance, part: Part) -> Chart:
     low, high = (float(x) for x in found.scene.band)
     upright = Axis(f"change of ${symbol}$", ends=(floor, top), log=True)
     return Chart(
-        [limit, *lines, _Ends(ends, tolerance)], frequency(found.scene.frequency, (low, high)), upright, height=1.9
+        [limit, *lines, _Ends(ends, tolerance)],
+        frequency(found.scene.frequency, (low, high)),
+        upright,
+        height=1.9,
     )
 
 
@@ -90,7 +111,9 @@ def _changes(found: Relevance, part: Part) -> tuple[Array, list[Array]]:
     with series_arithmetic():
         grid = np.array([float(found.balls.middle(piece)) for piece in pieces])
         indices = range(len(found.effects))
-        curves = [np.array([found.without(i, part).at_middle(piece) for piece in pieces]) for i in indices]
+        curves = [
+            np.array([found.without(i, part).at_middle(piece) for piece in pieces]) for i in indices
+        ]
     return grid, curves
 
 
@@ -100,7 +123,8 @@ _END = "_end"
 
 @dataclass(frozen=True)
 class _Ends(Layer):
-    """The name of each curve beside its end, those that would overlap moved apart, those that are there already, too."""
+    """The name of each curve beside its end, those that would overlap moved apart, those that are
+    there already, too."""
 
     ends: Sequence[tuple[str, float, bool]]
     tolerance: float
@@ -111,8 +135,14 @@ class _Ends(Layer):
         rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
         for old in before:
             old.remove()
-        rows += [(f"{name}{on.suffix}", y, on.color if kept else pen.GREY) for name, y, kept in self.ends]
-        rows += [("tolerance", self.tolerance, pen.GREY)] if not any(name == "tolerance" for name, *_ in rows) else []
+        rows += [
+            (f"{name}{on.suffix}", y, on.color if kept else pen.GREY) for name, y, kept in self.ends
+        ]
+        rows += (
+            [("tolerance", self.tolerance, pen.GREY)]
+            if not any(name == "tolerance" for name, *_ in rows)
+            else []
+        )
         low, high = np.log10(ax.get_ylim())
         seen = sorted(
             (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
@@ -122,22 +152,39 @@ class _Ends(Layer):
         height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
         places = spread([share for share, *_ in seen], [height] * len(seen))
         leader = {
-            "arrowstyle": "-", "linewidth": 0.4, "color": pen.GREY, "shrinkA": 0, "shrinkB": 0, "relpos": (0, 0.5),
-        }  # fmt: skip
+            "arrowstyle": "-",
+            "linewidth": 0.4,
+            "color": pen.GREY,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "relpos": (0, 0.5),
+        }
         return [
             ax.annotate(
-                name, xy=(1, value), xytext=(1.05, place), xycoords=ax.get_yaxis_transform(), textcoords="axes fraction",
-                va="center", fontsize=pen.SMALL, color=color, label=_END, arrowprops=leader,
+                name,
+                xy=(1, value),
+                xytext=(1.05, place),
+                xycoords=ax.get_yaxis_transform(),
+                textcoords="axes fraction",
+                va="center",
+                fontsize=pen.SMALL,
+                color=color,
+                label=_END,
+                arrowprops=leader,
             )
             for (_, name, value, color), place in zip(seen, places, strict=True)
-        ]  # fmt: skip
+        ]
 
 
 def dominance(found: Relevance) -> Chart:
-    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a number, told above."""
+    """Which effect changes the ratios most, as a strip along the band; a name that has no room is a
+    number, told above."""
     low, high = (float(x) for x in found.scene.band)
     return Chart(
-        [_Strip(found, styled=True)], frequency(found.scene.frequency, (low, high)), Axis(ends=(0, 1)), height=0.25
+        [_Strip(found, styled=True)],
+        frequency(found.scene.frequency, (low, high)),
+        Axis(ends=(0, 1)),
+        height=0.25,
     )
 
 
@@ -174,16 +221,20 @@ class _Strip(Layer):
 
 
 def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
-    """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow for that."""
+    """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow
+    for that."""
     told = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
     told += [f"too narrow for a name: {', '.join(slivers)}"] if slivers else []
     title = "changes the ratios most"
     full = "; ".join([title, *told])
-    return full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
+    return (
+        full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
+    )
 
 
 def relevance(found: Relevance) -> Figure:
-    """The influences on both parts, below the strip of which effect changes them most; SceneError where there are no effects."""
+    """The influences on both parts, below the strip of which effect changes them most; SceneError
+    where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
     return sheet(dominance(found), *(influences(found, part) for part in Part), wide=True)
@@ -191,7 +242,10 @@ def relevance(found: Relevance) -> Figure:
 
 EFFECTS = Drawings[Relevance](
     {
-        **{name: partial(influences, part=part) for name, part in (("real", Part.REAL), ("imag", Part.IMAG))},
+        **{
+            name: partial(influences, part=part)
+            for name, part in (("real", Part.REAL), ("imag", Part.IMAG))
+        },
         "dominance": dominance,
     },
     {"influences": relevance},
@@ -203,15 +257,17 @@ EFFECTS = Drawings[Relevance](
 _MOST, _MOST_FREQUENCIES = 12, 12
 """Bars of one frequency, and frequencies; the text has them all."""
 _ROW, _HEAD, _FOOT, _SIDE = 0.19, 0.46, 0.62, 0.45
-"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left, at least."""
+"""Inches: a bar with the space around it, a panel's title, the axis below, the names at the left,
+at least."""
 _NOTHING = "there is no crossing nor changeover on the band that parameters could move"
 
 
 def elasticities(found: Sensitivities, which: int = -1) -> Chart:
-    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1 per cent.
+    """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1
+    per cent.
 
-    ``which`` : of the crossings and changeovers; -1 is the bandwidth, or the first where there is none. The bars of a further
-    scene on the same axes are narrower, and lie on those of the first.
+    ``which`` : of the crossings and changeovers; -1 is the bandwidth, or the first where there is
+    none. The bars of a further scene on the same axes are narrower, and lie on those of the first.
 
     >>> from haptisym import load_scene, sensitivity
     >>> len(elasticities(sensitivity(load_scene("fu2019")), 0).y.names)
@@ -220,12 +276,16 @@ def elasticities(found: Sensitivities, which: int = -1) -> Chart:
     listed = _panels(found)
     if not listed:
         raise NothingToDrawError(_NOTHING)
-    title, x = ("bandwidth", found.bandwidth) if which < 0 and found.bandwidth else listed[max(which, 0)]
+    title, x = (
+        ("bandwidth", found.bandwidth) if which < 0 and found.bandwidth else listed[max(which, 0)]
+    )
     rows = [(_symbol(p.name), float(p.elasticity)) for p in _moved(x)][:_MOST]
     unit = found.evaluation.scene.frequency
     where = f"{frequency(unit).digits(x.omega, 4)} {unit.text}{': undefined' if x.reason else ''}"
     layers = [_Elastic(rows, f"{title}\n{where}", label="elasticity", styled=True)]
-    return Chart(layers, Axis(), Axis(names=[name for name, _ in rows]), height=_ROW * len(rows) + _HEAD)
+    return Chart(
+        layers, Axis(), Axis(names=[name for name, _ in rows]), height=_ROW * len(rows) + _HEAD
+    )
 
 
 def _symbol(name: str) -> str:
@@ -239,7 +299,9 @@ def _moved(x: Sensitive) -> list[Any]:
 
 def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
     """What is drawn, each with its title."""
-    crossings = [(f"{written(x.criterion)} crosses its threshold", x) for x in found.crossings if x.criterion]
+    crossings = [
+        (f"{written(x.criterion)} crosses its threshold", x) for x in found.crossings if x.criterion
+    ]
     env, perc = found.changeovers_environment, found.changeovers_perceived
     systems = ((r"H_\mathrm{env}", env), (r"H_\mathrm{perc}", perc))
     changeovers = [(rf"$\mathrm{{Re}}\,{name} = 0$", x) for name, listed in systems for x in listed]
@@ -256,15 +318,31 @@ class _Elastic(Layer):
     def draw(self, on: On) -> list[Artist]:
         ax, values = on.ax, [v for _, v in self.rows]
         places = [list(on.y.names).index(name) for name, _ in self.rows]
-        is_first, colors = not (on.number or on.given), [pen.BLUE if v > 0 else pen.RED for v in values]
-        bars = ax.barh(places, values, height=0.28 if on.number else 0.62, color=colors if is_first else on.color)
+        is_first, colors = (
+            not (on.number or on.given),
+            [pen.BLUE if v > 0 else pen.RED for v in values],
+        )
+        bars = ax.barh(
+            places,
+            values,
+            height=0.28 if on.number else 0.62,
+            color=colors if is_first else on.color,
+        )
         if not on.number:
             ax.axvline(0, color=pen.INK, linewidth=0.6)
             ax.set_title(self.title, fontsize=pen.TEXT, loc="left")
             for i, v in zip(places, values, strict=True):
                 shown = f"+{number(v, 3)}" if v > 0 else number(v, 3)
-                ax.annotate(shown, (v, i), (3 if v > 0 else -3, 0), textcoords="offset points", va="center",
-                            ha="left" if v > 0 else "right", fontsize=pen.SMALL, color=pen.GREY)  # fmt: skip
+                ax.annotate(
+                    shown,
+                    (v, i),
+                    (3 if v > 0 else -3, 0),
+                    textcoords="offset points",
+                    va="center",
+                    ha="left" if v > 0 else "right",
+                    fontsize=pen.SMALL,
+                    color=pen.GREY,
+                )
         ax.margins(x=0.28)
         return list(bars)
 
@@ -274,7 +352,8 @@ class _Elastic(Layer):
 
 
 def sensitivities(found: Sensitivities) -> Figure:
-    """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are none."""
+    """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are
+    none."""
     shown = _panels(found)
     if not shown:
         raise NothingToDrawError(_NOTHING)
@@ -282,24 +361,42 @@ def sensitivities(found: Sensitivities) -> Figure:
     figure = Figure(figsize=(pen.WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
     axes = list[Axes]()
     for i in range(len(shown)):
-        axes.append(figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(i)))
+        axes.append(
+            figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(i))
+        )
         draw(axes[-1], elasticities(found, i))
         axes[-1].tick_params(labelbottom=False)
     longest = max(
-        (0.52 * pen.SMALL * len(x.get_text().strip("$")) / 72 for ax in axes for x in ax.get_yticklabels()), default=0.0
+        (
+            0.52 * pen.SMALL * len(x.get_text().strip("$")) / 72
+            for ax in axes
+            for x in ax.get_yticklabels()
+        ),
+        default=0.0,
     )
     (width, height), side, top = figure.get_size_inches(), min(max(_SIDE, longest), 1.2), 0.0
     for ax, n in zip(axes, rows, strict=True):
         top += _HEAD + _ROW * n
-        ax.set_position((side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height))
-    more = len(found.crossings) + len(found.changeovers_environment) + len(found.changeovers_perceived) - len(shown)
+        ax.set_position(
+            (side / width, 1 - top / height, 1 - (side + 0.12) / width, _ROW * n / height)
+        )
+    more = (
+        len(found.crossings)
+        + len(found.changeovers_environment)
+        + len(found.changeovers_perceived)
+        - len(shown)
+    )
     rest = f"\n({more} more frequencies in the text)" if more > 0 else ""
     axes[-1].tick_params(labelbottom=True)
-    axes[-1].set_xlabel(rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=pen.TEXT)
+    axes[-1].set_xlabel(
+        rf"elasticity, $(p/\omega)\,\mathrm{{d}}\omega/\mathrm{{d}}p${rest}", fontsize=pen.TEXT
+    )
     return figure
 
 
-SENSITIVITY = Drawings[Sensitivities]({"elasticities": elasticities}, {"elasticities": sensitivities})
+SENSITIVITY = Drawings[Sensitivities](
+    {"elasticities": elasticities}, {"elasticities": sensitivities}
+)
 
 
 # Other measures.
@@ -311,7 +408,8 @@ _BAR = 5.0
 
 
 def measures(m: Metrics) -> Chart:
-    """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are fractions of |H_env|.
+    """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are
+    fractions of |H_env|.
 
     >>> from haptisym import load_scene, metrics
     >>> [layer.label for layer in measures(metrics(load_scene("fu2019"))).layers][:2]
@@ -320,24 +418,37 @@ def measures(m: Metrics) -> Chart:
     e = m.evaluation
     omega = sampled(e)
     v = e.distortion.compile()(omega)
-    env, perc = np.hypot(v.environment_real, v.environment_imag), np.hypot(v.perceived_real, v.perceived_imag)
+    env, perc = (
+        np.hypot(v.environment_real, v.environment_imag),
+        np.hypot(v.perceived_real, v.perceived_imag),
+    )
     relative = np.hypot(v.ratio_real, v.ratio_imag)
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(perc / env - 1)
     rows = (
-        (v.ratio_real, pen.INK, pen.SOLID, r"$r_\mathrm{r}$"), (v.ratio_imag, pen.INK, pen.DASHED, r"$r_\mathrm{i}$"),
-        (relative, pen.RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"), (size, pen.BLUE, _FINE, r"$||\Gamma| - 1|$"),
-    )  # fmt: skip
+        (v.ratio_real, pen.INK, pen.SOLID, r"$r_\mathrm{r}$"),
+        (v.ratio_imag, pen.INK, pen.DASHED, r"$r_\mathrm{i}$"),
+        (relative, pen.RED, _DOTS_AND_DASHES, r"$|\Delta H/H_\mathrm{env}|$"),
+        (size, pen.BLUE, _FINE, r"$||\Gamma| - 1|$"),
+    )
     limits = sorted({limit_of(x) for x in e.criteria if not is_share(x)})
     finite, most = relative[np.isfinite(relative)], max(limits, default=0.1)
     top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * most)
-    layers: list[Layer] = [Curve(omega, values, color, stroke, label=name) for values, color, stroke, name in rows]
+    layers: list[Layer] = [
+        Curve(omega, values, color, stroke, label=name) for values, color, stroke, name in rows
+    ]
     layers += [Limit(c, label=f"$c = {c:.3g}$", shared=True) for c in limits]
-    return Chart(layers, along(e), Axis(r"fraction of $|H_\mathrm{env}|$", ends=(0, min(top, 8 * most))), height=2.0)
+    return Chart(
+        layers,
+        along(e),
+        Axis(r"fraction of $|H_\mathrm{env}|$", ends=(0, min(top, 8 * most))),
+        height=2.0,
+    )
 
 
 def verdicts(m: Metrics) -> Chart:
-    """A bar for each measure where it is content, the JND's at the top; those of a further scene below in its colour."""
+    """A bar for each measure where it is content, the JND's at the top; those of a further scene
+    below in its colour."""
     rows, layers = verdict_bands(m), list[Layer]()
     for i, (_, bands) in enumerate(rows):
         layers += [_Verdict(ends, i, label="content") for ends in bands]
@@ -346,7 +457,8 @@ def verdicts(m: Metrics) -> Chart:
 
 @dataclass(frozen=True)
 class _Verdict(Layer):
-    """A bar in a row, named in the legend where there are several scenes; a stroke at a single frequency."""
+    """A bar in a row, named in the legend where there are several scenes; a stroke at a single
+    frequency."""
 
     ends: tuple[float, float]
     row: int
@@ -354,8 +466,14 @@ class _Verdict(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         (low, high), y = on.x.of(self.ends), [self.row + 0.24 * on.number] * 2
-        mark: dict[str, Any] = {"marker": "|", "markersize": 6, "clip_on": False} if low == high else {}
-        return list(on.ax.plot([low, high], y, color=on.color, linewidth=_BAR, solid_capstyle="butt", **mark))
+        mark: dict[str, Any] = (
+            {"marker": "|", "markersize": 6, "clip_on": False} if low == high else {}
+        )
+        return list(
+            on.ax.plot(
+                [low, high], y, color=on.color, linewidth=_BAR, solid_capstyle="butt", **mark
+            )
+        )
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         return [(self.label, made[0])] if on.suffix else []
@@ -365,20 +483,25 @@ def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
     """Where each verdict is a good one, rad/s, where it depends on the frequency."""
     own = m.measured
     rows = [
-        ("JND", m.evaluation.transparent), (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within), ("within 3 dB", own.inside),
+        ("JND", m.evaluation.transparent),
+        (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within),
+        ("within 3 dB", own.inside),
         (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),
         *([("Llewellyn, axis", own.llewellyn)] if own.llewellyn is not None else []),
-    ]  # fmt: skip
+    ]
     return [(name, [ends_of(x) for x in bands]) for name, bands in rows]
 
 
 def released(found: ControlLoading) -> Chart:
-    """The free response of environment and display, over the displacement; the 5 % from which overshoots count."""
+    """The free response of environment and display, over the displacement; the 5 % from which
+    overshoots count."""
     d, layers = found.distortion, list[Layer]()
     motions = [motion_of(x) for x in (d.env, d.perc)]
     known = [x for x in motions if not isinstance(x, str)]
     if len(known) < 2:
-        raise NothingToDrawError(f"there is no free response to draw: {next(x for x in motions if isinstance(x, str))}")
+        raise NothingToDrawError(
+            f"there is no free response to draw: {next(x for x in motions if isinstance(x, str))}"
+        )
     end = max(float(x.end) for x in known)
     time = np.linspace(0, end, _TIMES)
     for motion, color, stroke, name in zip(
@@ -387,12 +510,15 @@ def released(found: ControlLoading) -> Chart:
         height = [float(motion.value(arb(t)).mid()) for t in time]
         layers.append(Curve(time, np.array(height), color, stroke, label=name))
     layers += [Limit(y, stroke=pen.DOTTED, label="5 %", shared=True) for y in (0.05, -0.05)]
-    return Chart(layers, Axis("time", Unit("s"), (0, end)), Axis("displacement / $A_d$"), height=2.0)
+    return Chart(
+        layers, Axis("time", Unit("s"), (0, end)), Axis("displacement / $A_d$"), height=2.0
+    )
 
 
 _TIMES = 400  # of a drawn free response
 
 CONTROL = Drawings[ControlLoading]({"free-response": released})
 METRICS = Drawings[Metrics](
-    {"measures": measures, "verdicts": verdicts}, {"metrics": lambda m: sheet(measures(m), verdicts(m))}
+    {"measures": measures, "verdicts": verdicts},
+    {"metrics": lambda m: sheet(measures(m), verdicts(m))},
 )

@@ -1,8 +1,11 @@
-"""Figures of an evaluation: when a display is noticed and how it is felt (the paper's Figs. 2, 3 and 5 to 7).
+"""Figures of an evaluation: when a display is noticed and how it is felt (the paper's Figs. 2, 3
+and 5 to 7).
 
-``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``: H_env and H_perc in the
-complex plane. ``projections``: the magnitude of one part of both, with what is felt. ``square``: the JND at one frequency.
-``regions``: the distortion's way among other JND regions; ``discriminate``: what would decide between them.
+``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``:
+H_env and H_perc in the complex plane. ``projections``: the magnitude of one part of both, with what
+is felt. ``square``: the JND at one frequency.
+``regions``: the distortion's way among other JND regions; ``discriminate``: what would decide
+between them.
 ``bandwidths``: the bandwidth over a threshold that has a range.
 """
 
@@ -95,7 +98,8 @@ def along(e: Evaluation) -> Axis:
 def ratios(e: Evaluation) -> Chart:
     """r_r and r_i over the band with their thresholds, crossings and the transparent bands in grey.
 
-    The axis is cut where a ratio is unbounded or has a narrow high peak; how high that is, and where, stands above it.
+    The axis is cut where a ratio is unbounded or has a narrow high peak; how high that is, and
+    where, stands above it.
 
     >>> from haptisym import evaluate, load_scene
     >>> from haptisym.figures.layers import draw
@@ -139,7 +143,10 @@ def peaks(found: Peaks) -> Chart:
     """The ratios over the band, and a triangle at each of their local maxima."""
     chart = ratios(evaluate(found.scene))
     x, y = [float(p.omega) for p in found], [float(p.ratio) for p in found]
-    return replace(chart, layers=[*chart.layers, Mark(x, y, shape="v", size=4, label="peaks", look={"zorder": 5})])
+    return replace(
+        chart,
+        layers=[*chart.layers, Mark(x, y, shape="v", size=4, label="peaks", look={"zorder": 5})],
+    )
 
 
 def _words(text: str) -> Words:
@@ -157,7 +164,12 @@ def _thresholds(criteria: Sequence[Criterion], limits: Sequence[float]) -> list[
     names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
     shares = any(map(is_share, criteria))
     return [
-        Limit(c, stroke=stroke, label="limit" if shares and c == 1 else f"${name} = {c:.3g}$", shared=True)
+        Limit(
+            c,
+            stroke=stroke,
+            label="limit" if shares and c == 1 else f"${name} = {c:.3g}$",
+            shared=True,
+        )
         for name, c, stroke in zip(names, limits, (pen.SOLID, pen.DASHED), strict=False)
     ]
 
@@ -168,12 +180,23 @@ def _crossings(e: Evaluation) -> list[Mark]:
     for x, face in zip(e.criteria, ("", "white"), strict=False):
         omega = [float(c.omega) for c in e.crossings if c.criterion == x]
         look = {"clip_on": False, "markeredgewidth": 0.8}
-        found.append(Mark(omega, [limit_of(x)] * len(omega), face=face, look=look, label=f"{name_of(x)} crosses"))
+        found.append(
+            Mark(
+                omega,
+                [limit_of(x)] * len(omega),
+                face=face,
+                look=look,
+                label=f"{name_of(x)} crosses",
+            )
+        )
     return found
 
 
-def _frequency_labels(e: Evaluation, axis: Axis, omega: Array, highest: Array, top: float) -> list[tuple[float, str]]:
-    """What stands above the axes: the lowest frequencies of crossings, and the two highest peaks that are cut.
+def _frequency_labels(
+    e: Evaluation, axis: Axis, omega: Array, highest: Array, top: float
+) -> list[tuple[float, str]]:
+    """What stands above the axes: the lowest frequencies of crossings, and the two highest peaks
+    that are cut.
 
     Behind the last frequency stands how many more there are, where not all have room.
     """
@@ -181,10 +204,17 @@ def _frequency_labels(e: Evaluation, axis: Axis, omega: Array, highest: Array, t
     if more := len(e.crossings) - len(crossings):
         crossings[-1] = (crossings[-1][0], f"{crossings[-1][1]}, and {more} more")
     values = np.where(np.isnan(highest), np.inf, highest)
-    runs = [list(run) for above, run in groupby(range(len(values)), key=lambda i: bool(values[i] > top)) if above]
+    runs = [
+        list(run)
+        for above, run in groupby(range(len(values)), key=lambda i: bool(values[i] > top))
+        if above
+    ]
     tops = sorted((max(run, key=lambda i: values[i]) for run in runs), key=lambda i: -values[i])[:2]
     at = axis.of(omega)
-    cut = [(float(omega[i]), f"{_height(values[i])} at {number(at[i], 4 if at[i] < 1e4 else 6)}") for i in tops]
+    cut = [
+        (float(omega[i]), f"{_height(values[i])} at {number(at[i], 4 if at[i] < 1e4 else 6)}")
+        for i in tops
+    ]
     return crossings + cut
 
 
@@ -198,8 +228,10 @@ def _height(value: float) -> str:
 def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
     """H_env and H_perc in the complex plane over the band, with arrows towards higher frequencies.
 
-    ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the end of the band if not given.
-    Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the axes.
+    ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the
+    end of the band if not given.
+    Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the
+    axes.
 
     >>> from haptisym import evaluate, load_scene
     >>> [layer.stroke for layer in nyquist(evaluate(load_scene("fu2019"))).layers if isinstance(layer, Curve)][0]
@@ -231,7 +263,9 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
 
 def plane(scene: Any, x: tuple[float, float], y: tuple[float, float]) -> tuple[Axis, Axis]:
     """The axes of the complex plane of dynamics."""
-    return force_per_position(r"\mathrm{Re}\,H", scene, x), force_per_position(r"\mathrm{Im}\,H", scene, y)
+    return force_per_position(r"\mathrm{Re}\,H", scene, x), force_per_position(
+        r"\mathrm{Im}\,H", scene, y
+    )
 
 
 def changes(reach: float) -> tuple[Axis, Axis]:
@@ -244,7 +278,8 @@ def changes(reach: float) -> tuple[Axis, Axis]:
 
 @dataclass(frozen=True)
 class Arrow(Layer):
-    """An arrowhead on a curve of the plane; ``shaft`` : the stroke of a line from the tail, none if not given."""
+    """An arrowhead on a curve of the plane; ``shaft`` : the stroke of a line from the tail, none if
+    not given."""
 
     tail: Array
     head: Array
@@ -273,10 +308,15 @@ class Arrow(Layer):
                 "shrinkB": _HEAD,
             }
             made.append(
-                on.ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=shaft, zorder=3)
+                on.ax.annotate(
+                    "", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=shaft, zorder=3
+                )
             )
             tail = 0.95 * head
-        return [*made, on.ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=look)]
+        return [
+            *made,
+            on.ax.annotate("", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=look),
+        ]
 
 
 _HEAD = 6.5
@@ -285,9 +325,11 @@ _HEAD = 6.5
 
 @dataclass(frozen=True)
 class Matched(Layer):
-    """The same mark on both curves at each frequency, filled on the environment's; ``rows`` : its words, and both places.
+    """The same mark on both curves at each frequency, filled on the environment's; ``rows`` : its
+    words, and both places.
 
-    ``implied`` : nobody asked for them, so that a further scene has none. A frequency that bears a mark already keeps its shape.
+    ``implied`` : nobody asked for them, so that a further scene has none. A frequency that bears a
+    mark already keeps its shape.
     """
 
     rows: Sequence[tuple[str, Array, Array]]
@@ -300,14 +342,19 @@ class Matched(Layer):
         made: list[Artist] = []
         for (_, env, perc), shape in zip(self.rows, self._shapes(on), strict=False):
             for (x, y), color, face in ((env, self.colors[0], ""), (perc, self.colors[1], "white")):
-                made += Mark([x], [y], color, shape, 4.2, face, look={"markeredgewidth": 0.9}).draw(on)
+                made += Mark([x], [y], color, shape, 4.2, face, look={"markeredgewidth": 0.9}).draw(
+                    on
+                )
         return made
 
     def _shapes(self, on: On) -> list[str]:
         told = entries(on.ax)
         taken = {str(x.get_marker()) for x in told.values() if hasattr(x, "get_marker")}
         free = iter([x for x in "osDv^*phPX" if x not in taken] * len(self.rows))
-        return [str(told[words].get_marker()) if words in told else next(free, "o") for words, *_ in self.rows]
+        return [
+            str(told[words].get_marker()) if words in told else next(free, "o")
+            for words, *_ in self.rows
+        ]
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         shapes = [str(x.get_marker()) for x in made[::2]]  # type: ignore[attr-defined]
@@ -319,42 +366,59 @@ class Matched(Layer):
 
 
 def _window(everywhere: Array, evenly: Array) -> tuple[Array, Array]:
-    """The lower left and upper right corner that hold both curves, but for excursions far from most of the band."""
+    """The lower left and upper right corner that hold both curves, but for excursions far from most
+    of the band."""
     stacked = [np.concatenate(points_of(x)) for x in (everywhere, evenly)]
     reached, common = (points[np.isfinite(points).all(axis=1)] for points in stacked)
     first, last = np.quantile(common, (0.05, 0.95), axis=0)
     least, most, span = reached.min(axis=0), reached.max(axis=0), last - first
     far = 4 * span.max()
-    low, high = np.where(least < first - far, first - span, least), np.where(most > last + far, last + span, most)
+    low, high = (
+        np.where(least < first - far, first - span, least),
+        np.where(most > last + far, last + span, most),
+    )
     size = np.maximum(high - low, 0.1 * (np.max(high - low) or np.abs(low).max() or 1.0))
     middle = (low + high) / 2
     return middle - 0.56 * size, middle + 0.56 * size
 
 
 def _visible_length(points: Array) -> Array:
-    """The length of a curve, given in fractions of the axes, from its start to each sample, as far as it is on them."""
+    """The length of a curve, given in fractions of the axes, from its start to each sample, as far
+    as it is on them."""
     visible: Any = (np.abs(points - 0.5) <= 0.5).all(axis=1)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(np.where(visible[1:] & visible[:-1], steps, 0.0))])
 
 
 def _directions(length: Array, marked: Array, share: float) -> list[tuple[int, int]]:
-    """Tail and head samples of arrows in the two longest pieces of a curve between its marks; none on mere spots."""
+    """Tail and head samples of arrows in the two longest pieces of a curve between its marks; none
+    on mere spots."""
     edges = np.unique([0.0, *marked, length[-1]])
     longest = np.argsort(np.diff(edges))[-2:]
-    heads = [edges[i] + share * (edges[i + 1] - edges[i]) for i in longest if edges[i + 1] - edges[i] > 0.1]
-    return [(int(np.searchsorted(length, head - 0.01)) - 1, int(np.searchsorted(length, head))) for head in heads]
+    heads = [
+        edges[i] + share * (edges[i + 1] - edges[i])
+        for i in longest
+        if edges[i + 1] - edges[i] > 0.1
+    ]
+    return [
+        (int(np.searchsorted(length, head - 0.01)) - 1, int(np.searchsorted(length, head)))
+        for head in heads
+    ]
 
 
-def _default_marks(e: Evaluation, f: Callable[..., Values], window: tuple[Array, Array]) -> tuple[float, ...]:
-    """About a third, two thirds and the end of the frequencies at which both curves are on the axes, as short numbers."""
+def _default_marks(
+    e: Evaluation, f: Callable[..., Values], window: tuple[Array, Array]
+) -> tuple[float, ...]:
+    """About a third, two thirds and the end of the frequencies at which both curves are on the
+    axes, as short numbers."""
     omega = evenly(e)
     places = in_window(responses(f, omega), np.tile(window[0], 2), np.tile(window[1], 2))
     return short_thirds(omega[(np.abs(places - 0.5) <= 0.5).all(axis=1)], along(e))
 
 
 def short_thirds(omega: Array, axis: Axis) -> tuple[float, ...]:
-    """About a third, two thirds and the end of some frequencies, rad/s, as numbers that are short in the unit of the axis."""
+    """About a third, two thirds and the end of some frequencies, rad/s, as numbers that are short
+    in the unit of the axis."""
     factor, (low, high) = float(axis.unit.size), axis.of(axis.ends)
     step, inside = 10.0 ** (np.floor(np.log10(high - low)) - 1), axis.of(omega)
     chosen = inside[[round(share * (len(inside) - 1)) for share in (1 / 3, 2 / 3, 1)]]
@@ -376,8 +440,9 @@ class Felt(NamedTuple):
 def projections(e: Evaluation, part: Part) -> Chart:
     """``|Re|`` or ``|Im|`` of H_env and H_perc over the band.
 
-    Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with the percept in words; thin on
-    grey where it does not. The percepts of a further scene on the same axes are not written.
+    Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with
+    the percept in words; thin on grey where it does not. The percepts of a further scene on the
+    same axes are not written.
 
     >>> from haptisym import Part, evaluate, load_scene
     >>> chart = projections(evaluate(load_scene("fu2019")), Part.REAL)
@@ -402,7 +467,12 @@ def projections(e: Evaluation, part: Part) -> Chart:
             lines.append(Curve(omega, shown, color, stroke, weight, label=entry))
     felt = Percepts(_felt(e, part), shared=True)
     ground = Band([ends_of(x) for x in under], label="not noticed")
-    return Chart([ground, *lines, felt], along(e), force_per_position(rf"|{name}\,H|", e.scene, (0, top)), height=2.0)
+    return Chart(
+        [ground, *lines, felt],
+        along(e),
+        force_per_position(rf"|{name}\,H|", e.scene, (0, top)),
+        height=2.0,
+    )
 
 
 def _exceeded(e: Evaluation, part: Part) -> Callable[[Signs], bool]:
@@ -424,7 +494,8 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
 
 
 def _felt(e: Evaluation, part: Part) -> list[Felt]:
-    """As what a part is felt where it is noticed, in the words of all outputs and in the order of the bands."""
+    """As what a part is felt where it is noticed, in the words of all outputs and in the order of
+    the bands."""
     together = [Felt(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
     own = [Felt(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
     nameless = [Felt(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
@@ -432,7 +503,8 @@ def _felt(e: Evaluation, part: Part) -> list[Felt]:
 
 
 def _nameless(e: Evaluation, part: Part) -> tuple[Interval, ...]:
-    """Where a region of both parts is left in this one, and an active display has no name for that."""
+    """Where a region of both parts is left in this one, and an active display has no name for
+    that."""
     if not any(x.joint for x in e.criteria):
         return ()
     exceeded = _exceeded(e, part)
@@ -455,7 +527,8 @@ def _within(omega: Array, intervals: Iterable[Interval]) -> Any:
 
 @dataclass(frozen=True)
 class Percepts(Layer):
-    """The words of each percept inside its band, a number that the legend explains where it is too narrow, and lines between."""
+    """The words of each percept inside its band, a number that the legend explains where it is too
+    narrow, and lines between."""
 
     felt: Sequence[Felt]
 
@@ -466,9 +539,16 @@ class Percepts(Layer):
         if not self.felt:
             return Note("never exceeds the threshold").draw(on)
         made: list[Artist] = []
-        shown = [x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt]
+        shown = [
+            x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt
+        ]
         ends = sorted({end for x in shown for end in (x.low, x.high)} - set(ax.get_xlim()))
-        look: dict[str, Any] = {"color": pen.GREY, "linewidth": 0.5, "linestyle": pen.DOTTED, "zorder": 1}
+        look: dict[str, Any] = {
+            "color": pen.GREY,
+            "linewidth": 0.5,
+            "linestyle": pen.DOTTED,
+            "zorder": 1,
+        }
         made = [ax.axvline(omega, **look) for omega in ends]
         fitting, numbers, _ = self._parted(on)
         texts = [
@@ -479,11 +559,20 @@ class Percepts(Layer):
 
     def _parted(self, on: On) -> tuple[dict[int, str], dict[str, str], int]:
         """The words that fit, by their places; the numbers of others; how many have neither."""
-        shown = [x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt]
+        shown = [
+            x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt
+        ]
         fitting = {i: text for i, x in enumerate(shown) if (text := _fitting(on.ax, x))}
-        narrow = sorted((i for i in range(len(shown)) if i not in fitting), key=lambda i: shown[i].low - shown[i].high)
+        narrow = sorted(
+            (i for i in range(len(shown)) if i not in fitting),
+            key=lambda i: shown[i].low - shown[i].high,
+        )
         words = [self.felt[i].words for i in sorted(narrow[:_MOST_NUMBERS])]
-        return fitting, {x: str(n) for n, x in enumerate(dict.fromkeys(words), 1)}, max(0, len(narrow) - _MOST_NUMBERS)
+        return (
+            fitting,
+            {x: str(n) for n, x in enumerate(dict.fromkeys(words), 1)},
+            max(0, len(narrow) - _MOST_NUMBERS),
+        )
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         if on.number or not self.felt:
@@ -491,7 +580,8 @@ class Percepts(Layer):
         _, numbers, more = self._parted(on)
         style = {"markersize": 4, "markeredgewidth": 0}
         told: list[tuple[str, Artist]] = [
-            (words, handle(pen.INK, "none", "", marker=f"${n}$", **style)) for words, n in numbers.items()
+            (words, handle(pen.INK, "none", "", marker=f"${n}$", **style))
+            for words, n in numbers.items()
         ]
         return told + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
 
@@ -502,11 +592,21 @@ def _beside_each_other(ax: Axes, texts: Sequence[tuple[Felt, str]]) -> list[Arti
     places, made = spread(centres, [text_width(ax, text) for _, text in texts]), list[Artist]()
     for (x, text), centre, place in zip(texts, centres, places, strict=True):
         beside = abs(place - centre) > share_of(ax, x.high) - centre
-        made.append(ax.annotate(
-            text, xy=(centre, 0.82), xytext=(place, 0.98), xycoords="axes fraction", textcoords="axes fraction",
-            ha="center", va="top", fontsize=pen.SMALL, linespacing=1.1, bbox=plate("white"),
-            arrowprops=pen.LEADER if beside else None,
-        ))  # fmt: skip
+        made.append(
+            ax.annotate(
+                text,
+                xy=(centre, 0.82),
+                xytext=(place, 0.98),
+                xycoords="axes fraction",
+                textcoords="axes fraction",
+                ha="center",
+                va="top",
+                fontsize=pen.SMALL,
+                linespacing=1.1,
+                bbox=plate("white"),
+                arrowprops=pen.LEADER if beside else None,
+            )
+        )
     return made
 
 
@@ -524,32 +624,47 @@ _DIRECTIONS = 720
 
 @dataclass(frozen=True)
 class Outline:
-    """A region: ``patches`` about the tip, ``stretches`` of the real and of the imaginary part, ``corners`` of its frame."""
+    """A region: ``patches`` about the tip, ``stretches`` of the real and of the imaginary part,
+    ``corners`` of its frame."""
 
     patches: tuple[Patch, ...]
     stretches: tuple[tuple[tuple[float, float], ...], ...]
     corners: Array
 
 
-def outline(criteria: Sequence[Criterion], tip: Array, omega: float, size: float | None = None) -> Outline:
-    """The changes that are not noticed where H_env has this tip (and, if it is given, that size), at a frequency in rad/s."""
+def outline(
+    criteria: Sequence[Criterion], tip: Array, omega: float, size: float | None = None
+) -> Outline:
+    """The changes that are not noticed where H_env has this tip (and, if it is given, that size),
+    at a frequency in rad/s."""
     size = float(np.hypot(*tip)) if size is None else size
     if criteria[0].joint:
         return _joint(criteria[0].joint, tip, omega, size)
-    stretches = tuple(_stretches(x, float(own), size, omega) for x, own in zip(criteria, tip, strict=True))
-    patches = tuple(Rectangle((x0, y0), x1 - x0, y1 - y0) for (x0, x1), (y0, y1) in product(*stretches))
+    stretches = tuple(
+        _stretches(x, float(own), size, omega) for x, own in zip(criteria, tip, strict=True)
+    )
+    patches = tuple(
+        Rectangle((x0, y0), x1 - x0, y1 - y0) for (x0, x1), (y0, y1) in product(*stretches)
+    )
     ends = np.array([[own[0][0] for own in stretches], [own[-1][1] for own in stretches]])
     return Outline(patches, stretches, ends)
 
 
-def _stretches(x: Criterion, own: float, size: float, omega: float) -> tuple[tuple[float, float], ...]:
+def _stretches(
+    x: Criterion, own: float, size: float, omega: float
+) -> tuple[tuple[float, float], ...]:
     """The values of one part that are not told from its own."""
     if not isinstance(x.region, Sided):
         reach = floats_of(x.threshold, omega) * size
         return ((own - reach, own + reach),)
     least = 0.0 if x.region.floor is None else floats_of(x.region.floor, omega)
-    higher, lower = (max(least, floats_of(c, omega) * size) for c in (x.region.higher, x.region.lower))
-    way, turn = (1.0 if own >= 0 else -1.0), 2 * abs(own)  # beyond its mirror image a part grows again
+    higher, lower = (
+        max(least, floats_of(c, omega) * size) for c in (x.region.higher, x.region.lower)
+    )
+    way, turn = (
+        (1.0 if own >= 0 else -1.0),
+        2 * abs(own),
+    )  # beyond its mirror image a part grows again
     grown, shrunk = own + way * higher, own - way * min(lower, turn)
     if higher <= turn:
         return (_sorted(shrunk, grown),)
@@ -567,14 +682,27 @@ def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
     angles = np.linspace(0, 2 * np.pi, _DIRECTIONS, endpoint=False)
     if isinstance(region, Cornered):
         widths = region.real, region.imag
-        corners = np.array([[floats_of(c * a, omega) for c, a in zip(x, widths, strict=True)] for x in region.corners])
-        angles = np.sort(np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)]))
+        corners = np.array(
+            [
+                [floats_of(c * a, omega) for c, a in zip(x, widths, strict=True)]
+                for x in region.corners
+            ]
+        )
+        angles = np.sort(
+            np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)])
+        )
     across, up = np.cos(angles), np.sin(angles)
     reach = size / region.enlarged(across, up, lambda x: floats_of(x, omega))
     border = tip + np.stack([across, up], axis=1) * reach[:, None]
     quarters = [reach[np.argmin(np.abs(angles - n * np.pi / 2))] for n in range(4)]
-    stretches = tuple(((float(tip[i] - quarters[i + 2]), float(tip[i] + quarters[i])),) for i in (0, 1))
-    return Outline((Polygon(border, closed=True),), stretches, np.array([border.min(axis=0), border.max(axis=0)]))
+    stretches = tuple(
+        ((float(tip[i] - quarters[i + 2]), float(tip[i] + quarters[i])),) for i in (0, 1)
+    )
+    return Outline(
+        (Polygon(border, closed=True),),
+        stretches,
+        np.array([border.min(axis=0), border.max(axis=0)]),
+    )
 
 
 @dataclass(frozen=True)
@@ -589,7 +717,13 @@ class Region(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         face = pen.SHADE if self.filled and not on.number else "none"
-        style = {"facecolor": face, "edgecolor": on.ink(self.color), "linewidth": 0.6, "zorder": 1, **self.look}
+        style = {
+            "facecolor": face,
+            "edgecolor": on.ink(self.color),
+            "linewidth": 0.6,
+            "zorder": 1,
+            **self.look,
+        }
         for patch in self.around.patches:
             patch.set(**style)
             if self.about:
@@ -600,11 +734,13 @@ class Region(Layer):
 
 
 def square(e: Evaluation, omega: float | None = None) -> Chart:
-    """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not noticed (Fig. 2).
+    """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not
+    noticed (Fig. 2).
 
-    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of H_env; other regions are
-    drawn as they are. What is not noticed of one part alone are bars on the axes. The frequency is in the middle of the
-    first percept if it is not given. Raises SceneError outside the band and where H_env or H_perc is infinite.
+    The square is c_real ``|H_env|`` wide and c_imag ``|H_env|`` high to each side of the tip of
+    H_env; other regions are drawn as they are. What is not noticed of one part alone are bars on
+    the axes. The frequency is in the middle of the first percept if it is not given. Raises
+    SceneError outside the band and where H_env or H_perc is infinite.
 
     >>> from haptisym import evaluate, load_scene
     >>> square(evaluate(load_scene("fu2019")), 10).title
@@ -622,14 +758,22 @@ def square(e: Evaluation, omega: float | None = None) -> Chart:
         for tip, (color, stroke, _) in pairs
     ]
     lines = [_Projected(tip, color) for tip, (color, *_) in pairs]
-    told = [Words(label=f"${name}$", look=_line(color, stroke)) for color, stroke, name in pen.CURVES]
+    told = [
+        Words(label=f"${name}$", look=_line(color, stroke)) for color, stroke, name in pen.CURVES
+    ]
     bars = _Bars(around.stretches, label="not noticed in one part", shared=True)
     shade = Region(around, label="not noticed", styled=True)
     dotted = Words(label="projections", look=_line(pen.INK, pen.DOTTED, 0.6), shared=True)
-    at = f"{axis.short(omega)}" if axis.label == "frequency" else f"{axis.label} = {axis.short(omega)}"
+    at = (
+        f"{axis.short(omega)}"
+        if axis.label == "frequency"
+        else f"{axis.label} = {axis.short(omega)}"
+    )
     ends = _frame(np.array([[0, 0], *tips, *around.corners]))
     layers = [*told, shade, Origin(), dotted, bars, *lines, *arrows]
-    return Chart(layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(found)}")
+    return Chart(
+        layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(found)}"
+    )
 
 
 def _line(color: str, stroke: Any, width: float = 1.1) -> dict[str, Any]:
@@ -644,7 +788,10 @@ class _Projected(Layer):
     color: str
 
     def draw(self, on: On) -> list[Artist]:
-        (x, y), look = self.tip, {"color": on.ink(self.color), "linewidth": 0.6, "linestyle": pen.DOTTED, "zorder": 2}
+        (x, y), look = (
+            self.tip,
+            {"color": on.ink(self.color), "linewidth": 0.6, "linestyle": pen.DOTTED, "zorder": 2},
+        )
         return list(on.ax.plot([x, x, 0], [0, y, y], **look))
 
 
@@ -655,11 +802,20 @@ class _Bars(Layer):
     stretches: Sequence[Sequence[tuple[float, float]]]
 
     def draw(self, on: On) -> list[Artist]:
-        look: dict[str, Any] = {"color": pen.GREY, "alpha": 0.5, "linewidth": 3, "solid_capstyle": "butt", "zorder": 1}
+        look: dict[str, Any] = {
+            "color": pen.GREY,
+            "alpha": 0.5,
+            "linewidth": 3,
+            "solid_capstyle": "butt",
+            "zorder": 1,
+        }
         if on.number:
             return []
         level = [x for ends in self.stretches[0] for x in on.ax.plot(ends, [0, 0], **look)]
-        return [*level, *(x for ends in self.stretches[1] for x in on.ax.plot([0, 0], ends, **look))]
+        return [
+            *level,
+            *(x for ends in self.stretches[1] for x in on.ax.plot([0, 0], ends, **look)),
+        ]
 
 
 def _verdict(found: Sequence[Criterion]) -> str:
@@ -675,12 +831,16 @@ def _sign_at(e: Evaluation, omega: float, criterion: Criterion) -> int:
     points = e.chart.points
     below = [point for point in points if float(point.omega) <= omega]
     if not below or omega > float(points[-1].omega):
-        raise SceneError(f"omega: {omega:g} rad/s is not on the band, {' to '.join(f'{x:g}' for x in band_of(e))}")
+        raise SceneError(
+            f"omega: {omega:g} rad/s is not on the band, "
+            f"{' to '.join(f'{x:g}' for x in band_of(e))}"
+        )
     return (below[-1].at if float(below[-1].omega) == omega else below[-1].after)[criterion]
 
 
 def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Limits that hold the points with a margin, at equal scales, neither very wide nor very high."""
+    """Limits that hold the points with a margin, at equal scales, neither very wide nor very
+    high."""
     low, high = points.min(axis=0), points.max(axis=0)
     half = 0.57 * np.maximum(high - low, 0.6 * np.max(high - low) or 1.0)
     low, high = (low + high) / 2 - half, (low + high) / 2 + half
@@ -688,7 +848,8 @@ def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _telling_frequency(e: Evaluation) -> float:
-    """The middle of the first percept band, else the end of the band; beside it if a dynamics is infinite there."""
+    """The middle of the first percept band, else the end of the band; beside it if a dynamics is
+    infinite there."""
     low, high = ends_of(e.percepts[0].band) if e.percepts else band_of(e)
     shares = (0.5, 0.4, 0.6, 0.45, 0.55) if e.percepts else (1.0, 0.9, 0.8, 0.95, 0.85)
     infinite = {float(pole.omega) for pole in poles_of(e)}
@@ -698,19 +859,26 @@ def _telling_frequency(e: Evaluation) -> float:
 # Other JND regions.
 
 REGIONS: Sequence[tuple[str, Any, str]] = (
-    (pen.GREY, pen.SOLID, "s"), (pen.BLUE, pen.DASHED, "o"), (pen.RED, pen.DOTTED, "D"), (pen.SCENES[1], pen.SOLID, "x"),
-)  # fmt: skip
+    (pen.GREY, pen.SOLID, "s"),
+    (pen.BLUE, pen.DASHED, "o"),
+    (pen.RED, pen.DOTTED, "D"),
+    (pen.SCENES[1], pen.SOLID, "x"),
+)
 """Of each region: colour, stroke of its border, mark of its bandwidth."""
 
 
 def regions(e: Evaluation) -> Chart:
-    """(Re dH, Im dH)/``|H_env|`` over the band, with the regions of ``e.regions``; a dot where each is first met.
+    """(Re dH, Im dH)/``|H_env|`` over the band, with the regions of ``e.regions``; a dot where each
+    is first met.
 
-    A region that depends on the frequency, as a floor and limits for each way do, is drawn as it is where it is first met, or
-    else at the high end of the band. NothingToDrawError where no regions were asked for.
+    A region that depends on the frequency, as a floor and limits for each way do, is drawn as it is
+    where it is first met, or else at the high end of the band. NothingToDrawError where no regions
+    were asked for.
     """
     if not e.regions:
-        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate(scene, regions=True)")
+        raise NothingToDrawError(
+            "kind: no regions were compared: ask for them with evaluate(scene, regions=True)"
+        )
     f = e.distortion.compile()
     rows = list(zip(different(e.regions), REGIONS, strict=False))
     shapes, reach = list[Layer](), 0.0
@@ -728,18 +896,24 @@ def regions(e: Evaluation) -> Chart:
 
 
 def discriminate(e: Evaluation) -> Chart:
-    """(Re dH, Im dH)/``|H_env|`` over the band, the regions of models, and the numbers of the changes that decide between them.
+    """(Re dH, Im dH)/``|H_env|`` over the band, the regions of models, and the numbers of the
+    changes that decide between them.
 
     NothingToDrawError where that was not asked.
     """
     found = e.discrimination
     if found is None:
-        raise NothingToDrawError("kind: no models were compared: ask for it with evaluate(scene, discriminate=True)")
+        raise NothingToDrawError(
+            "kind: no models were compared: ask for it with evaluate(scene, discriminate=True)"
+        )
     shapes, reach = list[Layer](), 0.0
     for (name, x), (color, stroke, _) in zip(found.models.items(), REGIONS, strict=True):
         around = outline(noticed(x), np.zeros(2), found.stimuli[0].omega, 1.0)
         look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
-        shapes += [Region(around, color, filled=False, look=look), Words(label=name, look=_line(color, stroke, 1.0))]
+        shapes += [
+            Region(around, color, filled=False, look=look),
+            Words(label=name, look=_line(color, stroke, 1.0)),
+        ]
         reach = max(reach, 1.6 * float(np.abs(around.corners).max()))
     marks = [
         Mark([x.real], [x.imag], shape=f"${i}$", size=5, look={"markeredgewidth": 0.3})
@@ -756,14 +930,19 @@ def _way(v: Values) -> Array:
 
 def _region(e: Evaluation, x: Compared) -> tuple[Region | None, Array]:
     """One region about 0, where H_env is real and 1, and its corners."""
-    at, criteria = float(x.crossing.omega if x.crossing else e.chart.points[-1].omega), noticed(x.threshold)
+    at, criteria = (
+        float(x.crossing.omega if x.crossing else e.chart.points[-1].omega),
+        noticed(x.threshold),
+    )
     tip, size = np.zeros(2), 1.0
     if not criteria[0].joint:  # a floor, and which limit holds, depend on H_env
         here = e.distortion.compile()(np.array([at]))
         tip = np.array([float(here.environment_real[0]), float(here.environment_imag[0])])
         size = float(np.hypot(*tip))
     if not np.isfinite(size) or not size:
-        widths = np.array([floats_of(c, at) for c in half_widths(x.threshold)])  # H_env has no size there
+        widths = np.array(
+            [floats_of(c, at) for c in half_widths(x.threshold)]
+        )  # H_env has no size there
         return None, np.array([-widths, widths])
     around = outline(criteria, tip, at, 1.0 if criteria[0].joint else None)
     return Region(around, filled=False, about=(tip, size)), (around.corners - tip) / size
@@ -782,7 +961,8 @@ class _Ranged(NamedTuple):
 
 
 def bandwidths(e: Evaluation) -> Chart:
-    """The bandwidth over the threshold: dots at the proven ends; at a jump a dot for what is attained, a ring for what is not.
+    """The bandwidth over the threshold: dots at the proven ends; at a jump a dot for what is
+    attained, a ring for what is not.
 
     NothingToDrawError where the threshold has no range, or several that move apart.
 
@@ -792,7 +972,9 @@ def bandwidths(e: Evaluation) -> Chart:
     [6.534, 12.993]
     """
     if e.bandwidths is None or not e.bandwidths.is_one_curve:
-        raise NothingToDrawError("the JND has no one number with a range that gives a range of bandwidths")
+        raise NothingToDrawError(
+            "the JND has no one number with a range that gives a range of bandwidths"
+        )
     moving = _ranged(e)
     low, high = moving.ends
     c, omega = _curve(e, e.bandwidths, moving)
@@ -800,12 +982,23 @@ def bandwidths(e: Evaluation) -> Chart:
     nominal = (
         []
         if e.bandwidth is None
-        else [Mark([moving.nominal], [float(e.bandwidth)], shape="s", size=4.5, face="white", label="nominal")]
+        else [
+            Mark(
+                [moving.nominal],
+                [float(e.bandwidth)],
+                shape="s",
+                size=4.5,
+                face="white",
+                label="nominal",
+            )
+        ]
     )
     layers = [
-        Curve(c, omega, label="bandwidth"), *_jumps(e.bandwidths, moving.unit), *nominal,
+        Curve(c, omega, label="bandwidth"),
+        *_jumps(e.bandwidths, moving.unit),
+        *nominal,
         Mark([max(low, c[0]), high], ends, look={"zorder": 3}),
-    ]  # fmt: skip
+    ]
     margin, top = 0.03 * (high - low), 1.06 * float(np.nanmax(omega))
     upright = replace(frequency(e.scene.frequency, (0, top)), label="bandwidth")
     return Chart(layers, Axis(moving.label, ends=(low - margin, high + margin)), upright)
@@ -821,18 +1014,31 @@ def _ranged(e: Evaluation) -> _Ranged:
 
 
 def _curve(e: Evaluation, found: Bandwidths, moving: _Ranged) -> tuple[Array, Array]:
-    """What moves, and bandwidth: where the larger ratio is higher than ever before; broken at the jumps."""
-    omega = np.unique(np.concatenate([sampled(e), [float(x) for j in found.jumps for x in (j.low, j.high)]]))
+    """What moves, and bandwidth: where the larger ratio is higher than ever before; broken at the
+    jumps."""
+    omega = np.unique(
+        np.concatenate([sampled(e), [float(x) for j in found.jumps for x in (j.low, j.high)]])
+    )
     (low, high), nominal, unit, _ = moving
     limits = [limit_of(x) for x in e.criteria]
-    ratio = nominal * (columns(e.criteria, e.distortion.compile()(omega), omega) / limits).max(axis=1)
+    ratio = nominal * (columns(e.criteria, e.distortion.compile()(omega), omega) / limits).max(
+        axis=1
+    )
     least, most = float(found.least or 0), float(found.most or 0)
     first = unit * float(next(iter(found.blocked.values()))) if found.blocked else low
-    between = (omega > least) & (omega < most) & (ratio >= np.maximum.accumulate(np.nan_to_num(ratio)))
+    between = (
+        (omega > least) & (omega < most) & (ratio >= np.maximum.accumulate(np.nan_to_num(ratio)))
+    )
     inside = between & (ratio > first) & (ratio < high)
     for jump in found.jumps:
-        inside &= (omega < float(jump.low)) | (omega > float(jump.high))  # its ends have rows of their own
-    rows = [(first, 0, least), *((c, 0, w) for c, w in zip(ratio[inside], omega[inside], strict=True)), (high, 3, most)]
+        inside &= (omega < float(jump.low)) | (
+            omega > float(jump.high)
+        )  # its ends have rows of their own
+    rows = [
+        (first, 0, least),
+        *((c, 0, w) for c, w in zip(ratio[inside], omega[inside], strict=True)),
+        (high, 3, most),
+    ]
     for jump in found.jumps:
         at = unit * float(jump.threshold or 0)
         rows += [(at, 0, float(jump.low)), (at, 1, np.nan), (at, 2, float(jump.high))]
@@ -854,7 +1060,11 @@ def _jumps(found: Bandwidths, unit: float) -> list[Layer]:
             styled=False,
             shared=True,
         )
-        made += [dotted, Mark([at], [low], face="white", look={"zorder": 3}), Mark([at], [high], look={"zorder": 3})]
+        made += [
+            dotted,
+            Mark([at], [low], face="white", look={"zorder": 3}),
+            Mark([at], [high], look={"zorder": 3}),
+        ]
     return made
 
 

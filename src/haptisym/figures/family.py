@@ -1,4 +1,5 @@
-"""Figures of several environments: the ratios of each, the largest, and what limits it; bandwidths by JND region."""
+"""Figures of several environments: the ratios of each, the largest, and what limits it; bandwidths
+by JND region."""
 
 from __future__ import annotations
 
@@ -15,7 +16,19 @@ from haptisym.figures import pen
 from haptisym.figures.curves import broken, columns, ends_of, limit_of, name_of, sampled
 from haptisym.figures.evaluation import REGIONS
 from haptisym.figures.files import Drawings, drawings_of, sheet
-from haptisym.figures.layers import Above, Axis, Band, Chart, Curve, Layer, Limit, Mark, On, Words, frequency
+from haptisym.figures.layers import (
+    Above,
+    Axis,
+    Band,
+    Chart,
+    Curve,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Words,
+    frequency,
+)
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import different, region_label
 from haptisym.kernel.errors import NothingToDrawError
@@ -24,17 +37,27 @@ from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.verbs.family.entry import FamilyEvaluation
 from haptisym.writing.characters import printable
 
-_LIMITING = ((pen.BLUE, pen.SOLID), (pen.RED, pen.DASHED), ("#7cc0c8", pen.SOLID), ("#d0701f", pen.DASHED))
+_LIMITING = (
+    (pen.BLUE, pen.SOLID),
+    (pen.RED, pen.DASHED),
+    ("#7cc0c8", pen.SOLID),
+    ("#d0701f", pen.DASHED),
+)
 """Colours and strokes of the environments that limit, in the order in which they do."""
 _BROAD = 16
 """Letters of a name in a line of it: more leave the axes no room."""
 
 
-def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str, Array]] | None = None) -> Chart:
-    """One ratio of each environment as a thin line, the largest as a thick one, the limiting environments in colour.
+def worst(
+    w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str, Array]] | None = None
+) -> Chart:
+    """One ratio of each environment as a thin line, the largest as a thick one, the limiting
+    environments in colour.
 
-    Grey: where every environment is transparent. A dot marks each end of that at which this criterion, the ``which``-th, limits.
-    ``shared`` : frequencies, rad/s, and what is judged there of each environment, where that is at hand.
+    Grey: where every environment is transparent. A dot marks each end of that at which this
+    criterion, the ``which``-th, limits.
+    ``shared`` : frequencies, rad/s, and what is judged there of each environment, where that is at
+    hand.
     """
     omega, every = shared or _sampled(w)
     values = {name: all_[:, which] for name, all_ in every.items()}
@@ -42,18 +65,34 @@ def worst(w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str,
     criterion = noticed(w.family.threshold)[which]
     c, looks = limit_of(criterion), _looks(w)
     lines, marks = list[Layer](), list[Layer]()
-    for name, ratio in sorted(values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)):
+    for name, ratio in sorted(
+        values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)
+    ):
         color, stroke = looks.get(name, (pen.GREY, pen.SOLID))
         label, width = (f"limited by {name}", 1.1) if name in looks else ("others", 0.6)
-        lines.append(Curve(omega, ratio, color, stroke, width, label=fill(printable(label), 40), look={"zorder": 3}))
+        lines.append(
+            Curve(
+                omega,
+                ratio,
+                color,
+                stroke,
+                width,
+                label=fill(printable(label), 40),
+                look={"zorder": 3},
+            )
+        )
     for x in (x for x in w.binding if x.criterion == criterion):
         look = {"zorder": 4, "clip_on": False}
-        marks.append(Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True))
+        marks.append(
+            Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True)
+        )
     layers = [
         Curve(omega, envelope, width=2.2, label="largest", styled=False, look=_ENVELOPE),
-        *lines, *marks, Limit(c, stroke=pen.DOTTED, label="threshold"),
+        *lines,
+        *marks,
+        Limit(c, stroke=pen.DOTTED, label="threshold"),
         Band([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
-    ]  # fmt: skip
+    ]
     finite = envelope[np.isfinite(envelope)]
     top = min(max(1.08 * float(finite.max(initial=0.0)), 1.6 * c), 4 * c)
     axis = frequency(w.family.frequency, (float(omega[0]), float(omega[-1])))
@@ -64,12 +103,15 @@ _ENVELOPE = {"alpha": 0.35, "zorder": 2, "solid_capstyle": "butt"}
 
 
 def _sampled(w: FamilyEvaluation) -> tuple[Array, dict[str, Array]]:
-    """Frequencies, rad/s, and what is judged there of each environment, a column for each criterion."""
+    """Frequencies, rad/s, and what is judged there of each environment, a column for each
+    criterion."""
     grids = [sampled(x) for x in w.answers.values()]
     omega = np.unique(np.concatenate([*grids, [float(point.omega) for point in w.chart.points]]))
     found = {}
     for name, x in w.answers.items():
-        found[name] = broken(columns(x.criteria, x.distortion.compile()(omega), omega), omega, x.unbounded)
+        found[name] = broken(
+            columns(x.criteria, x.distortion.compile()(omega), omega), omega, x.unbounded
+        )
     return omega, found
 
 
@@ -85,17 +127,23 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     first, *others = (worst(w, i, shared=shared) for i in range(count))
     ends = dict.fromkeys(x.omega for x in w.binding)
     above = Above([(float(x), first.x.digits(x, 4)) for x in ends])
-    quiet = [replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others]
+    quiet = [
+        replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others
+    ]
     return sheet(Chart([*first.layers, above], first.x, first.y, first.height), *quiet)
 
 
 def regions(w: FamilyEvaluation) -> Chart:
-    """A row for each environment and one for all together; a mark for the bandwidth that each region gives.
+    """A row for each environment and one for all together; a mark for the bandwidth that each
+    region gives.
 
-    A region that gives no bandwidth has no mark in that row. NothingToDrawError where no regions were asked for.
+    A region that gives no bandwidth has no mark in that row. NothingToDrawError where no regions
+    were asked for.
     """
     if not w.regions:
-        raise NothingToDrawError("kind: no regions were compared: ask for them with evaluate_all(scenes, regions=True)")
+        raise NothingToDrawError(
+            "kind: no regions were compared: ask for them with evaluate_all(scenes, regions=True)"
+        )
     names = [*w.family, "all together"]
     low, high = (float(w.chart.points[i].omega) for i in (0, -1))
     layers, empty = list[Layer](), np.ones(len(names), bool)
@@ -105,7 +153,14 @@ def regions(w: FamilyEvaluation) -> Chart:
         empty &= np.array([b is None for b in widths])
         look = {"zorder": 3, "clip_on": False}
         marks = Mark(
-            [a for a, _ in at], [b for _, b in at], color, shape, 3.4, look=look, label=region_label(x), styled=True
+            [a for a, _ in at],
+            [b for _, b in at],
+            color,
+            shape,
+            3.4,
+            look=look,
+            label=region_label(x),
+            styled=True,
         )
         layers.append(marks if at else Words(label=f"{region_label(x)}: none"))
     layers += [_Said("no bandwidth", int(row)) for row in np.flatnonzero(empty)]
@@ -126,7 +181,12 @@ class _Said(Layer):
     def draw(self, on: On) -> list[Artist]:
         return [
             on.ax.text(
-                0.01, self.row, self.text, transform=on.ax.get_yaxis_transform(), fontsize=pen.SMALL, va="center"
+                0.01,
+                self.row,
+                self.text,
+                transform=on.ax.get_yaxis_transform(),
+                fontsize=pen.SMALL,
+                va="center",
             )
         ]
 
@@ -140,13 +200,16 @@ FAMILY = Drawings[FamilyEvaluation](
 def one_of(many: FamilyAnswers) -> Chart:
     """Axes show one answer: NothingToDrawError names the ways out."""
     raise NothingToDrawError(
-        f"ax: several environments are a sheet: use figure(), or plot one of {', '.join(many.answers)}"
+        f"ax: several environments are a sheet: use figure(), or plot one of "
+        f"{', '.join(many.answers)}"
     )
 
 
 def each(many: FamilyAnswers) -> Figure:
     """What each answer draws first, below each other, under the environment's name."""
-    charts = [(name, next(iter(drawings_of(x).kinds.values()))(x)) for name, x in many.answers.items()]
+    charts = [
+        (name, next(iter(drawings_of(x).kinds.values()))(x)) for name, x in many.answers.items()
+    ]
     return sheet(*(replace(chart, title=name) for name, chart in charts), joined=False)
 
 

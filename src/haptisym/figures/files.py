@@ -1,8 +1,11 @@
-"""Charts as sheets and files: one column of a journal wide, with room for legends; what every answer draws on axes of the caller.
+"""Charts as sheets and files: one column of a journal wide, with room for legends; what every
+answer draws on axes of the caller.
 
-A sheet is laid out twice: framed, so that words are fitted to axes of their final width, and filled, with room for the legends.
-PDF files hold of each font the letters that a figure uses, without the tables by which letters are found and set: matplotlib
-has placed them, and to read and cut down these tables takes most of the time of a file.
+A sheet is laid out twice: framed, so that words are fitted to axes of their final width, and
+filled, with room for the legends.
+PDF files hold of each font the letters that a figure uses, without the tables by which letters are
+found and set: matplotlib has placed them, and to read and cut down these tables takes most of the
+time of a file.
 """
 
 from __future__ import annotations
@@ -33,12 +36,15 @@ A = TypeVar("A")
 class Drawings(Generic[A]):
     """What can be drawn of a kind of answer.
 
-    ``kinds`` : of each name the chart, the first drawn unasked. ``sheets`` : of each name of a file the figure; the kinds if not
-    given. Either raises NothingToDrawError where an answer has nothing of the kind.
+    ``kinds`` : of each name the chart, the first drawn unasked. ``sheets`` : of each name of a file
+    the figure; the kinds if not given. Either raises NothingToDrawError where an answer has nothing
+    of the kind.
     """
 
     def __init__(
-        self, kinds: Mapping[str, Callable[[A], Chart]], sheets: Mapping[str, Callable[[A], Figure]] | None = None
+        self,
+        kinds: Mapping[str, Callable[[A], Chart]],
+        sheets: Mapping[str, Callable[[A], Figure]] | None = None,
     ) -> None:
         self.kinds = dict(kinds)
         self._sheets = {} if sheets is None else dict(sheets)
@@ -52,8 +58,11 @@ class Drawings(Generic[A]):
             made = sheet(self.kinds[name or next(iter(self.kinds))](answer), wide=wide)
         return _estimated(made, getattr(answer, "_about", None))
 
-    def save(self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
-        """All of them as files, SVG, PDF and PNG or some of these, in a directory that is made if need be."""
+    def save(
+        self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)
+    ) -> list[Path]:
+        """All of them as files, SVG, PDF and PNG or some of these, in a directory that is made if
+        need be."""
         folder, paths = Path(directory), list[Path]()
         folder.mkdir(parents=True, exist_ok=True)
         for name in self._sheets if self._own else self.kinds:
@@ -78,17 +87,28 @@ def draw_figure(found: Answer, name: str = "", *, wide: bool = False) -> Figure:
     return drawings_of(found).figure(found, name, wide=wide)
 
 
-def save_figures(found: Answer, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)) -> list[Path]:
+def save_figures(
+    found: Answer, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)
+) -> list[Path]:
     """All figures of an answer as files. The same answer gives the same files, byte for byte."""
     return drawings_of(found).save(found, directory, kinds)
 
 
-def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: str, style: Mapping[str, Any]) -> Axes:
-    """Draw an answer; the axes. ``kind`` : of its drawings, the first if empty. Raises NothingToDrawError for any other."""
+def plot(
+    found: Answer,
+    ax: Axes | None,
+    kind: str,
+    color: str | None,
+    label: str,
+    style: Mapping[str, Any],
+) -> Axes:
+    """Draw an answer; the axes. ``kind`` : of its drawings, the first if empty. Raises
+    NothingToDrawError for any other."""
     kinds = drawings_of(found).kinds
     if kind and kind not in kinds:
         raise NothingToDrawError(
-            f'kind: "{kind}" is none of this answer: {meant(kind, kinds)}these are {", ".join(kinds)}'
+            f'kind: "{kind}" is none of this answer: {meant(kind, kinds)}these are '
+            f"{', '.join(kinds)}"
         )
     chart = kinds[kind or next(iter(kinds))](found)
     axes = _axes() if ax is None else ax
@@ -97,7 +117,8 @@ def plot(found: Answer, ax: Axes | None, kind: str, color: str | None, label: st
 
 
 def _axes() -> Axes:
-    """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a script."""
+    """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a
+    script."""
     from matplotlib import pyplot
 
     figure = pyplot.figure(figsize=(1.5 * pen.WIDTH, pen.WIDTH), layout="constrained")
@@ -108,7 +129,8 @@ def _axes() -> Axes:
 
 
 def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
-    """Charts above each other, each of its height without its legend; one with equal scales takes the height that it needs.
+    """Charts above each other, each of its height without its legend; one with equal scales takes
+    the height that it needs.
 
     ``joined`` : whether all have the lower axis of the last one.
     """
@@ -136,7 +158,9 @@ def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
     figure.set_figheight(height + sum(map(_legend_height, axes)))
     _arrange(figure)
     with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
-        figure.set_layout_engine(None)  # with "none" a placeholder stays, for which every file is drawn twice
+        figure.set_layout_engine(
+            None
+        )  # with "none" a placeholder stays, for which every file is drawn twice
     return figure
 
 
@@ -176,7 +200,8 @@ def _estimated(figure: Figure, about: object) -> Figure:
 
 
 def save_as(figure: Figure, path: str | Path) -> Path:
-    """The figure in one file, as its ending says, the same file for the same figure; SceneError for any other ending."""
+    """The figure in one file, as its ending says, the same file for the same figure; SceneError for
+    any other ending."""
     target = checked(path)
     with (
         mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}),
@@ -204,7 +229,9 @@ def _letters_alone(target: Path) -> Iterator[None]:
         font = load(*given)
         for table in {*_SETTING} & {*font.keys()}:
             del font[table]
-        font["cmap"] = fonts.ttLib.newTable("cmap")  # which glyph a letter is, matplotlib knows: it asks for glyphs
+        font["cmap"] = fonts.ttLib.newTable(
+            "cmap"
+        )  # which glyph a letter is, matplotlib knows: it asks for glyphs
         font["cmap"].tableVersion, font["cmap"].tables = 0, []
         return font
 

@@ -1,4 +1,5 @@
-"""Figures of JNDs: of a measured one the shares of the answers, the curve, and the JND with its interval; the published ones."""
+"""Figures of JNDs: of a measured one the shares of the answers, the curve, and the JND with its
+interval; the published ones."""
 
 from __future__ import annotations
 
@@ -18,24 +19,40 @@ _LEAST, _MOST = 3.0, 7.0
 
 
 def answers(p: Psychometric) -> Chart:
-    """Dots for the shares of the answers, larger where there are more, and the curve; for the first on the axes the JND, too."""
+    """Dots for the shares of the answers, larger where there are more, and the curve; for the first
+    on the axes the JND, too."""
     rows, (low, high) = p.answers.rows, _reach(p)
     level = np.linspace(low, high, 400)
     curve = Curve(level, p.fit.curve(level), pen.BLUE, label="fitted curve", look={"zorder": 2})
     most = max(x.trials for x in rows)
     rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5, "zorder": 3}
     shares = [
-        Mark([x.level], [x.share], pen.BLUE, size=max(_LEAST, _MOST * (x.trials / most) ** 0.5), look=rim, styled=True)
+        Mark(
+            [x.level],
+            [x.share],
+            pen.BLUE,
+            size=max(_LEAST, _MOST * (x.trials / most) ** 0.5),
+            look=rim,
+            styled=True,
+        )
         for x in rows
     ]
     told = Words(label="answers", look=dots(5, color=pen.BLUE))
     note = [Note("the curve does not fit these answers")] if p.deviance.fits is False else []
-    upright = Axis("share of right answers" if p.asked.alternatives else "share of “more”", ends=(-0.03, 1.03))
-    return Chart([curve, *shares, told, *_jnd(p, low), *note], Axis("level", ends=(low, high)), upright, height=2.3)
+    upright = Axis(
+        "share of right answers" if p.asked.alternatives else "share of “more”", ends=(-0.03, 1.03)
+    )
+    return Chart(
+        [curve, *shares, told, *_jnd(p, low), *note],
+        Axis("level", ends=(low, high)),
+        upright,
+        height=2.3,
+    )
 
 
 def _reach(p: Psychometric) -> tuple[float, float]:
-    """The levels from which to which is drawn: the answers', and the threshold with its interval as far as it is near."""
+    """The levels from which to which is drawn: the answers', and the threshold with its interval as
+    far as it is near."""
     level = [x.level for x in p.answers.rows]
     span = level[-1] - level[0]
     start = 0.0 if p.asked.alternatives else p.middle.value
@@ -63,14 +80,36 @@ def _jnd(p: Psychometric, low: float) -> list[Layer]:
     if not p.asked.alternatives:
         half = float(p.fit.curve(np.array([start]))[0])
         made.append(
-            _First([start, start], [-0.03, half], pen.GREY, pen.DOTTED, 0.6, label="subjective equality", look=under)
+            _First(
+                [start, start],
+                [-0.03, half],
+                pen.GREY,
+                pen.DOTTED,
+                0.6,
+                label="subjective equality",
+                look=under,
+            )
         )
     told = f"JND at {100 * p.asked.proportion:.4g} %"
-    made.append(_First([low, at, at], [share, share, -0.03], pen.RED, pen.DASHED, 0.8, label=told, look=under))
+    made.append(
+        _First(
+            [low, at, at], [share, share, -0.03], pen.RED, pen.DASHED, 0.8, label=told, look=under
+        )
+    )
     if p.jnd.low is not None and p.jnd.high is not None:
-        ends, look = [start + p.jnd.low, start + p.jnd.high], {"alpha": 0.35, "solid_capstyle": "butt", "zorder": 1}
+        ends, look = (
+            [start + p.jnd.low, start + p.jnd.high],
+            {"alpha": 0.35, "solid_capstyle": "butt", "zorder": 1},
+        )
         made.append(
-            _First(ends, [share, share], pen.RED, width=3, label=f"{100 * p.confidence:.4g} % interval", look=look)
+            _First(
+                ends,
+                [share, share],
+                pen.RED,
+                width=3,
+                label=f"{100 * p.confidence:.4g} % interval",
+                look=look,
+            )
         )
     return made
 
@@ -79,10 +118,19 @@ def published(found: PublishedThresholds) -> Chart:
     """A bar for each threshold that a scene can take, from its least to its largest fraction."""
     rows = [x for x in found if not x.apart]
     style = {"marker": "o", "markersize": 3.5}
-    bars = [Curve([100 * float(x.low), 100 * float(x.high)], [i, i], look=style) for i, x in enumerate(rows)]
+    bars = [
+        Curve([100 * float(x.low), 100 * float(x.high)], [i, i], look=style)
+        for i, x in enumerate(rows)
+    ]
     return Chart(
-        bars, Axis("just-noticeable difference (%)"), Axis(names=[x.name for x in rows]), height=0.5 + 0.16 * len(rows)
+        bars,
+        Axis("just-noticeable difference (%)"),
+        Axis(names=[x.name for x in rows]),
+        height=0.5 + 0.16 * len(rows),
     )
 
 
-JND, PUBLISHED = Drawings[Psychometric]({"answers": answers}), Drawings[PublishedThresholds]({"fractions": published})
+JND, PUBLISHED = (
+    Drawings[Psychometric]({"answers": answers}),
+    Drawings[PublishedThresholds]({"fractions": published}),
+)

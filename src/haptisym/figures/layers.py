@@ -1,11 +1,13 @@
-"""A figure as a list of layers on axes that it is given: curves, marks, bands, limits, grounds, arrows and words.
+"""A figure as a list of layers on axes that it is given: curves, marks, bands, limits, grounds,
+arrows and words.
 
-A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes. Numbers are in SI and rad/s;
-an ``Axis`` has the unit in which they are drawn, which is the scene's. ``draw`` puts a chart on axes of matplotlib, and
-alone decides what a second scene on the same axes looks like: the next colour, a label behind each entry of the legend,
-bars at the top in place of grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
-already. What scenes share (thresholds, the ends of the band) has one entry. A new kind of figure is one function that lists
-layers.
+A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes.
+Numbers are in SI and rad/s; an ``Axis`` has the unit in which they are drawn, which is the scene's.
+``draw`` puts a chart on axes of matplotlib, and alone decides what a second scene on the same axes
+looks like: the next colour, a label behind each entry of the legend, bars at the top in place of
+grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
+already. What scenes share (thresholds, the ends of the band) has one entry. A new kind of figure is
+one function that lists layers.
 """
 
 from __future__ import annotations
@@ -43,9 +45,11 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True)
 class Axis:
-    """What is along an axis: a symbol, the unit in which it is drawn, from where to where (SI); how it is divided.
+    """What is along an axis: a symbol, the unit in which it is drawn, from where to where (SI); how
+    it is divided.
 
-    ``dimension`` : where the unit may be that of a scene which is there already. ``names`` : of rows, the first on top.
+    ``dimension`` : where the unit may be that of a scene which is there already. ``names`` : of
+    rows, the first on top.
     ``large`` : whether large numbers are in thousands or millions of the unit.
     """
 
@@ -60,7 +64,9 @@ class Axis:
     def of(self, values: Any) -> Any:
         """Numbers in SI as they are drawn."""
         size = float(self.unit.size)
-        return np.asarray(values, dtype=float) / size if size != 1 else np.asarray(values, dtype=float)
+        return (
+            np.asarray(values, dtype=float) / size if size != 1 else np.asarray(values, dtype=float)
+        )
 
     @property
     def text(self) -> str:
@@ -87,7 +93,9 @@ def frequency(unit: Unit, ends: Span | None = None) -> Axis:
 
 def parameter(x: Parameter, name: str = "", ends: Span | None = None) -> Axis:
     """An axis of a parameter in the unit in which the scene gives it."""
-    return Axis(f"${formula(Symbol(name or x.symbol.name))}$", x.shown_unit(x.motion), ends, x.dimension)
+    return Axis(
+        f"${formula(Symbol(name or x.symbol.name))}$", x.shown_unit(x.motion), ends, x.dimension
+    )
 
 
 class Moving(Protocol):
@@ -105,14 +113,17 @@ def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> Ax
 
 
 def _kept_unit(axis: Axis, text: str) -> Axis:
-    """The axis in the unit that stands in the label of one that is there already, where that is of the same kind."""
+    """The axis in the unit that stands in the label of one that is there already, where that is of
+    the same kind."""
     found = re.search(r"\(([^()]+)\)$", text)
     if axis.dimension is None or found is None or not axis.unit.name:
         return axis
     with suppress(SceneError):
         read = quantity(f"1 {found[1]}", axis.dimension)
         unit = read.unit or Unit(found[1])
-        return replace(frequency(unit, axis.ends) if axis.dimension is Dimension.FREQUENCY else axis, unit=unit)
+        return replace(
+            frequency(unit, axis.ends) if axis.dimension is Dimension.FREQUENCY else axis, unit=unit
+        )
     return axis
 
 
@@ -127,7 +138,9 @@ def number(value: float, digits: int = 6) -> str:
     """
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     power = f"10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
-    shown = {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa}·{power}") if power else mantissa
+    shown = (
+        {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa}·{power}") if power else mantissa
+    )
     return shown.replace("-", "−")
 
 
@@ -137,7 +150,11 @@ def raised(text: str) -> str:
     >>> raised("grid of 10^4, 10^-3"), raised("H_perc - H_env")
     ('grid of 10⁴, 10⁻³', 'H_perc − H_env')
     """
-    return re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_RAISED), printable(text).replace(" - ", " − "))
+    return re.sub(
+        r"\^(-?\d+)",
+        lambda found: found[1].translate(_RAISED),
+        printable(text).replace(" - ", " − "),
+    )
 
 
 class _Plain(ScalarFormatter):
@@ -153,7 +170,8 @@ class _Plain(ScalarFormatter):
 
 
 _TICKS, _DECADES = 6, 3.5
-"""Numbers along an axis, at most; decades from which on a logarithmic axis has powers of ten alone."""
+"""Numbers along an axis, at most; decades from which on a logarithmic axis has powers of ten
+alone."""
 
 
 def thin(ax: Axes) -> None:
@@ -180,11 +198,15 @@ def _dress(ax: Axes, which: str, axis: Axis) -> None:
         own.set_minor_locator(NullLocator())
         own.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
     most = np.abs(own.get_view_interval()).max()
-    factor, prefix = next(((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if axis.large and most >= 100 * f), (1.0, ""))
+    factor, prefix = next(
+        ((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if axis.large and most >= 100 * f), (1.0, "")
+    )
     if prefix:
         own.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
     if axis.text:
-        own.set_label_text(f"{axis.label} ({prefix}{axis.unit.text})" if prefix else axis.text, fontsize=pen.TEXT)
+        own.set_label_text(
+            f"{axis.label} ({prefix}{axis.unit.text})" if prefix else axis.text, fontsize=pen.TEXT
+        )
 
 
 def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
@@ -202,7 +224,8 @@ def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
 class On:
     """What layers are drawn on: the axes, and which scene it is that is drawn there.
 
-    ``number`` : of scenes that were drawn before; ``color`` : the caller's or the next one; ``suffix`` : behind its entries.
+    ``number`` : of scenes that were drawn before; ``color`` : the caller's or the next one;
+    ``suffix`` : behind its entries.
     """
 
     ax: Axes
@@ -214,13 +237,15 @@ class On:
     suffix: str = ""
 
     def ink(self, usual: str) -> str:
-        """The colour of something that has one of its own where the scene is alone and in the usual colours."""
+        """The colour of something that has one of its own where the scene is alone and in the usual
+        colours."""
         return self.color if self.given or self.number else usual
 
 
 @dataclass(frozen=True, kw_only=True)
 class Layer:
-    """Something drawn. ``label`` : in the legend; ``shared`` : by all scenes, one entry; ``styled`` : takes a caller's style.
+    """Something drawn. ``label`` : in the legend; ``shared`` : by all scenes, one entry; ``styled``
+    : takes a caller's style.
 
     ``look`` : more that the artist is told, as matplotlib names it.
     """
@@ -251,7 +276,12 @@ class Curve(Layer):
     styled: bool = field(default=True, kw_only=True)
 
     def draw(self, on: On) -> list[Artist]:
-        style = {"color": on.ink(self.color), "linestyle": self.stroke, "linewidth": self.width, **self.look}
+        style = {
+            "color": on.ink(self.color),
+            "linestyle": self.stroke,
+            "linewidth": self.width,
+            **self.look,
+        }
         return list(on.ax.plot(on.x.of(self.x), on.y.of(self.y), **style))
 
 
@@ -270,7 +300,12 @@ class Mark(Layer):
         if not len(self.x):  # an unclipped line without points would upset the layout
             return []
         ink = on.ink(self.color)
-        style = {**dots(self.size, self.shape), "color": ink, "markerfacecolor": self.face or ink, "zorder": 4}
+        style = {
+            **dots(self.size, self.shape),
+            "color": ink,
+            "markerfacecolor": self.face or ink,
+            "zorder": 4,
+        }
         return list(on.ax.plot(on.x.of(self.x), on.y.of(self.y), **{**style, **self.look}))
 
 
@@ -302,13 +337,26 @@ class Band(Layer):
     def _bar(on: On, low: float, high: float) -> list[Line2D]:
         """At the top of the axes, each scene below the one before."""
         return on.ax.plot(
-            [low, high], [0.985 - 0.03 * on.number] * 2, color=on.color, transform=on.ax.get_xaxis_transform(), zorder=1,
-            linewidth=2.5, alpha=0.6, solid_capstyle="butt", marker="o" if low == high else "",
-        )  # fmt: skip
+            [low, high],
+            [0.985 - 0.03 * on.number] * 2,
+            color=on.color,
+            transform=on.ax.get_xaxis_transform(),
+            zorder=1,
+            linewidth=2.5,
+            alpha=0.6,
+            solid_capstyle="butt",
+            marker="o" if low == high else "",
+        )
 
 
-UNDECIDED: Mapping[str, Any] = {"facecolor": "#fbf0d3", "edgecolor": "#b9892a", "hatch": "////", "linewidth": 0}
-"""Where nothing is decided: hatched on a ground of its own, so that a strip of a few points is seen."""
+UNDECIDED: Mapping[str, Any] = {
+    "facecolor": "#fbf0d3",
+    "edgecolor": "#b9892a",
+    "hatch": "////",
+    "linewidth": 0,
+}
+"""Where nothing is decided: hatched on a ground of its own, so that a strip of a few points is
+seen."""
 
 
 @dataclass(frozen=True)
@@ -329,7 +377,8 @@ class Limit(Layer):
 
 @dataclass(frozen=True)
 class Ground(Layer):
-    """Rectangles side by side, without a seam: from where to where they go both ways, in columns."""
+    """Rectangles side by side, without a seam: from where to where they go both ways, in
+    columns."""
 
     x: Any
     y: Any
@@ -341,11 +390,21 @@ class Ground(Layer):
         if not len(a):
             return []
         corners = np.stack([np.stack(corner, -1) for corner in ((a, c), (b, c), (b, d), (a, d))], 1)
-        style: dict[str, Any] = {"facecolors": self.color, "linewidths": 0, "antialiased": False, "zorder": self.zorder}
+        style: dict[str, Any] = {
+            "facecolors": self.color,
+            "linewidths": 0,
+            "antialiased": False,
+            "zorder": self.zorder,
+        }
         return [on.ax.add_collection(PolyCollection(list(corners), **{**style, **self.look}))]
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        style: dict[str, Any] = {"facecolor": self.color, "edgecolor": pen.GREY, "linewidth": 0.3, **self.look}
+        style: dict[str, Any] = {
+            "facecolor": self.color,
+            "edgecolor": pen.GREY,
+            "linewidth": 0.3,
+            **self.look,
+        }
         return [(self.label, Patch(**style))] if self.label and made else []
 
 
@@ -359,13 +418,31 @@ class Discs(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         seen = np.isfinite(self.radii) & (self.radii > 0)
-        circles = [Circle((c.real, c.imag), r) for c, r in zip(self.centres[seen], self.radii[seen], strict=True)]
-        style: dict[str, Any] = {"facecolor": self.color, "edgecolor": self.color, "alpha": 0.28, "linewidth": 0.6}
-        return [on.ax.add_collection(PatchCollection(circles, zorder=1, **style))] if circles else []
+        circles = [
+            Circle((c.real, c.imag), r)
+            for c, r in zip(self.centres[seen], self.radii[seen], strict=True)
+        ]
+        style: dict[str, Any] = {
+            "facecolor": self.color,
+            "edgecolor": self.color,
+            "alpha": 0.28,
+            "linewidth": 0.6,
+        }
+        return (
+            [on.ax.add_collection(PatchCollection(circles, zorder=1, **style))] if circles else []
+        )
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        style: dict[str, Any] = {"markerfacecolor": self.color, "markeredgecolor": self.color, "alpha": 0.4}
-        return [(self.label, handle(pen.GREY, "none", "", **dots(6, "o", **style)))] if self.label and made else []
+        style: dict[str, Any] = {
+            "markerfacecolor": self.color,
+            "markeredgecolor": self.color,
+            "alpha": 0.4,
+        }
+        return (
+            [(self.label, handle(pen.GREY, "none", "", **dots(6, "o", **style)))]
+            if self.label and made
+            else []
+        )
 
 
 @dataclass(frozen=True)
@@ -407,13 +484,19 @@ class Note(Layer):
     text: str
 
     def draw(self, on: On) -> list[Artist]:
-        place: dict[str, Any] = {"transform": on.ax.transAxes, "ha": "center", "va": "top", "fontsize": pen.SMALL}
+        place: dict[str, Any] = {
+            "transform": on.ax.transAxes,
+            "ha": "center",
+            "va": "top",
+            "fontsize": pen.SMALL,
+        }
         return [on.ax.text(0.5, 0.97, self.text, bbox=plate(pen.SHADE), zorder=6, **place)]
 
 
 @dataclass(frozen=True)
 class Above(Layer):
-    """Texts side by side on top of the axes, each tied to its place; those that are there already move for new ones.
+    """Texts side by side on top of the axes, each tied to its place; those that are there already
+    move for new ones.
 
     Where they have no room beside each other, only those that were there first stay.
     """
@@ -433,14 +516,26 @@ class Above(Layer):
             color = ink if on.given or on.number else pen.GREY
             ax.axvline(x, color=color, linewidth=0.5, linestyle=pen.DOTTED, zorder=1)
         ordered = sorted([*rows, *new])
-        places = spread([share_of(ax, x) for x, _, _ in ordered], [text_width(ax, text) for _, text, _ in ordered])
+        places = spread(
+            [share_of(ax, x) for x, _, _ in ordered],
+            [text_width(ax, text) for _, text, _ in ordered],
+        )
         return [
             ax.annotate(
-                text, xy=(x, 1), xytext=(place, 1.05), xycoords=ax.get_xaxis_transform(), textcoords="axes fraction",
-                ha="center", va="bottom", fontsize=pen.SMALL, color=own, arrowprops=pen.LEADER, label=_ABOVE,
+                text,
+                xy=(x, 1),
+                xytext=(place, 1.05),
+                xycoords=ax.get_xaxis_transform(),
+                textcoords="axes fraction",
+                ha="center",
+                va="bottom",
+                fontsize=pen.SMALL,
+                color=own,
+                arrowprops=pen.LEADER,
+                label=_ABOVE,
             )
             for (x, text, own), place in zip(ordered, places, strict=True)
-        ]  # fmt: skip
+        ]
 
 
 _ABOVE = "_above"
@@ -451,7 +546,8 @@ _ABOVE = "_above"
 class Chart:
     """What is seen on one pair of axes: layers from back to front, and what is along the axes.
 
-    ``height`` : inches of a sheet; ``equal`` : scales both ways, where that leaves a drawing; ``title`` : above the legend.
+    ``height`` : inches of a sheet; ``equal`` : scales both ways, where that leaves a drawing;
+    ``title`` : above the legend.
     """
 
     layers: Sequence[Layer]
@@ -466,8 +562,11 @@ _GROUP = "haptisym-"
 """With a number the mark of what belongs to one scene on the axes."""
 
 
-def draw(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "", **style: Any) -> list[Any]:
-    """Draw a chart on axes, on those of scenes before it; the artists that take ``style``, which are its curves where it has any.
+def draw(
+    ax: Axes, chart: Chart, *, color: str | None = None, label: str = "", **style: Any
+) -> list[Any]:
+    """Draw a chart on axes, on those of scenes before it; the artists that take ``style``, which
+    are its curves where it has any.
 
     ``color``, ``label`` : of the scene, in the drawing and behind its entries in the legend.
 
@@ -502,7 +601,9 @@ def frame(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "") 
     if chart.equal:
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
-    return On(ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix)
+    return On(
+        ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix
+    )
 
 
 def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
@@ -532,7 +633,8 @@ def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
 
 
 def _refit(on: On, chart: Chart, rest: tuple[Span, Span]) -> None:
-    """What found its own limits: those of scenes before stay in sight, and large numbers get their unit."""
+    """What found its own limits: those of scenes before stay in sight, and large numbers get their
+    unit."""
     for which, axis, (low, high) in (("x", chart.x, rest[0]), ("y", chart.y, rest[1])):
         if axis.ends is None and not axis.names:
             a, b = getattr(on.ax, f"get_{which}lim")()
@@ -548,11 +650,16 @@ def _refit(on: On, chart: Chart, rest: tuple[Span, Span]) -> None:
 def entries(ax: Axes) -> dict[str, Any]:
     """What the legend of the axes holds: from each label to its handle."""
     found = ax.get_legend()
-    return dict(zip([x.get_text() for x in found.get_texts()], found.legend_handles, strict=True)) if found else {}
+    return (
+        dict(zip([x.get_text() for x in found.get_texts()], found.legend_handles, strict=True))
+        if found
+        else {}
+    )
 
 
 def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
-    """The legend above the axes, where no curve is, and above that many lines of other text; how many rows it has.
+    """The legend above the axes, where no curve is, and above that many lines of other text; how
+    many rows it has.
 
     Entries of a legend that is there already stay; no label occurs twice.
     """
@@ -564,16 +671,29 @@ def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
     columns = _columns(ax, list(told))
     up = ScaledTranslation(0, (0.5 + 1.9 * lines) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
     ax.legend(
-        handles=list(told.values()), labels=list(told), ncols=columns, loc="lower left",
-        bbox_to_anchor=(0, 1), bbox_transform=ax.transAxes + up, borderaxespad=0, borderpad=0, fontsize=pen.SMALL,
-        frameon=False, handlelength=2.2, handletextpad=0.5, columnspacing=1.2, labelspacing=0.3,
-    )  # fmt: skip
+        handles=list(told.values()),
+        labels=list(told),
+        ncols=columns,
+        loc="lower left",
+        bbox_to_anchor=(0, 1),
+        bbox_transform=ax.transAxes + up,
+        borderaxespad=0,
+        borderpad=0,
+        fontsize=pen.SMALL,
+        frameon=False,
+        handlelength=2.2,
+        handletextpad=0.5,
+        columnspacing=1.2,
+        labelspacing=0.3,
+    )
     return -(-len(told) // columns)
 
 
 def _columns(ax: Axes, labels: Sequence[str]) -> int:
     """The most columns of a legend that together are no wider than the axes."""
-    widths = [text_width(ax, re.sub(r"\\[a-z]+|[\\${}_,]", "", label)) + 3.2 * em(ax) for label in labels]
+    widths = [
+        text_width(ax, re.sub(r"\\[a-z]+|[\\${}_,]", "", label)) + 3.2 * em(ax) for label in labels
+    ]
     for columns in range(len(labels), 1, -1):
         if sum(max(column) for column in np.array_split(widths, columns)) - 1.2 * em(ax) <= 1.05:
             return columns
@@ -598,7 +718,9 @@ def share_of(ax: Axes, x: float) -> float:
 
 def handle(color: str, stroke: Any, label: str, width: float = 1.1, **more: Any) -> Line2D:
     """An entry of the legend: a line, a mark, or words alone."""
-    return Line2D([], [], **{"color": color, "linestyle": stroke, "linewidth": width, "label": label, **more})
+    return Line2D(
+        [], [], **{"color": color, "linestyle": stroke, "linewidth": width, "label": label, **more}
+    )
 
 
 def dots(size: float, shape: str = "o", **more: Any) -> dict[str, Any]:
@@ -612,7 +734,8 @@ def plate(color: str) -> dict[str, Any]:
 
 
 def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
-    """Places near the wanted ones, in the same order, at which labels of these widths stand side by side within 0 to 1.
+    """Places near the wanted ones, in the same order, at which labels of these widths stand side by
+    side within 0 to 1.
 
     >>> spread([0.1, 0.5, 0.52], [0.1, 0.1, 0.1]).round(2).tolist()
     [0.1, 0.46, 0.56]
@@ -628,7 +751,8 @@ _WIDE, _HIGH = 0.56, 0.95
 _MARK = 3.0  # half of a point's width, pt
 _NEAR, _FAR = 5.0, 14.0  # pt from a point to its name
 _OUTSIDE, _MET, _DOUBTFUL, _CROSSED, _LONG = 50.0, 20.0, 12.0, 8.0, 0.35
-"""What a place costs: to leave the axes, to meet something, to seem another point's, to be crossed by a line; per pt away."""
+"""What a place costs: to leave the axes, to meet something, to seem another point's, to be crossed
+by a line; per pt away."""
 
 Box = tuple[float, float, float, float]
 """Left, bottom, right, top, in points of the page."""
@@ -636,7 +760,8 @@ Box = tuple[float, float, float, float]
 
 @dataclass
 class Room:
-    """What is on the axes already, in points of the page: boxes, lines and points that names beside points should not meet."""
+    """What is on the axes already, in points of the page: boxes, lines and points that names beside
+    points should not meet."""
 
     ax: Axes
     boxes: list[Box] = field(default_factory=list)
@@ -665,15 +790,20 @@ class Room:
         self.lines.append(_dense(found[np.isfinite(found).all(axis=1)]))
 
     def beside(self, x: float, y: float, text: str, size: float) -> Span:
-        """Where a name is best: from its point, pt, to its lower left corner. That place is taken then."""
+        """Where a name is best: from its point, pt, to its lower left corner. That place is taken
+        then."""
         a, b = self.at(x, y)
         wide, high = _WIDE * size * len(text), _HIGH * size
 
         def cost(place: Box) -> float:
-            return self._cost(place) + _DOUBTFUL * any(_apart(place, p) <= _apart(place, (a, b)) for p in others)
+            return self._cost(place) + _DOUBTFUL * any(
+                _apart(place, p) <= _apart(place, (a, b)) for p in others
+            )
 
         others = [p for p in self.points if p != (a, b)]
-        places = [(gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)]
+        places = [
+            (gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)
+        ]
         _, _, best = min((cost(box) + _LONG * gap, n, box) for n, (gap, box) in enumerate(places))
         self.boxes.append(best)
         return best[0] - a, best[1] - b
@@ -691,8 +821,12 @@ class Room:
         left, bottom, right, top = box
         extents: Any = self.ax.bbox.extents
         edge = extents * 72 / self.ax.figure.dpi
-        cost = _OUTSIDE * (left < edge[0] + 1 or bottom < edge[1] + 1 or right > edge[2] - 1 or top > edge[3] - 1)
-        cost += _MET * sum(left < x1 and x0 < right and bottom < y1 and y0 < top for x0, y0, x1, y1 in self.boxes)
+        cost = _OUTSIDE * (
+            left < edge[0] + 1 or bottom < edge[1] + 1 or right > edge[2] - 1 or top > edge[3] - 1
+        )
+        cost += _MET * sum(
+            left < x1 and x0 < right and bottom < y1 and y0 < top for x0, y0, x1, y1 in self.boxes
+        )
         for line in self.lines:
             x, y = line.T
             cost += _CROSSED * bool(((x > left) & (x < right) & (y > bottom) & (y < top)).any())
@@ -700,7 +834,8 @@ class Room:
 
 
 def _tried(wide: float, high: float) -> Iterable[tuple[float, float, float]]:
-    """How far places of a name are, and where, the usual ones first: to the right, above and below, to the left; then farther."""
+    """How far places of a name are, and where, the usual ones first: to the right, above and below,
+    to the left; then farther."""
     for gap in (_NEAR, _FAR, 2 * _FAR):
         sides = (-high / 2, gap / 2, -high - gap / 2, gap, -high - gap)
         yield from ((gap, gap, up) for up in sides)

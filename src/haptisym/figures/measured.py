@@ -1,7 +1,8 @@
-"""Figures of measurements: ratios with their discs against the thresholds, both responses in the plane, and fitted models.
+"""Figures of measurements: ratios with their discs against the thresholds, both responses in the
+plane, and fitted models.
 
-Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they belong to are left out,
-and so is their entry.
+Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they
+belong to are left out, and so is their entry.
 """
 
 from __future__ import annotations
@@ -47,11 +48,16 @@ _MOST_LINES, _MOST_POINTS = 800, 6000
 """Frequency points drawn, and points of swept discs."""
 _SEEN = 0.012
 """Of the height of the axes: what is no longer than that is hidden by its mark."""
-_PARTS = ((1, pen.RED, "exceeds in a part"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "below in both parts"))
+_PARTS = (
+    (1, pen.RED, "exceeds in a part"),
+    (0, pen.GREY, "unresolved"),
+    (-1, pen.BLUE, "below in both parts"),
+)
 _JOINT = ((1, pen.RED, "outside"), (0, pen.GREY, "unresolved"), (-1, pen.BLUE, "inside"))
 _COLORS = {Part.REAL: pen.BLUE, Part.IMAG: pen.RED}
 _APART = 1.3
-"""Points to the left and to the right of a frequency, so that the bars of both parts can be told apart."""
+"""Points to the left and to the right of a frequency, so that the bars of both parts can be told
+apart."""
 
 
 def _thinned(count: int) -> Any:
@@ -77,7 +83,11 @@ def unit_of(omega: Array) -> Unit:
     def is_short(x: float) -> bool:
         return abs(x - float(f"{x:.6g}")) <= 1e-13 * x
 
-    return hertz if all(map(is_short, given / size)) and not all(map(is_short, given)) else Unit("rad/s")
+    return (
+        hertz
+        if all(map(is_short, given / size)) and not all(map(is_short, given))
+        else Unit("rad/s")
+    )
 
 
 def _along(omega: Array, unit: Unit, margin: float = 0.03) -> Axis:
@@ -85,7 +95,11 @@ def _along(omega: Array, unit: Unit, margin: float = 0.03) -> Axis:
     low, high = float(omega[0]), float(omega[-1])
     room = margin * (high - low) or 0.5 * high or 1.0
     is_log = low > 0 and high > 30 * low
-    ends = (0.9 * low, 1.1 * high) if is_log else (max(low - room, 0.0 if low == 0 else 0.5 * low), high + room)
+    ends = (
+        (0.9 * low, 1.1 * high)
+        if is_log
+        else (max(low - room, 0.0 if low == 0 else 0.5 * low), high + room)
+    )
     axis = frequency(unit, ends)
     return Axis(axis.label, unit, ends, Dimension.FREQUENCY, log=is_log)
 
@@ -103,24 +117,38 @@ def _disc_words(confidence: float) -> str:
 
 
 def nyquist(e: MeasuredEvaluation) -> Chart:
-    """H_env and the measured H_perc in the complex plane, a disc around each point, in the colour of its verdict.
+    """H_env and the measured H_perc in the complex plane, a disc around each point, in the colour
+    of its verdict.
 
     Three frequencies bear the same mark on both.
     """
     drawn = _thinned(len(e))
     real, imag = (_codes_of(e, part) for part in Part)
-    codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[drawn]
-    env, felt, radius = e.lines.environment[drawn], e.lines.perceived[drawn], e.lines.perc_radius[drawn]
+    codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[
+        drawn
+    ]
+    env, felt, radius = (
+        e.lines.environment[drawn],
+        e.lines.perceived[drawn],
+        e.lines.perc_radius[drawn],
+    )
     x, y = _frame(np.concatenate([env, felt]), radius)
     least = _SEEN * max(x[1] - x[0], y[1] - y[0])
     layers: list[Layer] = [Origin(), *_environment(e, drawn, least)]
     for code, color, label in _PARTS:
         if (own := codes == code).any():
             layers += [*_seen_discs(felt[own], radius[own], color, least)]
-            layers.append(Mark(felt[own].real, felt[own].imag, color, size=2.4, label=label, styled=True))
+            layers.append(
+                Mark(felt[own].real, felt[own].imag, color, size=2.4, label=label, styled=True)
+            )
     known = np.isfinite(radius) & (radius > least)
     disc = (
-        [Words(label=_disc_words(e.scene.perceived.confidence), look=dots(7, alpha=0.3, color=pen.GREY))]
+        [
+            Words(
+                label=_disc_words(e.scene.perceived.confidence),
+                look=dots(7, alpha=0.3, color=pen.GREY),
+            )
+        ]
         if known.any()
         else []
     )
@@ -134,7 +162,12 @@ def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matc
     axis = _along(omega, unit, 0.0)
     at = dict.fromkeys(int(np.argmin(np.abs(omega - w))) for w in short_thirds(omega, axis))
     rows = [
-        (axis.short(omega[i]), np.array([env[i].real, env[i].imag]), np.array([felt[i].real, felt[i].imag])) for i in at
+        (
+            axis.short(omega[i]),
+            np.array([env[i].real, env[i].imag]),
+            np.array([felt[i].real, felt[i].imag]),
+        )
+        for i in at
     ]
     return Matched(rows, colors=(pen.INK, pen.INK), shared=True)
 
@@ -154,11 +187,15 @@ def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]
     x, label = e.lines, r"$H_\mathrm{env}$"
     env = x.environment[drawn]
     if isinstance(e.scene.environment, Measurement):
-        marks = Mark(env.real, env.imag, shape="x", size=3, label=label, styled=True, look={"zorder": 3})
+        marks = Mark(
+            env.real, env.imag, shape="x", size=3, label=label, styled=True, look={"zorder": 3}
+        )
         return [*_seen_discs(env, x.env_radius[drawn], pen.INK, least), marks]
     omega = np.union1d(np.linspace(x.omega[0], x.omega[-1], 801), x.omega[drawn])
     values = e.scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(omega)
-    return [Curve(values.environment_real, values.environment_imag, label=label, look={"zorder": 2})]
+    return [
+        Curve(values.environment_real, values.environment_imag, label=label, look={"zorder": 2})
+    ]
 
 
 def _frame(points: Any, radius: Any) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -186,9 +223,15 @@ def measured_plane(e: MeasuredEvaluation) -> Chart:
     for code, color, label in _JOINT:
         if (own := (codes == code) & np.isfinite(at)).any():
             layers += _seen_discs(at[own], radius[own], color, 2 * _SEEN * reach)
-            layers.append(Mark(at[own].real, at[own].imag, color, size=2.4, label=label, styled=True))
+            layers.append(
+                Mark(at[own].real, at[own].imag, color, size=2.4, label=label, styled=True)
+            )
     threshold = e.scene.threshold
-    border = [_Border(threshold, reach, label=str(threshold.region.shape.value))] if threshold.is_constant else []
+    border = (
+        [_Border(threshold, reach, label=str(threshold.region.shape.value))]
+        if threshold.is_constant
+        else []
+    )
     return Chart([*layers, *border], *changes(reach), height=2.8, equal=True)
 
 
@@ -223,8 +266,17 @@ class _Bars(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         place = _beside(on, self.aside)
-        style: dict[str, Any] = {"color": on.ink(self.color), "linewidth": 0.8, "alpha": 0.6, "zorder": 2}
-        return [on.ax.vlines(on.x.of(self.x), on.y.of(self.low), on.y.of(self.high), transform=place, **style)]
+        style: dict[str, Any] = {
+            "color": on.ink(self.color),
+            "linewidth": 0.8,
+            "alpha": 0.6,
+            "zorder": 2,
+        }
+        return [
+            on.ax.vlines(
+                on.x.of(self.x), on.y.of(self.low), on.y.of(self.high), transform=place, **style
+            )
+        ]
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         key = handle(pen.GREY, "none", "", 0.7, marker="|", markersize=6)
@@ -237,7 +289,8 @@ def _beside(on: On, aside: float) -> Any:
 
 @dataclass(frozen=True)
 class _Dots(Layer):
-    """The ratios of one part: filled where the whole disc is on one side of the threshold, open where it is not."""
+    """The ratios of one part: filled where the whole disc is on one side of the threshold, open
+    where it is not."""
 
     x: Any
     y: Any
@@ -252,11 +305,15 @@ class _Dots(Layer):
         for where, face in ((~self.open, color), (self.open, "white")):
             if where.any():
                 look = {"transform": place, "clip_on": is_cut, "markeredgewidth": 0.7, "zorder": 3}
-                made += Mark(self.x[where], self.y[where], color, shape, 3.2, face, look=look).draw(on)
+                made += Mark(self.x[where], self.y[where], color, shape, 3.2, face, look=look).draw(
+                    on
+                )
         return made
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        key = handle(on.ink(_COLORS[self.part]), "none", "", **dots(3.2, "os"[self.part is Part.IMAG]))
+        key = handle(
+            on.ink(_COLORS[self.part]), "none", "", **dots(3.2, "os"[self.part is Part.IMAG])
+        )
         return [(self.label, key)] if made else []
 
 
@@ -264,10 +321,11 @@ _SYMBOLS = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}
 
 
 def ratios(e: MeasuredEvaluation) -> Chart:
-    """r_r and r_i at the measured frequencies, a bar as far as each disc reaches, and the thresholds.
+    """r_r and r_i at the measured frequencies, a bar as far as each disc reaches, and the
+    thresholds.
 
-    Filled where the whole disc exceeds the threshold or is below it, open where it does not tell. Nothing joins the
-    points but what discs leave possible that a bound on the slope sweeps.
+    Filled where the whole disc exceeds the threshold or is below it, open where it does not tell.
+    Nothing joins the points but what discs leave possible that a bound on the slope sweeps.
     """
     drawn = _thinned(len(e))
     omega = e.lines.omega[drawn]
@@ -275,7 +333,9 @@ def ratios(e: MeasuredEvaluation) -> Chart:
     top, bars, marks = _top(e, radius), list[Layer](), list[Layer]()
     is_seen = bool((radius[np.isfinite(radius)] > _SEEN * top).any())
     opened = False
-    for part, change, side in zip(Part, (e.lines.change.real, e.lines.change.imag), (-1, 1), strict=True):
+    for part, change, side in zip(
+        Part, (e.lines.change.real, e.lines.change.imag), (-1, 1), strict=True
+    ):
         ratio, is_open = np.abs(change[drawn]), _codes_of(e, part)[drawn] == 0
         marks.append(_Dots(omega, ratio, is_open, part, label=_SYMBOLS[part], styled=True))
         opened |= bool(is_open.any())
@@ -284,11 +344,15 @@ def ratios(e: MeasuredEvaluation) -> Chart:
             label = _disc_words(e.scene.perceived.confidence)
             bars.append(_Bars(omega, *ends, _COLORS[part], side * _APART, label=label, shared=True))
     unresolved = (
-        [Words(label="unresolved", look=dots(3.2, markerfacecolor="white", markeredgewidth=0.7))] if opened else []
+        [Words(label="unresolved", look=dots(3.2, markerfacecolor="white", markeredgewidth=0.7))]
+        if opened
+        else []
     )
     swept = _swept(e) if e.scene.slopes else []
     layers = [*marks, *unresolved, *bars, *swept, *_thresholds(e), *_left_out(len(drawn), len(e))]
-    return Chart(layers, _along(omega, _unit(e)), Axis(r"ratio to $|H_\mathrm{env}|$", ends=(0, top)))
+    return Chart(
+        layers, _along(omega, _unit(e)), Axis(r"ratio to $|H_\mathrm{env}|$", ends=(0, top))
+    )
 
 
 def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
@@ -301,10 +365,19 @@ def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
     for x, stroke in zip(parts, (pen.SOLID, pen.DASHED), strict=False):
         name, c = "c" if len(parts) == 1 else rf"c_\mathrm{{{x.value[0]}}}", threshold[x]
         if c.is_number:
-            made.append(Limit(float(c), stroke=stroke, label=f"${name} = {float(c):.3g}$", shared=True))
+            made.append(
+                Limit(float(c), stroke=stroke, label=f"${name} = {float(c):.3g}$", shared=True)
+            )
         else:
             curve = Curve(
-                omega, values_of(c, omega), pen.GREY, stroke, 0.6, label=rf"${name}(\omega)$", shared=True, styled=False
+                omega,
+                values_of(c, omega),
+                pen.GREY,
+                stroke,
+                0.6,
+                label=rf"${name}(\omega)$",
+                shared=True,
+                styled=False,
             )
             made.append(curve)
     return made
@@ -338,11 +411,21 @@ def _swept(e: MeasuredEvaluation) -> list[Layer]:
     for part in Part:
         with np.errstate(invalid="ignore"):
             ratios = [np.abs(x.change.real if part is Part.REAL else x.change.imag) for x in found]
-            least = np.max([np.maximum(r - x.radius, 0) for r, x in zip(ratios, found, strict=True)], axis=0)
+            least = np.max(
+                [np.maximum(r - x.radius, 0) for r, x in zip(ratios, found, strict=True)], axis=0
+            )
             most = np.min([r + x.radius for r, x in zip(ratios, found, strict=True)], axis=0)
         known = drawn & np.isfinite(least) & np.isfinite(most)
         made.append(
-            _Possible(omega, least, np.maximum(least, most), known, _COLORS[part], label="swept discs", shared=True)
+            _Possible(
+                omega,
+                least,
+                np.maximum(least, most),
+                known,
+                _COLORS[part],
+                label="swept discs",
+                shared=True,
+            )
         )
     return made
 
@@ -358,14 +441,21 @@ class _Possible(Layer):
     color: str
 
     def draw(self, on: On) -> list[Artist]:
-        style: dict[str, Any] = {"color": on.ink(self.color), "alpha": 0.16, "linewidth": 0, "zorder": 1}
+        style: dict[str, Any] = {
+            "color": on.ink(self.color),
+            "alpha": 0.16,
+            "linewidth": 0,
+            "zorder": 1,
+        }
         return [on.ax.fill_between(on.x.of(self.x), self.low, self.high, where=self.known, **style)]
 
     def keys(self, _on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
         return [(self.label, Patch(facecolor=pen.GREY, alpha=0.3, linewidth=0))]
 
 
-MEASURED = Drawings[MeasuredEvaluation]({"ratios": ratios, "nyquist": nyquist, "plane": measured_plane})
+MEASURED = Drawings[MeasuredEvaluation](
+    {"ratios": ratios, "nyquist": nyquist, "plane": measured_plane}
+)
 
 
 # A fitted model.
@@ -380,21 +470,36 @@ def magnitude(a: Identification) -> Chart:
     at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
     size = np.abs(H)
     is_log = bool(size.min() > 0 and size.max() > 8 * size.min())
-    least, most = float(min(size.min(), np.abs(model).min())), float(max(size.max(), np.abs(model).max()))
-    ends = (0.8 * least, 1.25 * most) if is_log else (least - 0.06 * (most - least), most + 0.06 * (most - least))
+    least, most = (
+        float(min(size.min(), np.abs(model).min())),
+        float(max(size.max(), np.abs(model).max())),
+    )
+    ends = (
+        (0.8 * least, 1.25 * most)
+        if is_log
+        else (least - 0.06 * (most - least), most + 0.06 * (most - least))
+    )
     share = reach / (size if is_log else ends[1] - ends[0])
     bars = [
         _Bars(
-            at, np.maximum(size - reach, 1e-3 * size), size + reach, pen.BLUE, label=_disc_words(a.fit.lines.confidence)
+            at,
+            np.maximum(size - reach, 1e-3 * size),
+            size + reach,
+            pen.BLUE,
+            label=_disc_words(a.fit.lines.confidence),
         )
     ]
     upright = force_per_position("|H|", a, ends)
     layers = [
-        Curve(omega, np.abs(model), pen.RED, label="model", look={"zorder": 3}), *(bars if share.max() > 2 * _SEEN else []),
+        Curve(omega, np.abs(model), pen.RED, label="model", look={"zorder": 3}),
+        *(bars if share.max() > 2 * _SEEN else []),
         Mark(at, size, pen.BLUE, size=2.4, label="measured", styled=True, look={"zorder": 2}),
-    ]  # fmt: skip
+    ]
     return Chart(
-        layers, _along(at, unit_of(at)), Axis(upright.label, upright.unit, ends, log=is_log, large=True), height=1.5
+        layers,
+        _along(at, unit_of(at)),
+        Axis(upright.label, upright.unit, ends, log=is_log, large=True),
+        height=1.5,
     )
 
 
@@ -405,30 +510,59 @@ def phase(a: Identification) -> Chart:
     angle = np.unwrap(np.angle(model))
     own = np.degrees(np.interp(at, omega, angle) + np.angle(H / a.fit.model[drawn]))
     half = np.degrees(np.arcsin(np.minimum(reach / np.maximum(np.abs(H), 1e-300), 1)))
-    least, most = float(min(own.min(), np.degrees(angle).min())), float(max(own.max(), np.degrees(angle).max()))
+    least, most = (
+        float(min(own.min(), np.degrees(angle).min())),
+        float(max(own.max(), np.degrees(angle).max())),
+    )
     room = 0.06 * (most - least) or 1.0
-    bars = [_Bars(at, own - half, own + half, pen.BLUE)] if half.max() > 2 * _SEEN * (most - least) else []
+    bars = (
+        [_Bars(at, own - half, own + half, pen.BLUE)]
+        if half.max() > 2 * _SEEN * (most - least)
+        else []
+    )
     layers = [
-        Curve(omega, np.degrees(angle), pen.RED, look={"zorder": 3}), *bars,
+        Curve(omega, np.degrees(angle), pen.RED, look={"zorder": 3}),
+        *bars,
         Mark(at, own, pen.BLUE, size=2.4, styled=True, look={"zorder": 2}),
-    ]  # fmt: skip
-    return Chart(layers, _along(at, unit_of(at)), Axis("phase (deg)", ends=(least - room, most + room)), height=1.1)
+    ]
+    return Chart(
+        layers,
+        _along(at, unit_of(at)),
+        Axis("phase (deg)", ends=(least - room, most + room)),
+        height=1.1,
+    )
 
 
 def residuals(a: Identification) -> Chart:
-    """Measured less model, real and imaginary part, in units of their standard error, between lines at plus and minus 2."""
+    """Measured less model, real and imaginary part, in units of their standard error, between lines
+    at plus and minus 2."""
     drawn = _thinned(len(a.fit.lines))
     at, found = a.fit.lines.omega[drawn], a.fit.residuals[drawn]
     if a.fit.lines.discs is None:
         found = found / (np.sqrt(np.square(np.abs(found)).mean() / 2) or 1.0)
     top = max(3.0, 1.1 * float(np.abs(np.concatenate([found.real, found.imag])).max()))
-    lines = [Limit(y, stroke=pen.DASHED if y else pen.SOLID, width=0.5, look={"zorder": 0}) for y in (-2, 0, 2)]
+    lines = [
+        Limit(y, stroke=pen.DASHED if y else pen.SOLID, width=0.5, look={"zorder": 0})
+        for y in (-2, 0, 2)
+    ]
     look = {"markeredgewidth": 0.6}
     layers = [
-        *lines, Mark(at, found.real, size=2.4, label=r"$\mathrm{Re}$", styled=True, look=look),
-        Mark(at, found.imag, shape="s", size=2.4, face="white", label=r"$\mathrm{Im}$", styled=True, look=look),
-    ]  # fmt: skip
-    return Chart(layers, _along(at, unit_of(at)), Axis("residual / error", ends=(-top, top)), height=1.0)
+        *lines,
+        Mark(at, found.real, size=2.4, label=r"$\mathrm{Re}$", styled=True, look=look),
+        Mark(
+            at,
+            found.imag,
+            shape="s",
+            size=2.4,
+            face="white",
+            label=r"$\mathrm{Im}$",
+            styled=True,
+            look=look,
+        ),
+    ]
+    return Chart(
+        layers, _along(at, unit_of(at)), Axis("residual / error", ends=(-top, top)), height=1.0
+    )
 
 
 def _model(a: Identification) -> tuple[Any, Any]:

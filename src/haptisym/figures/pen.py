@@ -1,7 +1,7 @@
 """What all figures are drawn with, and what files they are written as; loads no matplotlib.
 
-A wrong name of a file is refused before anything is computed, so the endings stand where the command line can ask for them
-at no cost.
+A wrong name of a file is refused before anything is computed, so the endings stand where the
+command line can ask for them at no cost.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
 UNDATED: Mapping[str, Mapping[str, None]] = MappingProxyType(
     {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 )
-"""The endings of figures, and what is left out of each so that the same figure gives the same file."""
+"""The endings of figures, and what is left out of each so that the same figure gives the same
+file."""
 
 
 def checked(path: str | Path) -> Path:

@@ -1,7 +1,8 @@
 """Figures of requirements: the worst case over the band against one parameter, and maps of two.
 
-A map shows exact slices as upright strokes whose ends bear marks by what limits there, the ground that is proven, and what is
-undecided. Lines between slices are interpolation. Its axes go as far as there is something, with some room.
+A map shows exact slices as upright strokes whose ends bear marks by what limits there, the ground
+that is proven, and what is undecided. Lines between slices are interpolation. Its axes go as far as
+there is something, with some room.
 """
 
 from __future__ import annotations
@@ -74,7 +75,8 @@ def _look_of(x: Criterion) -> _Look:
 
 
 def requirement(found: Requirement) -> Chart:
-    """The largest r/c over the band against the parameter, sampled; the exact feasible set in grey, its ends as dots.
+    """The largest r/c over the band against the parameter, sampled; the exact feasible set in grey,
+    its ends as dots.
 
     >>> from haptisym import load_scene, require
     >>> chart = requirement(require(load_scene("fu2019"), "omega_n"))
@@ -84,14 +86,24 @@ def requirement(found: Requirement) -> Chart:
     low, high = _window(found)
     t = np.linspace(low, high, _VALUES + 1)[1:]
     curves = _worst(found, t)
-    lines = [Curve(t, curves[x], *_look_of(x)[:2], label=x.words) for x in found.criteria if x in curves]
+    lines = [
+        Curve(t, curves[x], *_look_of(x)[:2], label=x.words) for x in found.criteria if x in curves
+    ]
     ends = [float(end.value) for end in found.ends]
     marks = Mark(ends, [1.0] * len(ends), label="ends, proven")
     threshold = [Limit(1, label="threshold", shared=True)] if lines else []
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
-    top = max([3.0, *(1.5 * x for x in lowest if x < np.inf)]) if lines else 2.0  # each curve is seen somewhere
+    top = (
+        max([3.0, *(1.5 * x for x in lowest if x < np.inf)]) if lines else 2.0
+    )  # each curve is seen somewhere
     upright = Axis("worst case on the band, $r/c$" if lines else "", ends=(0, top))
-    layers = [*lines, *threshold, *_set(found, low, high), marks, *([] if lines else [_Unnumbered()])]
+    layers = [
+        *lines,
+        *threshold,
+        *_set(found, low, high),
+        marks,
+        *([] if lines else [_Unnumbered()]),
+    ]
     return Chart(layers, parameter(found.free, found.free.name, (low, high)), upright, height=2.3)
 
 
@@ -105,7 +117,8 @@ class _Unnumbered(Layer):
 
 
 def _set(found: Requirement, low: float, high: float) -> list[Layer]:
-    """The values that are proven to do, and those that are undecided, in strips that are wide enough to be seen."""
+    """The values that are proven to do, and those that are undecided, in strips that are wide
+    enough to be seen."""
     word = " and ".join(found.that)
     spans = [_limits(piece, low, high) for piece in found.feasible]
     none = f"no value is {word if found.certified else f'proven {word}'}"
@@ -125,11 +138,10 @@ def _visible(low: float, high: float, width: float) -> Pair:
 
 
 def _window(found: Requirement) -> Pair:
-    """The values drawn: the range, cut where it is unbounded to about the ends of the set and the scene's own value."""
+    """The values drawn: the range, cut where it is unbounded to about the ends of the set and the
+    scene's own value."""
     own = found.free.value
-    known = [
-        *([] if own.free_symbols else [float(own)]), *(float(end.value) for end in found.ends),
-    ]  # fmt: skip
+    known = [*([] if own.free_symbols else [float(own)]), *(float(end.value) for end in found.ends)]
     low, high = found.domain.low, found.domain.high
     reach = 2 * max((abs(x) for x in known), default=0.0) or 1.0
     return (float(low) if low is not None else -reach), (float(high) if high is not None else reach)
@@ -137,11 +149,15 @@ def _window(found: Requirement) -> Pair:
 
 def _limits(piece: Piece, low: float, high: float) -> Pair:
     """The ends of an interval; where it has none, those that are given."""
-    return (low if piece.low is None else float(piece.low), high if piece.high is None else float(piece.high))
+    return (
+        low if piece.low is None else float(piece.low),
+        high if piece.high is None else float(piece.high),
+    )
 
 
 def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
-    """The largest ratio to its threshold, over a grid of the band, of each criterion that is about a ratio.
+    """The largest ratio to its threshold, over a grid of the band, of each criterion that is about
+    a ratio.
 
     A gap where there is no scene, as where a formula is divided by zero.
     """
@@ -153,7 +169,9 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
     start, end = (float(x) for x in scene.band)
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
-        at = f(omega, **dict.fromkeys(f.parameters, t[None, :]))  # none for a threshold, and for a number of a hand
+        at = f(
+            omega, **dict.fromkeys(f.parameters, t[None, :])
+        )  # none for a threshold, and for a number of a hand
         curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
     given = {x: np.broadcast_to(curve, t.shape) for x, curve in curves.items() if curve is not None}
     shown = {x: np.full(there.shape, np.nan) for x in given}
@@ -171,7 +189,8 @@ def _exists(chain: Chain, free: Knob, value: float) -> bool:
 
 
 def _against(x: Criterion, free: Knob, at: Values, omega: Array, t: Array) -> Array | None:
-    """The largest ratio to its limit over the frequencies; where the parameter is that limit, at each of its values."""
+    """The largest ratio to its limit over the frequencies; where the parameter is that limit, at
+    each of its values."""
     if not x.depends_on(free.parts):
         own = judged(x, at, omega)
         return None if own is None else np.nanmax(own / limit_of(x), axis=0)
@@ -225,16 +244,25 @@ class _Plane:
             rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in self.found.slices]
             yield name, (_COLORS[name], name), rows
         for i, jnd in enumerate(self.found.thresholds):
-            look = _paler(i, len(self.found.thresholds)), f"transparent, c = {float(100 * jnd):.6g} %"
+            look = (
+                _paler(i, len(self.found.thresholds)),
+                f"transparent, c = {float(100 * jnd):.6g} %",
+            )
             yield "transparent", look, [(float(x.at), x.contours[i]) for x in self.found.slices]
 
     @cached_property
     def window(self) -> tuple[Pair, Pair]:
-        """What is drawn of the ranges: where a boundary or something undecided is, with some room."""
+        """What is drawn of the ranges: where a boundary or something undecided is, with some
+        room."""
         (a, b), (low, high) = self.asked
         x, y = list[float](), list[float]()
         for _, _, rows in self.sets():
-            ends = [(at, float(e.value)) for at, r in rows for e in r.ends if low < float(e.value) < high]
+            ends = [
+                (at, float(e.value))
+                for at, r in rows
+                for e in r.ends
+                if low < float(e.value) < high
+            ]
             some = [(at, end) for at, r in rows for span in r.feasible for end in self.ends(span)]
             x += [at for at, _ in some]
             y += [end for _, end in (ends or some)]
@@ -245,7 +273,9 @@ class _Plane:
 
     def axes(self) -> tuple[Axis, Axis]:
         """Of both parameters."""
-        one, other = (parameter(x, x.name, ends) for x, ends in zip(self.found.free, self.window, strict=True))
+        one, other = (
+            parameter(x, x.name, ends) for x, ends in zip(self.found.free, self.window, strict=True)
+        )
         return one, other
 
     def ends(self, span: Piece) -> Pair:
@@ -280,14 +310,16 @@ class _Plane:
                 yield around, _limits(piece, low, high)
 
     def unlike(self, rows: Rows, *, decided: bool = False) -> Iterator[Join]:
-        """The intervals of neighbouring slices that have not as many; ``decided`` : only if nothing is open on either."""
+        """The intervals of neighbouring slices that have not as many; ``decided`` : only if nothing
+        is open on either."""
         for (x, one), (y, other) in pairwise(rows):
             if not (_are_alike(one, other) or (decided and (one.undecided or other.undecided))):
                 yield from (((x, y), self.ends(span)) for span in one.feasible + other.feasible)
 
 
 def _around(values: Sequence[float], asked: Pair) -> Pair:
-    """An interval about values with some room, within the range asked; all of that where it is nearly all or there are none."""
+    """An interval about values with some room, within the range asked; all of that where it is
+    nearly all or there are none."""
     if not values:
         return asked
     low, high = max(min(values), asked[0]), min(max(values), asked[1])
@@ -302,7 +334,8 @@ def _are_alike(one: Requirement, other: Requirement) -> bool:
 
 
 def _neighbours(rows: Rows) -> Iterator[tuple[Pair, Piece, Piece]]:
-    """Between slices with as many intervals: where they are, and the intervals that belong together."""
+    """Between slices with as many intervals: where they are, and the intervals that belong
+    together."""
     for (x, one), (y, other) in pairwise(rows):
         if _are_alike(one, other):
             yield from (((x, y), *pair) for pair in zip(one.feasible, other.feasible, strict=True))
@@ -317,8 +350,15 @@ class _Lines(Layer):
     width: float
 
     def draw(self, on: On) -> list[Artist]:
-        segments = [np.column_stack([on.x.of([a, c]), on.y.of([b, d])]) for (a, b), (c, d) in self.lines]
-        style: dict[str, Any] = {"colors": on.ink(self.color), "linewidths": self.width, "zorder": 1, **self.look}
+        segments = [
+            np.column_stack([on.x.of([a, c]), on.y.of([b, d])]) for (a, b), (c, d) in self.lines
+        ]
+        style: dict[str, Any] = {
+            "colors": on.ink(self.color),
+            "linewidths": self.width,
+            "zorder": 1,
+            **self.look,
+        }
         return [on.ax.add_collection(LineCollection(segments, **style))]
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
@@ -338,10 +378,19 @@ class _Between(Layer):
     def draw(self, on: On) -> list[Artist]:
         if on.number:
             return []
-        style: dict[str, Any] = {"color": self.color, "alpha": self.alpha, "linewidth": 0, "antialiased": False}
+        style: dict[str, Any] = {
+            "color": self.color,
+            "alpha": self.alpha,
+            "linewidth": 0,
+            "antialiased": False,
+        }
         return [
             on.ax.fill_between(
-                on.x.of(self.at), on.y.of(self.low), on.y.of(self.high), zorder=int(self.alpha < 1), **style
+                on.x.of(self.at),
+                on.y.of(self.low),
+                on.y.of(self.high),
+                zorder=int(self.alpha < 1),
+                **style,
             )
         ]
 
@@ -365,7 +414,9 @@ def _bands(plane: _Plane, joins: Iterable[Join]) -> list[Layer]:
     widths = {(x.low, x.high): x.deviation or 0.0 for x in plane.found.gaps}
     rows = [(at, ends, widths.get(at, 0.0)) for at, ends in joins]
     seen = [(at, (a, b), w) for at, (a, b), w in rows if w > _VISIBLE * plane.found.height]
-    bands: list[Layer] = [_Between(at, (a - w, b - w), (a + w, b + w), pen.OPEN, 0.6) for at, (a, b), w in seen]
+    bands: list[Layer] = [
+        _Between(at, (a - w, b - w), (a + w, b + w), pen.OPEN, 0.6) for at, (a, b), w in seen
+    ]
     patch = Patch(facecolor=pen.OPEN, alpha=0.6)
     return [*bands, *([_Key(patch, label="boundary between slices, estimated")] if seen else [])]
 
@@ -385,9 +436,11 @@ def _ground(cells: Array, label: str, color: str = pen.SHADE, zorder: float = 0)
 
 
 def _left(found: DesignMap) -> list[Layer]:
-    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is stable, lie in these.
+    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is
+    stable, lie in these.
 
-    Where a second pair of roots crosses the axis neither side is stable: such rectangles are undecided without a boundary.
+    Where a second pair of roots crosses the axis neither side is stable: such rectangles are
+    undecided without a boundary.
     """
     made: list[Layer] = []
     for name, color in _LEFT.items():
@@ -399,19 +452,30 @@ def _left(found: DesignMap) -> list[Layer]:
 
 
 _AT = {
-    Kind.EDGE: "at the band's edge", Kind.START: "at the band's low end", Kind.TOUCH: "tangency", Kind.AXIS: "poles on the axis",
+    Kind.EDGE: "at the band's edge",
+    Kind.START: "at the band's low end",
+    Kind.TOUCH: "tangency",
+    Kind.AXIS: "poles on the axis",
     Kind.FAR: "at high frequency",
-}  # fmt: skip
-_FILL = {Kind.EDGE: "full", Kind.START: "none", Kind.TOUCH: "bottom", Kind.AXIS: "full", Kind.FAR: "none"}
+}
+_FILL = {
+    Kind.EDGE: "full",
+    Kind.START: "none",
+    Kind.TOUCH: "bottom",
+    Kind.AXIS: "full",
+    Kind.FAR: "none",
+}
 
 
 def slices(found: DesignMap) -> Chart:
-    """The transparent region: each exact slice as an upright stroke with marks where it ends, by what limits there.
+    """The transparent region: each exact slice as an upright stroke with marks where it ends, by
+    what limits there.
 
-    Where more than the slices is proven, the ground is, and a band in which the boundary lies; lines that join slices are
-    interpolation. Elsewhere the ground is too, and the legend says so; a band about lines is as wide as they may be off, as
-    estimated, and what lies between slices that differ in kind is hatched, as is what slices leave undecided. Ticks on the
-    lower axis: where the slices are.
+    Where more than the slices is proven, the ground is, and a band in which the boundary lies;
+    lines that join slices are interpolation. Elsewhere the ground is too, and the legend says so; a
+    band about lines is as wide as they may be off, as estimated, and what lies between slices that
+    differ in kind is hatched, as is what slices leave undecided. Ticks on the lower axis: where the
+    slices are.
 
     >>> from haptisym import design_map, load_scene
     >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
@@ -425,15 +489,24 @@ def slices(found: DesignMap) -> Chart:
         ground, bands = _ground(proof.rectangles.kept, "transparent, proven"), _left(found)
     else:
         between = plane.interpolated()
-        key = [_Key(Patch(facecolor=pen.SHADE), label="between slices: interpolated")] if between else []
+        key = (
+            [_Key(Patch(facecolor=pen.SHADE), label="between slices: interpolated")]
+            if between
+            else []
+        )
         ground, bands = [*between, *key], _bands(plane, [join for join, _ in _joins(plane)])
     boxes = (*plane.left_open(), *(() if found.proofs else plane.unlike(plane.rows)))
     word = "transparent nowhere" if found.certified else "nowhere proven transparent"
     note = [] if somewhere else [Note(f"{word}: on none of {len(found.slices)} exact slices")]
     layers = [
-        plane.strokes(pen.GREY, 0.7, "transparent on the slice" if somewhere else ""), *ground, *boundary(found), *bands,
-        *plane.undecided(boxes), _Ticks([x for x, _ in plane.rows], label="exact slices"), *note,
-    ]  # fmt: skip
+        plane.strokes(pen.GREY, 0.7, "transparent on the slice" if somewhere else ""),
+        *ground,
+        *boundary(found),
+        *bands,
+        *plane.undecided(boxes),
+        _Ticks([x for x, _ in plane.rows], label="exact slices"),
+        *note,
+    ]
     x, y = plane.axes()
     return Chart(layers, x, y, height=2.6)
 
@@ -445,10 +518,19 @@ class _Ticks(Layer):
     at: Sequence[float]
 
     def draw(self, on: On) -> list[Artist]:
-        style: dict[str, Any] = {"color": on.ink(pen.GREY), "linestyle": "none", "marker": 3, "markersize": 2.5}
+        style: dict[str, Any] = {
+            "color": on.ink(pen.GREY),
+            "linestyle": "none",
+            "marker": 3,
+            "markersize": 2.5,
+        }
         return list(
             on.ax.plot(
-                on.x.of(self.at), [0] * len(self.at), transform=on.ax.get_xaxis_transform(), clip_on=False, **style
+                on.x.of(self.at),
+                [0] * len(self.at),
+                transform=on.ax.get_xaxis_transform(),
+                clip_on=False,
+                **style,
             )
         )
 
@@ -458,7 +540,8 @@ class _Ticks(Layer):
 
 @dataclass(frozen=True)
 class Limits(Layer):
-    """The ends of slices at which the same condition limits, as marks; in the legend with the line that joins them."""
+    """The ends of slices at which the same condition limits, as marks; in the legend with the line
+    that joins them."""
 
     x: Sequence[float]
     y: Sequence[float]
@@ -471,23 +554,42 @@ class Limits(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         return list(
-            on.ax.plot(on.x.of(self.x), on.y.of(self.y), color=on.ink(self.color), zorder=3, **self._mark("none"))
+            on.ax.plot(
+                on.x.of(self.x),
+                on.y.of(self.y),
+                color=on.ink(self.color),
+                zorder=3,
+                **self._mark("none"),
+            )
         )
 
     def keys(self, on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
-        return [(self.label, handle(on.ink(self.color), self.stroke, "", self.width, **self._mark(self.stroke)))]
+        return [
+            (
+                self.label,
+                handle(on.ink(self.color), self.stroke, "", self.width, **self._mark(self.stroke)),
+            )
+        ]
 
     def _mark(self, stroke: Any) -> dict[str, Any]:
-        style = {"marker": self.marker, "markersize": 2.8, "markeredgewidth": 0.6, "fillstyle": self.fill}
+        style = {
+            "marker": self.marker,
+            "markersize": 2.8,
+            "markeredgewidth": 0.6,
+            "fillstyle": self.fill,
+        }
         return {**style, "markerfacecoloralt": "white", "linestyle": stroke}
 
 
 def boundary(found: DesignMap, width: float = 0.6) -> list[Layer]:
-    """The ends of all slices, marked by what limits there, joined by lines that interpolate; ``width`` : of these, points."""
+    """The ends of all slices, marked by what limits there, joined by lines that interpolate;
+    ``width`` : of these, points."""
     plane, made = _Plane(found), list[Layer]()
     for (at, ends), binding in _joins(plane):
         look = _look_of(binding.criterion)
-        made.append(Curve(at, ends, look.color, look.stroke, width, styled=False, look={"zorder": 2}))
+        made.append(
+            Curve(at, ends, look.color, look.stroke, width, styled=False, look={"zorder": 2})
+        )
     places: dict[tuple[Criterion, Kind], list[Pair]] = {}
     for x in found.slices:
         for end in x.requirement.ends:
@@ -497,26 +599,33 @@ def boundary(found: DesignMap, width: float = 0.6) -> list[Layer]:
     for (criterion, kind), listed in places.items():
         look, label = _look_of(criterion), f"{criterion.words}, {_AT[kind]}"
         xs, ys = [a for a, _ in listed], [b for _, b in listed]
-        made.append(Limits(xs, ys, look.color, look.stroke, look.marker, _FILL[kind], width, label=label))
+        made.append(
+            Limits(xs, ys, look.color, look.stroke, look.marker, _FILL[kind], width, label=label)
+        )
     return made
 
 
 def _joins(plane: _Plane) -> Iterator[tuple[Join, Binding]]:
-    """The lines that join the ends of neighbouring slices, and what limits along each; none along the ends of the range."""
+    """The lines that join the ends of neighbouring slices, and what limits along each; none along
+    the ends of the range."""
     for at, left, right in _neighbours(plane.rows):
         pairs = zip(plane.ends(left), plane.ends(right), strict=True)
-        for pair, one, other in zip(pairs, (left.first, left.last), (right.first, right.last), strict=True):
+        for pair, one, other in zip(
+            pairs, (left.first, left.last), (right.first, right.last), strict=True
+        ):
             if one and other and one.bindings and other.bindings:
                 yield (at, pair), one.bindings[0]
 
 
 def wishes(found: DesignMap) -> Chart:
-    """What was asked, each set along its exact slices in its own colour, and what they have in common on a grey ground.
+    """What was asked, each set along its exact slices in its own colour, and what they have in
+    common on a grey ground.
 
-    What joins the slices is interpolation. Of what is transparent, and mostly of what is stable, a band in which its boundary
-    lies is proven; of other sets one about the lines is as wide as they may be off, as estimated, and what lies between slices
-    that differ in kind is hatched, as is what slices leave undecided. The ground is proven where all that is asked is, and
-    interpolation elsewhere. Classical bounds are thin lines with their names.
+    What joins the slices is interpolation. Of what is transparent, and mostly of what is stable, a
+    band in which its boundary lies is proven; of other sets one about the lines is as wide as they
+    may be off, as estimated, and what lies between slices that differ in kind is hatched, as is
+    what slices leave undecided. The ground is proven where all that is asked is, and interpolation
+    elsewhere. Classical bounds are thin lines with their names.
     """
     plane = _Plane(found)
     layers, joins, boxes = _whole_ground(plane), list[Join](), list(plane.left_open())
@@ -546,24 +655,30 @@ def _whole_ground(plane: _Plane) -> list[Layer]:
     """Proven, where all that is asked is; else interpolated between slices."""
     found, whole = plane.found, _whole(plane.found)
     if all(_is_proven(found, name) for name in found.that):
-        return _ground(common([x.rectangles for x in found.proofs if x.jnd is None]), f"{whole}, proven")
+        return _ground(
+            common([x.rectangles for x in found.proofs if x.jnd is None]), f"{whole}, proven"
+        )
     return [*plane.interpolated(), _Key(Patch(facecolor=pen.SHADE), label=f"{whole}, interpolated")]
 
 
 def _inner_joins(plane: _Plane, rows: Rows) -> Iterator[Join]:
-    """The lines that join the ends of neighbouring slices, but for those along the ends of the range."""
+    """The lines that join the ends of neighbouring slices, but for those along the ends of the
+    range."""
     for at, left, right in _neighbours(rows):
         pairs = zip(plane.ends(left), plane.ends(right), strict=True)
         yield from ((at, pair) for pair in pairs if not all(y in plane.asked[1] for y in pair))
 
 
 def _outlined(plane: _Plane, rows: Rows, look: tuple[str, str]) -> list[Layer]:
-    """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where each slice has proven one."""
+    """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where
+    each slice has proven one."""
     (color, name), joins = look, list(_inner_joins(plane, rows))
     ends = [(x, float(e.value)) for x, r in rows for e in r.ends if e.value is not None]
     if not (ends or joins):
         return [Words(label=f"{name}: ends on no slice")]
-    lines = [Curve(at, pair, color, width=0.9, styled=False, look={"zorder": 2}) for at, pair in joins]
+    lines = [
+        Curve(at, pair, color, width=0.9, styled=False, look={"zorder": 2}) for at, pair in joins
+    ]
     marks = Mark([x for x, _ in ends], [y for _, y in ends], color, size=1.8, look={"zorder": 3})
     key = {"color": color, "linestyle": "-", "linewidth": 0.9, "marker": "o", "markersize": 2.2}
     return [*lines, marks, Words(label=name, look=key)]
@@ -598,13 +713,19 @@ class _Contour(Layer):
     stroke: Any
 
     def draw(self, on: On) -> list[Artist]:
-        style: dict[str, Any] = {"colors": pen.INK, "linestyles": [self.stroke], "linewidths": 0.9, "zorder": 2}
+        style: dict[str, Any] = {
+            "colors": pen.INK,
+            "linestyles": [self.stroke],
+            "linewidths": 0.9,
+            "zorder": 2,
+        }
         on.ax.contour(on.x.of(self.x), on.y.of(self.y), self.z, [0.0], **style)
         return [handle(pen.INK, self.stroke, "", 0.9)]
 
 
 def _at_an_edge(plane: _Plane, line: Line) -> list[Layer]:
-    """A bound that is defined at one value of one parameter alone: a mark where it is met there, if the map reaches there."""
+    """A bound that is defined at one value of one parameter alone: a mark where it is met there, if
+    the map reaches there."""
     [(path, value)] = line.where
     paths, windows = [free.path for free in plane.found.free], plane.window
     i = paths.index(path)
@@ -615,7 +736,17 @@ def _at_an_edge(plane: _Plane, line: Line) -> list[Layer]:
     met = start - excess[0]  # the excess is the stiffness less a number
     x, y = (value, met) if i == 0 else (met, value)
     look = {"clip_on": False}
-    return [Mark([x], [y], shape="D", size=4, face="none", look=look, label=f"{line.name} (b = {value:g})")]
+    return [
+        Mark(
+            [x],
+            [y],
+            shape="D",
+            size=4,
+            face="none",
+            look=look,
+            label=f"{line.name} (b = {value:g})",
+        )
+    ]
 
 
 def _finite(line: Line, at: Mapping[str, float]) -> float:
@@ -626,7 +757,8 @@ def _finite(line: Line, at: Mapping[str, float]) -> float:
 
 
 def design_map(found: DesignMap) -> Chart:
-    """A map of two parameters; of several things or thresholds asked, each set for itself and what they have in common."""
+    """A map of two parameters; of several things or thresholds asked, each set for itself and what
+    they have in common."""
     return wishes(found) if found.that != ("transparent",) or found.thresholds else slices(found)
 
 

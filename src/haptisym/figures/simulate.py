@@ -1,4 +1,5 @@
-"""Figures of simulations: force and motion in time, loops, recovered against closed-form H_perc, and a release."""
+"""Figures of simulations: force and motion in time, loops, recovered against closed-form H_perc,
+and a release."""
 
 from __future__ import annotations
 
@@ -11,7 +12,18 @@ from matplotlib.artist import Artist
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings, sheet
-from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Origin, force_per_position, frequency
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Origin,
+    force_per_position,
+    frequency,
+)
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, MotionKind, Unit, quantity
@@ -34,7 +46,8 @@ def _middle(found: Runs) -> Simulation:
 
 
 def in_time(runs: Runs) -> Chart:
-    """Force at the hand over the last periods of a run, the motion of the hand (axis at the right), limits of the force.
+    """Force at the hand over the last periods of a run, the motion of the hand (axis at the right),
+    limits of the force.
 
     Of a further run on the same axes the force alone is drawn.
 
@@ -50,9 +63,11 @@ def in_time(runs: Runs) -> Chart:
     length = _length(reach, "rad" if run.scene.motion is MotionKind.ROTATION else "m")
     limits = _saturated(run)
     layers = [
-        Curve(time, force, width=1.0, label="force", look={"zorder": 3}), Origin(level=True),
-        _Motion(time, motion, most / reach, length, label="motion"), *limits,
-    ]  # fmt: skip
+        Curve(time, force, width=1.0, label="force", look={"zorder": 3}),
+        Origin(level=True),
+        _Motion(time, motion, most / reach, length, label="motion"),
+        *limits,
+    ]
     high = 1.08 * max([most, *(abs(x.at) for x in limits if abs(x.at) < 3 * most)])
     upright = Axis("force", _newton(run), (-high, high))
     return Chart(layers, Axis("time", Unit("s"), (time[0], time[-1])), upright, height=2.0)
@@ -77,7 +92,8 @@ def _saturated(run: Simulation) -> list[Limit]:
 
 @dataclass(frozen=True)
 class _Motion(Layer):
-    """A motion drawn as high as the force, with an axis at the right; ``share`` : force for each of its own, SI."""
+    """A motion drawn as high as the force, with an axis at the right; ``share`` : force for each of
+    its own, SI."""
 
     x: Array
     y: Array
@@ -92,33 +108,51 @@ class _Motion(Layer):
         there: Any = (lambda y: y / share, lambda y: y * share)
         right: Any = on.ax.secondary_yaxis("right", functions=there)
         right.set_ylabel(f"motion ({self.unit.text})", fontsize=pen.TEXT, color=pen.BLUE)
-        right.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE)
+        right.tick_params(
+            labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE
+        )
         right.spines["right"].set(linewidth=0.5, color=pen.GREY)
         return list(
-            on.ax.plot(self.x, self.y * self.share, color=on.ink(pen.BLUE), linestyle=pen.DASHED, linewidth=1.0)
+            on.ax.plot(
+                self.x,
+                self.y * self.share,
+                color=on.ink(pen.BLUE),
+                linestyle=pen.DASHED,
+                linewidth=1.0,
+            )
         )
 
 
 def loop(runs: Runs) -> Chart:
     """Force over displacement: at the hand, and what the environment alone would give.
 
-    The environment's loop is that of H_env under the same motion of the hand, where the motion is a sum of sines; otherwise
-    it is what the environment itself went through behind the effects.
+    The environment's loop is that of H_env under the same motion of the hand, where the motion is a
+    sum of sines; otherwise it is what the environment itself went through behind the effects.
     """
     run = _middle(runs)
     part = _last(run, _IN_LOOPS)
     x, force, name = _environment_loop(run, part)
-    length = _length(run.motion.amplitude, "rad" if run.scene.motion is MotionKind.ROTATION else "m")
+    length = _length(
+        run.motion.amplitude, "rad" if run.scene.motion is MotionKind.ROTATION else "m"
+    )
     layers = [
-        Origin(), Curve(_smooth(x), _smooth(force), pen.BLUE, label=name),
-        Curve(_smooth(run.displacement[part]), _smooth(run.force[part]), pen.RED, pen.DASHED, label="at the hand"),
+        Origin(),
+        Curve(_smooth(x), _smooth(force), pen.BLUE, label=name),
+        Curve(
+            _smooth(run.displacement[part]),
+            _smooth(run.force[part]),
+            pen.RED,
+            pen.DASHED,
+            label="at the hand",
+        ),
         *_saturated(run),
-    ]  # fmt: skip
+    ]
     return Chart(layers, Axis("displacement", length), Axis("force", _newton(run)), height=2.4)
 
 
 def recovered(runs: Runs, part: Part) -> Chart:
-    """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the force as rings.
+    """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the
+    force as rings.
 
     NothingToDrawError where no ratio was recovered.
     """
@@ -133,23 +167,36 @@ def recovered(runs: Runs, part: Part) -> Chart:
     found = np.array([x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows])
     look = {"markeredgewidth": 0.9}
     layers = [
-        Origin(level=True), Curve(grid, curve, pen.RED, pen.DASHED, label="closed form"),
-        Mark(omegas, found, size=3.8, face="white", look=look, label="from the simulated force", styled=True),
-    ]  # fmt: skip
+        Origin(level=True),
+        Curve(grid, curve, pen.RED, pen.DASHED, label="closed form"),
+        Mark(
+            omegas,
+            found,
+            size=3.8,
+            face="white",
+            look=look,
+            label="from the simulated force",
+            styled=True,
+        ),
+    ]
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
     upright = force_per_position(rf"{name}\,H_\mathrm{{perc}}", scene, _limits(curve, found))
-    return Chart(layers, frequency(scene.frequency, (float(grid[0]), float(grid[-1]))), upright, height=2.0)
+    return Chart(
+        layers, frequency(scene.frequency, (float(grid[0]), float(grid[-1]))), upright, height=2.0
+    )
 
 
 def _around(omegas: Array) -> Array:
-    """Frequencies close together, from a little below the first of some to a little above the last."""
+    """Frequencies close together, from a little below the first of some to a little above the
+    last."""
     low, high = omegas[0], omegas[-1]
     margin = 0.04 * (high - low) or 0.1 * high
     return np.linspace(max(low - margin, low / 2), high + margin, 601)
 
 
 def _last(run: Simulation, periods: int) -> slice:
-    """The samples of the last periods: of a sine its own, of several sines one common one, of a chirp the fastest ones."""
+    """The samples of the last periods: of a sine its own, of several sines one common one, of a
+    chirp the fastest ones."""
     if not run.motion.omegas and run.motion.name != "chirp":
         return slice(0, None)
     low, high = run.motion.span
@@ -159,7 +206,8 @@ def _last(run: Simulation, periods: int) -> slice:
 
 
 def _smooth(samples: Array) -> Array:
-    """The curve through samples at the nodes of steps, with both ends of each step, so that jumps are upright."""
+    """The curve through samples at the nodes of steps, with both ends of each step, so that jumps
+    are upright."""
     return finer(samples, np.linspace(0, 1, 25))
 
 
@@ -188,7 +236,11 @@ def _newton(run: Simulation) -> Unit:
 
 def _length(largest: float, unit: str) -> Unit:
     """The unit in which lengths are drawn: mm for small ones."""
-    return quantity("1 mm", Dimension.DISPLACEMENT).unit or Unit(unit) if unit == "m" and largest < 0.2 else Unit(unit)
+    return (
+        quantity("1 mm", Dimension.DISPLACEMENT).unit or Unit(unit)
+        if unit == "m" and largest < 0.2
+        else Unit(unit)
+    )
 
 
 SIMULATION = Drawings[Runs](
@@ -205,11 +257,13 @@ SIMULATION = Drawings[Runs](
         "recovered-imag": lambda x: sheet(recovered(x, Part.IMAG)),
     },
 )
-"""Time and loops are those of the middle run; H_perc is drawn where at least one ratio was recovered."""
+"""Time and loops are those of the middle run; H_perc is drawn where at least one ratio was
+recovered."""
 
 
 def release(r: Release) -> Chart:
-    """The motion over time, with the envelope of the closed form's rightmost pole where that is what was simulated.
+    """The motion over time, with the envelope of the closed form's rightmost pole where that is
+    what was simulated.
 
     Of a further run on the same axes the motion alone is drawn.
 
@@ -245,7 +299,10 @@ def _envelope(r: Release, time: Array, x: Array) -> list[Layer]:
     height = float(np.max(np.abs(x[late]) / shape[late]))
     signs = (1, -1) if r.closed.omega else (1,)
     label = "envelope of the closed form"
-    return [Curve(time, sign * height * shape, pen.RED, pen.DASHED, 0.9, label=label, shared=True) for sign in signs]
+    return [
+        Curve(time, sign * height * shape, pen.RED, pen.DASHED, 0.9, label=label, shared=True)
+        for sign in signs
+    ]
 
 
 RELEASE = Drawings[Release]({"motion": release}, {"release": lambda r: sheet(release(r))})

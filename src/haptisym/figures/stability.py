@@ -1,8 +1,9 @@
-"""Figures of stability and of tolerances: the plane of a hand or of a wall, and where ratios may cross for all values in ranges.
+"""Figures of stability and of tolerances: the plane of a hand or of a wall, and where ratios may
+cross for all values in ranges.
 
-The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a hand that has some. Of
-a display with ranges: where it is stable for all its values, where for none. The plane of a wall, of a display with a
-clock.
+The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a
+hand that has some. Of a display with ranges: where it is stable for all its values, where for none.
+The plane of a wall, of a display with a clock.
 """
 
 from __future__ import annotations
@@ -60,7 +61,8 @@ _KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
 
 
 def hands(found: Stability) -> Chart:
-    """The plane of the mass of the first hand; with a clock that of stiffness and damping of the wall, in the first hand.
+    """The plane of the mass of the first hand; with a clock that of stiffness and damping of the
+    wall, in the first hand.
 
     NothingToDrawError where a display with a clock renders no wall of stiffness and damping.
     """
@@ -68,24 +70,37 @@ def hands(found: Stability) -> Chart:
 
 
 def wall(found: Stability) -> Chart:
-    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with its unstable poles."""
+    """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with
+    its unstable poles."""
     if not has_plane(found.scene):
         raise NothingToDrawError(
-            "the plane of a sampled display is that of a wall's stiffness and damping, and the scene has none"
+            "the plane of a sampled display is that of a wall's stiffness and damping, and "
+            "the scene has none"
         )
     hand = found.held[0].hand if found.held else Hand(NOBODY)
     k_knob, b_knob = (found.scene.knobs[path] for path in WALL)
     own = float(k_knob.value), float(b_knob.value)
-    near = [[float(x.value) for sets in found.critical[:1] if path in sets for x in sets[path].ends] for path in WALL]
+    near = [
+        [float(x.value) for sets in found.critical[:1] if path in sets for x in sets[path].ends]
+        for path in WALL
+    ]
     k = _ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
-    b = _ROOM * max([2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])])
+    b = _ROOM * max(
+        [2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])]
+    )
     try:
         drawn = wall_plane(found.scene, hand, (0.0, k, 0.0, b))
     except UndecidedError as error:
         raise NothingToDrawError(str(error)) from None
     layers = [
         *_grounds(drawn),
-        Mark([own[0]], [own[1]], size=3.5, look={"clip_on": False}, label=f"the scene, in {printable(hand.name)}"),
+        Mark(
+            [own[0]],
+            [own[1]],
+            size=3.5,
+            look={"clip_on": False},
+            label=f"the scene, in {printable(hand.name)}",
+        ),
         _Counts(drawn),
     ]
     x, y = parameter(k_knob, "", (0, k)), parameter(b_knob, "", (0, b))
@@ -94,10 +109,12 @@ def wall(found: Stability) -> Chart:
 
 
 def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
-    """Stiffness against damping of hands of one mass: a ground where the display is not stable, with its unstable poles.
+    """Stiffness against damping of hands of one mass: a ground where the display is not stable,
+    with its unstable poles.
 
-    ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where none was. Filled: the hands that
-    were asked about, if they are of that mass; hollow: published ones, whatever theirs.
+    ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where
+    none was. Filled: the hands that were asked about, if they are of that mass; hollow: published
+    ones, whatever theirs.
 
     >>> from haptisym import stability
     >>> [x.label for x in hand_plane(stability("delayed-spring", "light-touch")).layers if x.label][0]
@@ -106,7 +123,11 @@ def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
     asked = [x.hand for x in found.held]
     turning = found.scene.motion is MotionKind.ROTATION
     own = hand or (asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg"))
-    shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in asked}]
+    shown = (
+        []
+        if turning
+        else [x for name, x in published.items() if name not in {y.name for y in asked}]
+    )
     drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
     layers = [*_boundary(drawn), *_grounds(drawn), *_ranges(asked), *_hands(asked, shown, drawn)]
     return Chart(layers, *_axes(found.scene.motion, number(drawn.mass), drawn.window), height=2.6)
@@ -122,14 +143,40 @@ def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[Axis, A
 
 
 def _window(found: Stability, shown: Iterable[Hand]) -> Window:
-    """Room for the hands, their ranges, critical values that are not far, and the line of the pole at 0 if it is near."""
+    """Room for the hands, their ranges, critical values that are not far, and the line of the pole
+    at 0 if it is near."""
     ends = [[(p.interval or (p.value, p.value))[1] for p in x.parameters] for x in shown]
     most = [max((float(x[i]) for x in ends), default=0.0) for i in (1, 2)]
     b, k = (x or other for x, other in zip(most, (1.0, 100.0), strict=True))
-    near = [(path, float(x.value)) for sets in found.critical for path, values in sets.items() for x in values.ends]
-    b = max([b, *(v for path, v in near if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b)])
-    k = max([k, *(v for path, v in near if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k)])
-    at_0 = float(found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0])
+    near = [
+        (path, float(x.value))
+        for sets in found.critical
+        for path, values in sets.items()
+        for x in values.ends
+    ]
+    b = max(
+        [
+            b,
+            *(
+                v
+                for path, v in near
+                if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b
+            ),
+        ]
+    )
+    k = max(
+        [
+            k,
+            *(
+                v
+                for path, v in near
+                if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k
+            ),
+        ]
+    )
+    at_0 = float(
+        found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0]
+    )
     low = -1.3 * at_0 if 0 < at_0 < k else -0.05 * k
     return low, _ROOM * k, -0.05 * b, _ROOM * b
 
@@ -144,19 +191,33 @@ class _Raster(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         low, high, least, most = self.window
-        x, y = np.linspace(low, high, self.where.shape[0]), np.linspace(least, most, self.where.shape[1])
-        on.ax.contourf(on.x.of(x), on.y.of(y), self.where.T, levels=[0.5, 1.5], colors=[self.color], zorder=0)
+        x, y = (
+            np.linspace(low, high, self.where.shape[0]),
+            np.linspace(least, most, self.where.shape[1]),
+        )
+        on.ax.contourf(
+            on.x.of(x), on.y.of(y), self.where.T, levels=[0.5, 1.5], colors=[self.color], zorder=0
+        )
         return [Patch(facecolor=self.color)]
 
 
 def _grounds(drawn: Plane) -> list[Layer]:
     """Cells by whether they are stable."""
     grounds = (
-        ("unstable", pen.UNSTABLE, [x for x in drawn.cells if x.roots is not None and not x.is_stable]),
+        (
+            "unstable",
+            pen.UNSTABLE,
+            [x for x in drawn.cells if x.roots is not None and not x.is_stable],
+        ),
         ("undecided", pen.OPEN, [x for x in drawn.cells if x.roots is None]),
     )
     return [
-        _Raster(np.any([x.pixels for x in cells], axis=0).astype(float), drawn.window, color, label=label)
+        _Raster(
+            np.any([x.pixels for x in cells], axis=0).astype(float),
+            drawn.window,
+            color,
+            label=label,
+        )
         for label, color, cells in grounds
         if cells
     ]
@@ -165,29 +226,48 @@ def _grounds(drawn: Plane) -> list[Layer]:
 def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
     """The boundary, and where a pole is at 0."""
     low, high, least, most = drawn.window
-    is_here = bool(((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any())
-    made: list[Layer] = [Curve(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")]
+    is_here = bool(
+        ((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any()
+    )
+    made: list[Layer] = [
+        Curve(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")
+    ]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
-        made.append(Limit(drawn.at_0, upright=True, color=pen.RED, stroke=pen.DASHED, width=0.9, label="pole at 0"))
+        made.append(
+            Limit(
+                drawn.at_0,
+                upright=True,
+                color=pen.RED,
+                stroke=pen.DASHED,
+                width=0.9,
+                label="pole at 0",
+            )
+        )
     return made
 
 
 def _ranges(asked: Iterable[Hand]) -> list[Layer]:
     """The rectangle of each hand with ranges of damping and stiffness."""
     style: dict[str, Any] = {"fill": False, "edgecolor": pen.INK, "linewidth": 0.9}
-    return [Shape(Rectangle((k, b), k_high - k, b_high - b, **style)) for (k, b), (k_high, b_high) in _corners(asked)]
+    return [
+        Shape(Rectangle((k, b), k_high - k, b_high - b, **style))
+        for (k, b), (k_high, b_high) in _corners(asked)
+    ]
 
 
 def _corners(asked: Iterable[Hand]) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
     """Of each hand with ranges of damping and stiffness, two corners of their rectangle."""
     for x in asked:
         if x.k.interval or x.b.interval:
-            (k, k_high), (b, b_high) = ([float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b))
+            (k, k_high), (b, b_high) = (
+                [float(end) for end in p.interval or (p.value, p.value)] for p in (x.k, x.b)
+            )
             yield (k, b), (k_high, b_high)
 
 
 def _hands(asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Layer]:
-    """Hands by their names: filled where their mass is that of the plane; and the number of unstable poles in each cell."""
+    """Hands by their names: filled where their mass is that of the plane; and the number of
+    unstable poles in each cell."""
     here = [x for x in asked if float(x.m.value) == drawn.mass]
     marks: list[Layer] = []
     for x in (*asked, *shown):
@@ -196,7 +276,11 @@ def _hands(asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Layer]:
         marks.append(Mark([k], [b], color, size=3.5, face=face, look={"markeredgewidth": 0.7}))
     rim: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 0.7, "color": pen.GREY}
     told = [Words(label="hand of this mass", look=dots(3.5))] if here else []
-    told += [Words(label="of another mass", look=dots(3.5, **rim))] if len(here) < len(asked) + len(shown) else []
+    told += (
+        [Words(label="of another mass", look=dots(3.5, **rim))]
+        if len(here) < len(asked) + len(shown)
+        else []
+    )
     return [*marks, *told, _Counts(drawn, tuple(asked), tuple(shown))]
 
 
@@ -206,7 +290,8 @@ def _place(x: Hand) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class _Counts(Layer):
-    """Names of hands, and the number of unstable poles in the middle of each cell or beside what stands there."""
+    """Names of hands, and the number of unstable poles in the middle of each cell or beside what
+    stands there."""
 
     drawn: Plane
     asked: tuple[Hand, ...] = ()
@@ -218,23 +303,34 @@ class _Counts(Layer):
         named += [(name, place, pen.GREY) for name, place in self._names(room)]
         for name, (k, b), color in named:
             at = room.beside(k, b, name, _SMALLER)
-            made.append(on.ax.annotate(name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color))
+            made.append(
+                on.ax.annotate(
+                    name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color
+                )
+            )
         low, high, least, most = self.drawn.window
         for x in self.drawn.cells:
             if min(np.ptp(np.nonzero(x.pixels), axis=1)) < _NARROW:
                 continue
-            shown = "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
+            shown = (
+                "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
+            )
             inner = np.argwhere(_without_rim(x.pixels))
             share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
             others = np.array([low, least]) + share * np.array([high - low, most - least])
             places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
             costs = [(room.crowded(at, pen.TEXT), room.away(at, (x.k, x.b))) for at in places]
             at = places[min(range(len(places)), key=costs.__getitem__)]
-            made.append(on.ax.annotate(shown, at, ha="center", va="center", fontsize=pen.TEXT, color=pen.INK))
+            made.append(
+                on.ax.annotate(
+                    shown, at, ha="center", va="center", fontsize=pen.TEXT, color=pen.INK
+                )
+            )
         return made
 
     def _names(self, room: Room) -> list[tuple[str, tuple[float, float]]]:
-        """What is written beside published hands: of those whose marks lie on each other, how many they are."""
+        """What is written beside published hands: of those whose marks lie on each other, how many
+        they are."""
         groups: list[list[Hand]] = []
         for x in self.shown:
             near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
@@ -243,14 +339,19 @@ class _Counts(Layer):
                 groups.append([x])
             else:
                 group.append(x)
-        return [(printable(g[0].name) if len(g) == 1 else f"{len(g)} published hands", _place(g[0])) for g in groups]
+        return [
+            (printable(g[0].name) if len(g) == 1 else f"{len(g)} published hands", _place(g[0]))
+            for g in groups
+        ]
 
     def _room(self, on: On) -> Room:
         """What the lines and marks leave free."""
         room, drawn = Room(on.ax), self.drawn
         low, high, least, most = drawn.window
         inside = (drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)
-        for piece in np.split(np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1):
+        for piece in np.split(
+            np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1
+        ):
             if len(piece) and inside[piece[0]]:
                 room.take_line(drawn.k[piece], drawn.b[piece])
         if drawn.at_0 is not None and low < drawn.at_0 < high:
@@ -280,11 +381,13 @@ _MOST = 100_000
 
 
 def held(a: Tolerances) -> Chart:
-    """Stiffness against damping of hands of the first one's mass: grounds where a display is stable for all values, and for none.
+    """Stiffness against damping of hands of the first one's mass: grounds where a display is stable
+    for all values, and for none.
 
-    Both are proven, over rectangles; between them it depends on the values, or is undecided. The line is the boundary for the
-    nominal values, in floats (none with a clock); hollow points are published hands, whatever their mass. NothingToDrawError
-    without a hand, and where nothing is known.
+    Both are proven, over rectangles; between them it depends on the values, or is undecided. The
+    line is the boundary for the nominal values, in floats (none with a clock); hollow points are
+    published hands, whatever their mass. NothingToDrawError without a hand, and where nothing is
+    known.
 
     >>> from haptisym import load_scene, tolerances
     >>> late = load_scene("delayed-spring").with_values({"tau": "36 ms +- 5 %"})
@@ -296,16 +399,23 @@ def held(a: Tolerances) -> Chart:
     scene, asked = a.box.scene, [x.hand for x in a.held]
     own, sampled = asked[0], bool(clocks(scene))
     turning = scene.motion is MotionKind.ROTATION
-    shown = [] if turning else [x for name, x in published.items() if name not in {y.name for y in asked}]
+    shown = (
+        []
+        if turning
+        else [x for name, x in published.items() if name not in {y.name for y in asked}]
+    )
     window = _held_window([*asked, *shown], sampled=sampled)
     found = _found(a, own, window)
     drawn = (
-        Plane(float(own.m.value), np.empty(0), np.empty(0), None, window) if sampled else boundary(scene, own, window)
+        Plane(float(own.m.value), np.empty(0), np.empty(0), None, window)
+        if sampled
+        else boundary(scene, own, window)
     )
     rows = (
-        (found.stable, "#ffffff", "stable for all values"), (found.unstable, pen.UNSTABLE, "for none"),
+        (found.stable, "#ffffff", "stable for all values"),
+        (found.unstable, pen.UNSTABLE, "for none"),
         (found.left, pen.OPEN, "it depends, or undecided"),
-    )  # fmt: skip
+    )
     low, high, least, most = window
     size, corner = np.array([high - low, most - least])[:, None], np.array([low, least])[:, None]
     grounds: list[Layer] = []
@@ -323,7 +433,9 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
     """What is proven of the plane."""
     low, high, least, most = (Rational(str(x)) for x in window)
     ranges = a.box.scene.ranges().values()
-    others: dict[Symbol, tuple[Expr, Expr]] = {x.symbol: x.interval for x in ranges if x.interval and not x.parts}
+    others: dict[Symbol, tuple[Expr, Expr]] = {
+        x.symbol: x.interval for x in ranges if x.interval and not x.parts
+    }
     if hand.m.interval:
         others[hand.m.symbol] = hand.m.interval
     finest = _FINEST[len(others)] if len(others) < len(_FINEST) else _COARSE
@@ -347,10 +459,11 @@ _HEIGHT = 0.7
 
 
 def enclosures(a: Tolerances) -> Chart:
-    """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a stroke for the nominal ones.
+    """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a
+    stroke for the nominal ones.
 
-    Enclosures of a further scene are outlines, in the row of what they are about. NothingToDrawError where no values bring a
-    crossing.
+    Enclosures of a further scene are outlines, in the row of what they are about.
+    NothingToDrawError where no values bring a crossing.
 
     >>> from haptisym import load_scene, tolerances
     >>> chart = enclosures(tolerances(load_scene("fu2019-tolerances"), samples=20))
@@ -371,12 +484,17 @@ def enclosures(a: Tolerances) -> Chart:
                 label="drawn at random",
             )
         )
-        nominal.append(_Strokes(name, [float(w) for w in a.nominal.crossings[x.name]], label="nominal values"))
+        nominal.append(
+            _Strokes(name, [float(w) for w in a.nominal.crossings[x.name]], label="nominal values")
+        )
     low, high = (float(x) for x in a.box.scene.band)
     rows = [x.row for x in every if isinstance(x, _Row)]
     height = 1.5 if len(a.criteria) > 1 else 1.3
     return Chart(
-        [*every, *drawn, *nominal], frequency(a.box.scene.frequency, (low, high)), Axis(names=rows), height=height
+        [*every, *drawn, *nominal],
+        frequency(a.box.scene.frequency, (low, high)),
+        Axis(names=rows),
+        height=height,
     )
 
 
@@ -389,7 +507,11 @@ class _Row(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         at, made = list(on.y.names).index(self.row), list[Artist]()
-        face: dict[str, Any] = {"facecolor": pen.SHADE, "edgecolor": on.ink(pen.GREY), "linewidth": 0.5}
+        face: dict[str, Any] = {
+            "facecolor": pen.SHADE,
+            "edgecolor": on.ink(pen.GREY),
+            "linewidth": 0.5,
+        }
         if on.number:
             face |= {"facecolor": "none", "linewidth": 1.0}
         for low, high in map(on.x.of, self.spans):
@@ -407,7 +529,9 @@ class _Drawn(Layer):
     def draw(self, on: On) -> list[Artist]:
         at = list(on.y.names).index(self.row)
         heights = [at + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in self.places]
-        return Mark([x for x, _ in self.places], heights, pen.BLUE, ".", 1.6, look={"zorder": 2}).draw(on)
+        return Mark(
+            [x for x, _ in self.places], heights, pen.BLUE, ".", 1.6, look={"zorder": 2}
+        ).draw(on)
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         return [(self.label, handle(on.ink(pen.BLUE), "none", "", **dots(2.2)))] if made else []
@@ -425,18 +549,31 @@ class _Strokes(Layer):
             return []
         at = list(on.y.names).index(self.row)
         ends = at - _HEIGHT / 2, at + _HEIGHT / 2
-        return [on.ax.vlines(on.x.of(self.places), *ends, color=on.ink(pen.INK), linewidth=1.4, zorder=3)]
+        return [
+            on.ax.vlines(
+                on.x.of(self.places), *ends, color=on.ink(pen.INK), linewidth=1.4, zorder=3
+            )
+        ]
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        return [(self.label, handle(on.ink(pen.INK), "none", "", **dots(7, "|", markeredgewidth=1.4)))] if made else []
+        return (
+            [(self.label, handle(on.ink(pen.INK), "none", "", **dots(7, "|", markeredgewidth=1.4)))]
+            if made
+            else []
+        )
 
 
 def _has_rows(a: Tolerances) -> bool:
-    return bool(a.enclosures) or any(a.nominal.crossings.values()) or any(any(x.crossings.values()) for x in a.samples)
+    return (
+        bool(a.enclosures)
+        or any(a.nominal.crossings.values())
+        or any(any(x.crossings.values()) for x in a.samples)
+    )
 
 
 def tolerances(a: Tolerances) -> Figure:
-    """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there is neither."""
+    """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there
+    is neither."""
     if a.held:
         with suppress(NothingToDrawError):
             below = held(a)
@@ -446,5 +583,9 @@ def tolerances(a: Tolerances) -> Figure:
 
 TOLERANCES = Drawings[Tolerances](
     {"enclosures": enclosures, "hands": held},
-    {"tolerances": tolerances, "enclosures": lambda a: sheet(enclosures(a)), "hands": lambda a: sheet(held(a))},
+    {
+        "tolerances": tolerances,
+        "enclosures": lambda a: sheet(enclosures(a)),
+        "hands": lambda a: sheet(held(a)),
+    },
 )

@@ -1,7 +1,9 @@
-"""Design charts of sweeps: first crossings and bandwidth over one parameter, or a map of the bandwidth over two.
+"""Design charts of sweeps: first crossings and bandwidth over one parameter, or a map of the
+bandwidth over two.
 
-The data of a sweep are an xarray Dataset in SI; axes are in the scene's units where the scene is at hand. A curve is broken
-where it jumps because crossings come or go: nothing was computed in between.
+The data of a sweep are an xarray Dataset in SI; axes are in the scene's units where the scene is at
+hand. A curve is broken where it jumps because crossings come or go: nothing was computed in
+between.
 """
 
 from __future__ import annotations
@@ -21,7 +23,20 @@ from sympy import Symbol
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings, sheet
-from haptisym.figures.layers import Axis, Chart, Curve, Layer, Limit, Mark, On, Words, dots, frequency, handle, number
+from haptisym.figures.layers import (
+    Axis,
+    Chart,
+    Curve,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Words,
+    dots,
+    frequency,
+    handle,
+    number,
+)
 from haptisym.figures.measured import unit_of
 from haptisym.figures.requirement import boundary
 from haptisym.kernel.errors import SceneError
@@ -39,7 +54,9 @@ if TYPE_CHECKING:
 
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
 _LEVELS, _SLICES = 7, 31
-_MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])  # monotone in grey, too
+_MAP = LinearSegmentedColormap.from_list(
+    "bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"]
+)  # monotone in grey, too
 _CURVES = {
     "real": (pen.BLUE, pen.SOLID, "real part crosses"),
     "imag": (pen.RED, pen.DASHED, "imaginary part crosses"),
@@ -57,7 +74,8 @@ def _dimensions(data: xr.Dataset, count: int) -> list[str]:
     found = [str(name) for name in data.bandwidth.dims]
     if len(found) != count or min(data.bandwidth.shape) < 2:
         raise SceneError(
-            f"a chart shows one or two parameters with at least two values each, not {dict(data.bandwidth.sizes)}: "
+            f"a chart shows one or two parameters with at least two values each, not "
+            f"{dict(data.bandwidth.sizes)}: "
             "choose with Dataset.sel, or sweep fewer"
         )
     return found
@@ -74,9 +92,17 @@ def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> Axis:
     """The axis of a parameter; its element is named only where another one has the same symbol."""
     keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
     shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
-    element = "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_") if shared else ""
+    element = (
+        "_" + "_".join(path.split(".")[:-1]).removeprefix("effects_").replace("-", "_")
+        if shared
+        else ""
+    )
     x, units = data[path].values, str(data[path].attrs.get("units", ""))
-    unit = unit_of(np.array([x.min(), x.max()])) if units == "rad/s" else Unit("" if units == "1" else units)
+    unit = (
+        unit_of(np.array([x.min(), x.max()]))
+        if units == "rad/s"
+        else Unit("" if units == "1" else units)
+    )
     if scene is not None and path in {one for x in scene.knobs for one in x.paths}:
         knob = scene.knobs[path]
         unit = knob.shown_unit(knob.motion)
@@ -109,20 +135,26 @@ def _judged_in(data: xr.Dataset) -> list[str]:
 
 def _counts(data: xr.Dataset) -> Any:
     """How many crossings there are, of each criterion."""
-    return np.stack([data[f"crossings_{name}"].values for name in _judged_in(data)]).astype(np.int64)
+    return np.stack([data[f"crossings_{name}"].values for name in _judged_in(data)]).astype(
+        np.int64
+    )
 
 
 def _jumps(y: Array, counts: Any, band: float) -> Any:
-    """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it depends on, in rows.
+    """The places before which a curve is broken; ``counts`` : of the crossings of the parts that it
+    depends on, in rows.
 
-    Where a pair of crossings of a part comes or goes, and the curve moves more there than beside: the lowest one may be among
-    them. A crossing alone comes in over an end of the band, so that the curve goes on; there, as elsewhere, it is only broken
-    where it moves far more than on both sides.
+    Where a pair of crossings of a part comes or goes, and the curve moves more there than beside:
+    the lowest one may be among them. A crossing alone comes in over an end of the band, so that the
+    curve goes on; there, as elsewhere, it is only broken where it moves far more than on both
+    sides.
     """
     steps = np.pad(np.abs(np.diff(y)), 1, constant_values=np.nan)
     least, most = (np.nan_to_num(pick(steps[:-2], steps[2:])) for pick in (np.fmin, np.fmax))
     pairs = (np.abs(np.diff(counts, axis=1)) > 1).any(axis=0)
-    smooth = np.where(pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band))
+    smooth = np.where(
+        pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band)
+    )
     return (steps[1:-1] > smooth).nonzero()[0] + 1
 
 
@@ -143,7 +175,8 @@ def _unit(data: xr.Dataset, scene: Scene | None) -> Unit:
 def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     """First crossings of what is judged and the bandwidth over the one parameter of a sweep.
 
-    A curve has a dot at each end where it is broken. Hatched: the sets that are not stable in a hand.
+    A curve has a dot at each end where it is broken. Hatched: the sets that are not stable in a
+    hand.
 
     >>> from haptisym import load_scene, sweep
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
@@ -154,7 +187,8 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     data = data.load()
     x, (low, high), counts = data[path].values, data.attrs["band"], _counts(data)
     rows: list[tuple[Any, ...]] = [
-        (f"first_crossing_{name}", [i], *_CURVES[name], 1.1, {}) for i, name in enumerate(_judged_in(data))
+        (f"first_crossing_{name}", [i], *_CURVES[name], 1.1, {})
+        for i, name in enumerate(_judged_in(data))
     ]
     wide = {"alpha": 0.5, "solid_capstyle": "butt", "zorder": 1.5}
     rows.append(("bandwidth", list(range(len(rows))), pen.GREY, pen.SOLID, "bandwidth", 3.2, wide))
@@ -165,7 +199,15 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
             continue
         jumps = _jumps(y, counts[parts], high - low)
         lines.append(
-            Curve(np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan), color, stroke, width, label=name, look=look)
+            Curve(
+                np.insert(x, jumps, np.nan),
+                np.insert(y, jumps, np.nan),
+                color,
+                stroke,
+                width,
+                label=name,
+                look=look,
+            )
         )
         ends = np.union1d(jumps - 1, jumps).astype(int)
         marks += [Mark(x[ends], y[ends], color, size=2.4)] if len(ends) else []
@@ -173,11 +215,14 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     end = Limit(high, width=0.4, label="end of the band", shared=True, look={"zorder": 0})
     strips = [_Held(x, None, *row[1:], label=row[0]) for row in _held(data)]
     upright = frequency(_unit(data, scene), (low, high + 0.04 * (high - low)))
-    return Chart([*lines, *marks, end, *told, *strips], _axis(data, path, scene), upright, height=2.2)
+    return Chart(
+        [*lines, *marks, end, *told, *strips], _axis(data, path, scene), upright, height=2.2
+    )
 
 
 def _held(data: xr.Dataset) -> list[tuple[str, Any, str, str]]:
-    """Of each hand where the display is unstable, and where that is undecided: words, where, hatch and colour."""
+    """Of each hand where the display is unstable, and where that is undecided: words, where, hatch
+    and colour."""
     rows = []
     for name, hatch in zip(_held_in(data), _HATCHES, strict=False):
         counts, hand = data[name].values, str(data[name].attrs["hand"])
@@ -188,7 +233,8 @@ def _held(data: xr.Dataset) -> list[tuple[str, Any, str, str]]:
 
 @dataclass(frozen=True)
 class _Held(Layer):
-    """A hatch about some sets: upright strips halfway to their neighbours, or over two parameters."""
+    """A hatch about some sets: upright strips halfway to their neighbours, or over two
+    parameters."""
 
     x: Array
     y: Array | None
@@ -202,9 +248,15 @@ class _Held(Layer):
             return [self._patch()]
         borders, own = np.repeat(_edges(self.x), 2)[1:-1], np.repeat(self.where, 2)
         style: dict[str, Any] = {
-            "facecolor": "none", "edgecolor": self.color, "linewidth": 0.0, "hatch": self.hatch, "zorder": 0,
-        }  # fmt: skip
-        on.ax.fill_between(on.x.of(borders), 0, 1, where=own, transform=on.ax.get_xaxis_transform(), **style)
+            "facecolor": "none",
+            "edgecolor": self.color,
+            "linewidth": 0.0,
+            "hatch": self.hatch,
+            "zorder": 0,
+        }
+        on.ax.fill_between(
+            on.x.of(borders), 0, 1, where=own, transform=on.ax.get_xaxis_transform(), **style
+        )
         return [self._patch()]
 
     def _patch(self) -> Patch:
@@ -213,7 +265,9 @@ class _Held(Layer):
 
 def _hatched(on: On, axes: tuple[Array, Array], where: Any, hatch: str, color: str) -> None:
     x, y = on.x.of(axes[0]), on.y.of(axes[1])
-    found = on.ax.contourf(x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch])
+    found = on.ax.contourf(
+        x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch]
+    )
     found.set(edgecolor=color, linewidth=0.0)
 
 
@@ -221,12 +275,14 @@ def _hatched(on: On, axes: tuple[Array, Array], where: Any, hatch: str, color: s
 
 
 def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None = None) -> Chart:
-    """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet map.
+    """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet
+    map.
 
-    Hatched where the display is not transparent at the band's low end, or not stable in a hand; no shade is darker than the ink
-    of the lines. A thick grey line, which contour lines do not cross, is where the bandwidth jumps from one set to the next.
-    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn: points that are proven, and
-    straight lines between them.
+    Hatched where the display is not transparent at the band's low end, or not stable in a hand; no
+    shade is darker than the ink of the lines. A thick grey line, which contour lines do not cross,
+    is where the bandwidth jumps from one set to the next.
+    ``exact`` : the same plane by exact slices, whose boundary of the transparent region is drawn:
+    points that are proven, and straight lines between them.
 
     >>> from haptisym import load_scene, sweep
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]})
@@ -235,26 +291,43 @@ def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None 
     """
     upwards, along = _dimensions(data, 2)
     data = _thinned(data, (upwards, along)).sortby([upwards, along])
-    x, y, z, (low, high) = data[along].values, data[upwards].values, data.bandwidth.values, data.attrs["band"]
+    x, y, z, (low, high) = (
+        data[along].values,
+        data[upwards].values,
+        data.bandwidth.values,
+        data.attrs["band"],
+    )
     unit = _unit(data, scene)
-    layers: list[Layer] = [_Field(x, y, z, (low, high), unit, label=f"bandwidth ({unit.text})", styled=True)]
+    layers: list[Layer] = [
+        _Field(x, y, z, (low, high), unit, label=f"bandwidth ({unit.text})", styled=True)
+    ]
     jumps = _jump_edges(data, x, y, z, high - low)
     layers += [_Jumps(jumps, label="bandwidth jumps")] if jumps else []
     whole = f"whole band, {frequency(unit).short(high)}"
-    for where, hatch, label in ((np.isnan(z), "xxxx", "not at the low end"), (z >= high, "....", whole)):
+    for where, hatch, label in (
+        (np.isnan(z), "xxxx", "not at the low end"),
+        (z >= high, "....", whole),
+    ):
         layers += [_Plateau(x, y, where, hatch, label=label)] if where.any() else []
     layers += [_Held(x, y, *row[1:], label=row[0]) for row in _held(data)]
     layers += boundary(exact, 1.1) if exact else []
     return Chart(layers, _axis(data, along, scene), _axis(data, upwards, scene), height=2.8)
 
 
-def _jump_edges(data: xr.Dataset, x: Array, y: Array, z: Array, band: float) -> list[list[tuple[float, float]]]:
+def _jump_edges(
+    data: xr.Dataset, x: Array, y: Array, z: Array, band: float
+) -> list[list[tuple[float, float]]]:
     """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
     counts, across, up, found = _counts(data), _edges(x), _edges(y), []
     for i, row in enumerate(z):
-        found += [[(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)]
+        found += [
+            [(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)
+        ]
     for j, column in enumerate(z.T):
-        found += [[(across[j], up[i]), (across[j + 1], up[i])] for i in _jumps(column, counts[:, :, j], band)]
+        found += [
+            [(across[j], up[i]), (across[j + 1], up[i])]
+            for i in _jumps(column, counts[:, :, j], band)
+        ]
     return found
 
 
@@ -271,7 +344,13 @@ class _Field(Layer):
     def draw(self, on: On) -> list[Artist]:
         x, y, size = on.x.of(self.x), on.y.of(self.y), float(self.unit.size)
         z, (low, high) = self.z / size, (end / size for end in self.band)
-        style: dict[str, Any] = {"cmap": _MAP, "vmin": low, "vmax": high, "shading": "nearest", "rasterized": True}
+        style: dict[str, Any] = {
+            "cmap": _MAP,
+            "vmin": low,
+            "vmax": high,
+            "shading": "nearest",
+            "rasterized": True,
+        }
         made: list[Artist] = [on.ax.pcolormesh(x, y, z, **style)]
         levels = _round_levels(z, high)
         if len(levels):
@@ -285,11 +364,14 @@ class _Field(Layer):
 
 
 def _round_levels(z: Array, high: float) -> Array:
-    """A few round values between the least and the largest bandwidth, those of the whole band left out."""
+    """A few round values between the least and the largest bandwidth, those of the whole band left
+    out."""
     inside = z[np.isfinite(z) & (z < high)]
     if not len(inside) or inside.min() == inside.max():
         return np.zeros(0)
-    levels: Array = np.asarray(MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(inside.min(), inside.max()))
+    levels: Array = np.asarray(
+        MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(inside.min(), inside.max())
+    )
     kept: Array = levels[(levels > inside.min()) & (levels < min(inside.max(), 0.999 * high))]
     return kept
 
@@ -301,8 +383,13 @@ class _Jumps(Layer):
     edges: Sequence[Sequence[tuple[float, float]]]
 
     def draw(self, on: On) -> list[Artist]:
-        lines = [np.column_stack([on.x.of([a for a, _ in edge]), on.y.of([b for _, b in edge])]) for edge in self.edges]
-        made = LineCollection(lines, colors=pen.GREY, linewidths=1.8, alpha=0.8, capstyle="projecting")
+        lines = [
+            np.column_stack([on.x.of([a for a, _ in edge]), on.y.of([b for _, b in edge])])
+            for edge in self.edges
+        ]
+        made = LineCollection(
+            lines, colors=pen.GREY, linewidths=1.8, alpha=0.8, capstyle="projecting"
+        )
         return [on.ax.add_collection(made)]
 
     def keys(self, _on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
@@ -330,12 +417,15 @@ class _Plateau(Layer):
 def chart(found: Swept) -> Chart:
     """The chart of a sweep over one parameter, or over two."""
     return (
-        curves(found.data, found.scene) if len(found.data.bandwidth.dims) == 1 else plane(found.data, None, found.scene)
+        curves(found.data, found.scene)
+        if len(found.data.bandwidth.dims) == 1
+        else plane(found.data, None, found.scene)
     )
 
 
 def swept(found: Swept) -> Figure:
-    """The chart of a sweep; where that takes moments, with the exact boundary of the transparent region on a map."""
+    """The chart of a sweep; where that takes moments, with the exact boundary of the transparent
+    region on a map."""
     return sweep_figure(found.data, found.scene)
 
 
@@ -349,8 +439,12 @@ def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
 
 def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
     upwards, along = _dimensions(data, 2)
-    ranges = [tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)]
-    return design_map(scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES)
+    ranges = [
+        tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)
+    ]
+    return design_map(
+        scene, (along, upwards), [(low, high) for low, high in ranges], slices=_SLICES
+    )
 
 
 SWEEP = Drawings[Swept]({"chart": chart}, {"sweep": swept})

@@ -1,4 +1,5 @@
-"""What every verb returns: an answer that says what of it is proven, as a page, as a document and in a notebook."""
+"""What every verb returns: an answer that says what of it is proven, as a page, as a document and
+in a notebook."""
 
 from __future__ import annotations
 
@@ -21,34 +22,45 @@ class Subject(Protocol):
     def title(self) -> str:
         """Its title."""
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
         """As ``Scene.asides``."""
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """As ``Scene.aside_keys``."""
 
 
 @dataclass(frozen=True)
 class NoScene:
-    """What a question is about that is no scene: it has a title, and nothing is to be said beside the answer."""
+    """What a question is about that is no scene: it has a title, and nothing is to be said beside
+    the answer."""
 
     title: str
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
         """Nothing: no parameter is nominal."""
         return []
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """Nothing."""
         return {}
 
 
 class Answer(Shown):
-    """What a verb answers: ``print`` shows the command line's page, a notebook likewise, ``to_json`` gives the document.
+    """What a verb answers: ``print`` shows the command line's page, a notebook likewise,
+    ``to_json`` gives the document.
 
-    A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes its ``_page``, draws its
-    ``_figure`` (``figures.files.Drawings``) and proves it (``_certificate``): as ``"package.module:name"``, so that nothing
-    of the kind is loaded before it is asked for.
+    A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes
+    its ``_page``, draws its
+    ``_figure`` (``figures.files.Drawings``) and proves it (``_certificate``): as
+    ``"package.module:name"``, so that nothing of the kind is loaded before it is asked for.
     """
 
     __slots__ = ()
@@ -77,11 +89,13 @@ class Answer(Shown):
 
     @property
     def _varied(self) -> tuple[Collection[str], Collection[str] | None]:
-        """What the answer lets vary, and of what a double is to be told: as ``Scene.asides`` takes them."""
+        """What the answer lets vary, and of what a double is to be told: as ``Scene.asides`` takes
+        them."""
         return (), ()
 
     def asides(self) -> list[str]:
-        """What is to be said beside the answer: which parameters have ranges and are nominal here, and which have a double."""
+        """What is to be said beside the answer: which parameters have ranges and are nominal here,
+        and which have a double."""
         return self._about.asides(*self._varied)
 
     @abstractmethod
@@ -102,24 +116,37 @@ class Answer(Shown):
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
     def figure(self) -> Any:
-        """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to draw."""
+        """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to
+        draw."""
         return resolve_name("haptisym.figures.files:draw_figure")(self)
 
     def save_figure(self, path: str | Path) -> Path:
-        """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same answer."""
+        """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same
+        answer."""
         target: Path = resolve_name("haptisym.figures.files:save_as")(self.figure(), path)
         return target
 
     def save_figures(self, folder: str | Path) -> list[Path]:
-        """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there is nothing to draw."""
+        """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there
+        is nothing to draw."""
         files: list[Path] = resolve_name("haptisym.figures.files:save_figures")(self, folder)
         return files
 
-    def plot(self, ax: Any = None, *, kind: str = "", color: str | None = None, label: str = "", **style: Any) -> Any:
-        """Draw it on axes of matplotlib, which are returned; a further scene on the same axes has the next colour.
+    def plot(
+        self,
+        ax: Any = None,
+        *,
+        kind: str = "",
+        color: str | None = None,
+        label: str = "",
+        **style: Any,
+    ) -> Any:
+        """Draw it on axes of matplotlib, which are returned; a further scene on the same axes has
+        the next colour.
 
-        ``ax`` : None for new ones, of pyplot, which a notebook shows. ``kind`` : what is drawn, where there are several kinds; an
-        error lists them. ``color``, ``label`` : of the scene. ``style`` : of the curves, as matplotlib's ``Line2D`` takes it.
+        ``ax`` : None for new ones, of pyplot, which a notebook shows. ``kind`` : what is drawn,
+        where there are several kinds; an error lists them. ``color``, ``label`` : of the scene.
+        ``style`` : of the curves, as matplotlib's ``Line2D`` takes it.
 
         >>> from haptisym import evaluate
         >>> from matplotlib.figure import Figure
@@ -130,16 +157,25 @@ class Answer(Shown):
         return resolve_name("haptisym.figures.files:plot")(self, ax, kind, color, label, style)
 
     def certificate(self) -> str:
-        """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError where there is none."""
+        """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError
+        where there is none."""
         if not self._certificate:
-            raise SceneError(f"{type(self).__name__} has no certificate: evaluate, require and stability write one")
+            raise SceneError(
+                f"{type(self).__name__} has no certificate: evaluate, require and stability "
+                f"write one"
+            )
         text: str = resolve_name(self._certificate)(self)
         return text
 
     def document(self) -> Any:
-        """The page, a ``haptisym.writing.document.Document`` for any of its writers; text where it is not one yet."""
+        """The page, a ``haptisym.writing.document.Document`` for any of its writers; text where it
+        is not one yet."""
         return resolve_name(self._page)(self)
 
     def __str__(self) -> str:
         page = self.document()
-        return page if isinstance(page, str) else str(resolve_name("haptisym.writing.plain:plain")(page))
+        return (
+            page
+            if isinstance(page, str)
+            else str(resolve_name("haptisym.writing.plain:plain")(page))
+        )

@@ -1,15 +1,19 @@
-"""From thresholds to bandwidths: how far a display is transparent as the JND grows, over all values of a range; exact.
+"""From thresholds to bandwidths: how far a display is transparent as the JND grows, over all values
+of a range; exact.
 
-A region R(t) that grows with a number t (one threshold for both parts, one limit, a floor, a scale) gives a bandwidth w(t) that
-grows with it. Let T(omega) be the least t for which nothing is noticed at omega: the largest, over the ways to notice that hold
-there, of the least of what each needs (``haptisym.judge.peaks.Envelope``). Then w(t) = inf {omega : T(omega) > t}, the
-generalised inverse of the running maximum of T: nothing is sampled. Values of w are left out at exactly those local maxima of T
-(also one-sided ones, where another limit takes over, and begins of plateaus) that are higher than all before them, up to where
-T is above them again. What does not grow with t ends the bandwidth where it alone is noticed.
+A region R(t) that grows with a number t (one threshold for both parts, one limit, a floor, a scale)
+gives a bandwidth w(t) that grows with it. Let T(omega) be the least t for which nothing is noticed
+at omega: the largest, over the ways to notice that hold there, of the least of what each needs
+(``haptisym.judge.peaks.Envelope``). Then w(t) = inf {omega : T(omega) > t}, the generalised inverse
+of the running maximum of T: nothing is sampled. Values of w are left out at exactly those local
+maxima of T (also one-sided ones, where another limit takes over, and begins of plateaus) that are
+higher than all before them, up to where T is above them again. What does not grow with t ends the
+bandwidth where it alone is noticed.
 
-Where T is as high again is enclosed by the bandwidths for rational numbers beside a height (``Landing``), which needs no
-closed form. Peaks of the same height are not told apart so: undecided. Of several numbers with ranges of their own the least
-and the most alone are told: the bandwidths of the smallest and of the largest region.
+Where T is as high again is enclosed by the bandwidths for rational numbers beside a height
+(``Landing``), which needs no closed form. Peaks of the same height are not told apart so:
+undecided. Of several numbers with ranges of their own the least and the most alone are told: the
+bandwidths of the smallest and of the largest region.
 """
 
 from __future__ import annotations
@@ -50,8 +54,8 @@ _SURE = 400
 class Jump:
     """No threshold of the range gives a bandwidth from ``low`` to below ``high``, rad/s.
 
-    ``threshold`` : the one that gives ``high``. ``includes_low`` : whether ``low`` itself is given: where a limit changes at
-    once, the bandwidth stands there for a while.
+    ``threshold`` : the one that gives ``high``. ``includes_low`` : whether ``low`` itself is given:
+    where a limit changes at once, the bandwidth stands there for a while.
     """
 
     low: RealNumber
@@ -68,13 +72,16 @@ class Jump:
 
 @dataclass(frozen=True)
 class Bandwidths:
-    """All bandwidths for thresholds of a range: from ``least`` to ``most``, both reached, less the ``jumps``.
+    """All bandwidths for thresholds of a range: from ``least`` to ``most``, both reached, less the
+    ``jumps``.
 
-    None where no threshold of the range gives a bandwidth, and, of ``least``, where none is known to be the least. ``blocked`` :
-    by part, by the number of a region, or "jnd" for both parts, the least that gives one; empty where all do.
-    ``undecided`` : what stayed open; there may then be further jumps, and blocked thresholds. ``ends_alone`` : whether only
-    the least and the most are told, and not what lies between. ``one`` : whether they are those of one number for both parts, or
-    of a scale.
+    None where no threshold of the range gives a bandwidth, and, of ``least``, where none is known
+    to be the least. ``blocked`` :
+    by part, by the number of a region, or "jnd" for both parts, the least that gives one; empty
+    where all do.
+    ``undecided`` : what stayed open; there may then be further jumps, and blocked thresholds.
+    ``ends_alone`` : whether only the least and the most are told, and not what lies between.
+    ``one`` : whether they are those of one number for both parts, or of a scale.
     """
 
     least: RealNumber | None
@@ -114,8 +121,9 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any] | None:
 def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Bandwidths | None:
     """The bandwidths for all thresholds of a range; None where the threshold is no range.
 
-    Thresholds of both parts that are alike are one number, as everywhere; of several numbers with ranges the ends alone are told,
-    exact in any case. Undecided may stay whether two peaks are equally high, and whether a ratio touches an end of the range.
+    Thresholds of both parts that are alike are one number, as everywhere; of several numbers with
+    ranges the ends alone are told, exact in any case. Undecided may stay whether two peaks are
+    equally high, and whether a ratio touches an end of the range.
     """
     if not threshold.ranges:
         return None
@@ -143,7 +151,8 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
 
 
 class _Moving(NamedTuple):
-    """The one number of a JND that has a range: what grows with it, what does not, and its values relative to the nominal one."""
+    """The one number of a JND that has a range: what grows with it, what does not, and its values
+    relative to the nominal one."""
 
     name: str
     terms: tuple[Term, ...]
@@ -153,7 +162,8 @@ class _Moving(NamedTuple):
 
 
 def _moving(d: Distortion, threshold: Threshold) -> _Moving | None:
-    """None where several numbers have ranges of their own, or one that does not enlarge a whole region of several parts."""
+    """None where several numbers have ranges of their own, or one that does not enlarge a whole
+    region of several parts."""
     ranges, region = threshold.ranges, threshold.region
     alike = threshold.real == threshold.imag and region.lower == (None, None)
     both = alike and len(set(ranges.values())) == 1 and ranges.keys() == {"real", "imag"}
@@ -180,14 +190,22 @@ def _moving(d: Distortion, threshold: Threshold) -> _Moving | None:
         if (x := threshold.lower(part)) is not None
     ):
         return None  # limits for each way that are the same number, of which one moves
-    moved = {"real", "imag", "real.lower", "imag.lower", "floor"} if name == "scale" else set(ranges)
+    moved = (
+        {"real", "imag", "real.lower", "imag.lower", "floor"} if name == "scale" else set(ranges)
+    )
     listed = [_split(*x, moved) for part in Part for x in _limits(d, threshold, part)]
     return _Moving(
-        name, tuple(x for x in listed if x.squares), tuple(x for x in listed if not x.squares), relative, nominal
+        name,
+        tuple(x for x in listed if x.squares),
+        tuple(x for x in listed if not x.squares),
+        relative,
+        nominal,
     )
 
 
-def _limits(d: Distortion, threshold: Threshold, part: Part) -> Iterator[tuple[Term, tuple[str, ...]]]:
+def _limits(
+    d: Distortion, threshold: Threshold, part: Part
+) -> Iterator[tuple[Term, tuple[str, ...]]]:
     """The ways to notice one part, with the names of the limits of their squares."""
     own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
     sided = Sided(part, own, own if lower is None else lower, floor)
@@ -195,20 +213,29 @@ def _limits(d: Distortion, threshold: Threshold, part: Part) -> Iterator[tuple[T
     if sided.has_sides:
         names += [(f"{part.value}.lower",), (part.value, f"{part.value}.lower")]
     for term, own_names in zip(sided.terms(d), names, strict=True):
-        if not any(f.is_zero for f in term.where):  # it holds nowhere: the part is as large as it was, throughout
+        if not any(
+            f.is_zero for f in term.where
+        ):  # it holds nowhere: the part is as large as it was, throughout
             yield term, (*own_names, *(() if floor is None else ("floor",)))
 
 
 def _split(term: Term, names: tuple[str, ...], moved: set[str]) -> Term:
     """A term of which what does not move says where the rest counts."""
-    squares = tuple(square for square, name in zip(term.squares, names, strict=True) if name in moved)
-    fixed = (above_one(square) for square, name in zip(term.squares, names, strict=True) if name not in moved)
+    squares = tuple(
+        square for square, name in zip(term.squares, names, strict=True) if name in moved
+    )
+    fixed = (
+        above_one(square)
+        for square, name in zip(term.squares, names, strict=True)
+        if name not in moved
+    )
     return Term((*term.where, *fixed), squares)
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Terms whose squares are those of a number relative to ``nominal``; ``range`` : that number's, relative as well.
+    """Terms whose squares are those of a number relative to ``nominal``; ``range`` : that number's,
+    relative as well.
 
     ``fixed`` : terms without squares. ``name`` : of the number.
     """
@@ -229,7 +256,8 @@ class Growth:
         return Bandwidths(first, most, jumps, blocked, one=self.name in ("jnd", "scale"))
 
     def kept(self, x: Expr) -> list[tuple[Point, Interval]]:
-        """Where nothing is noticed if the number is that many times the nominal one, each with the first point of the band."""
+        """Where nothing is noticed if the number is that many times the nominal one, each with the
+        first point of the band."""
         moved = ((*t.where, *(level(square, x**2) for square in t.squares)) for t in self.terms)
         table = chart({JOINT: Lattice((*moved, *(t.where for t in self.fixed)))}, *self.band)
         if table.undecided:
@@ -251,7 +279,8 @@ class Growth:
 
     @cached_property
     def _start(self) -> RealNumber:
-        """The least multiple of the nominal value for which there is a bandwidth: what the low end of the band needs."""
+        """The least multiple of the nominal value for which there is a bandwidth: what the low end
+        of the band needs."""
         omega, signs = self._table.points[0].omega, self._table.points[0].at
         needed: dict[int, list[RealNumber]] = {1: [], 0: [], -1: []}
         for i, term in enumerate(self.terms):
@@ -266,13 +295,17 @@ class Growth:
     @property
     def _first(self) -> RealNumber:
         """The bandwidth for that."""
-        first, (square, slope) = self._table.points[0], self._envelope.counting(self._table.points[0].after)
+        first, (square, slope) = (
+            self._table.points[0],
+            self._envelope.counting(self._table.points[0].after),
+        )
         if slope > 0:
             return first.omega
         return self._landing(self._start if slope else _height(square, first.omega))
 
     def _jumps(self, least: RealNumber, most: RealNumber) -> Iterator[Jump]:
-        """At each peak, or begin of a plateau, of what is judged, that is higher than all before it."""
+        """At each peak, or begin of a plateau, of what is judged, that is higher than all before
+        it."""
         if self._table.undecided:
             raise UndecidedError("whether a ratio has a peak where its slope nearly vanishes")
         top: RealNumber | None = None
@@ -280,17 +313,25 @@ class Growth:
             height = _height(peak.square, omega)
             if top is None or above(height, top):
                 top = height
-                yield Jump(omega, self._landing(height), Times(height, self.nominal), includes_low=peak.after)
+                yield Jump(
+                    omega,
+                    self._landing(height),
+                    Times(height, self.nominal),
+                    includes_low=peak.after,
+                )
 
     def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
         for point in self._table.points[1:-1]:
             peak = self._envelope.top(point) or self._envelope.plateau(point)
-            begins = peak and (self._is_passed(point, peak) if peak.after else above(point.omega, least))
+            begins = peak and (
+                self._is_passed(point, peak) if peak.after else above(point.omega, least)
+            )
             if peak and begins and above(most, point.omega):
                 yield point.omega, peak
 
     def _is_passed(self, point: Point, peak: Maximum) -> bool:
-        """Whether a height that is only reached behind a step lies in the range; the bandwidth may stand at the step itself."""
+        """Whether a height that is only reached behind a step lies in the range; the bandwidth may
+        stand at the step itself."""
         low, high = (ExactNumber(x) for x in self.range)
         height = _height(peak.square, point.omega)
         return above(height, low) and not above(height, high)
@@ -299,20 +340,31 @@ class Growth:
         """The bandwidth for a height; UndecidedError where its enclosures do not become narrow."""
         found = self.at(height.value) if isinstance(height, ExactNumber) else None
         x = Landing(height, self) if found is None else found
-        if at_rising_precision(lambda bits: x.ball(bits).rel_accuracy_bits() > 50 or None, 64, _SURE) is None:
+        if (
+            at_rising_precision(
+                lambda bits: x.ball(bits).rel_accuracy_bits() > 50 or None, 64, _SURE
+            )
+            is None
+        ):
             raise UndecidedError("whether two peaks of the ratios are equally high")
         return x
 
 
 def _height(square: RealFunction, omega: RealNumber) -> RealNumber:
-    """The root of a square at a frequency; in closed form where it is the same at all frequencies."""
+    """The root of a square at a frequency; in closed form where it is the same at all
+    frequencies."""
     value = None if square.function.numerator.degrees()[0] else square.expression()
-    return SquareRoot(ValueAt(square, omega)) if value is None or value.free_symbols else ExactNumber(sqrt(value))
+    return (
+        SquareRoot(ValueAt(square, omega))
+        if value is None or value.free_symbols
+        else ExactNumber(sqrt(value))
+    )
 
 
 @dataclass(frozen=True, repr=False)
 class Landing(RealNumber):
-    """The bandwidth for the height of a peak, or of the band's low end: enclosed by those for rational heights beside it."""
+    """The bandwidth for the height of a peak, or of the band's low end: enclosed by those for
+    rational heights beside it."""
 
     height: RealNumber
     growth: Growth
@@ -327,8 +379,11 @@ class Landing(RealNumber):
             return lower.ball(bits).union(upper.ball(bits))
 
     def _behind(self, height: Rational) -> RealNumber | None:
-        """Where more is needed than that again; for numbers close to the height it was too little around the frequency alone."""
-        later = [y for first, y in self.growth.kept(height) if y.low is not first and y.low is not y.high]
+        """Where more is needed than that again; for numbers close to the height it was too little
+        around the frequency alone."""
+        later = [
+            y for first, y in self.growth.kept(height) if y.low is not first and y.low is not y.high
+        ]
         return later[0].high.omega if later else None
 
 
@@ -345,7 +400,8 @@ class Times(RealNumber):
 
 
 def above(a: RealNumber, b: RealNumber) -> bool:
-    """Whether a > b; UndecidedError where they are not told apart, unless both are known exactly."""
+    """Whether a > b; UndecidedError where they are not told apart, unless both are known
+    exactly."""
     if a is b or a == b:
         return False
 

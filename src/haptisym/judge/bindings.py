@@ -1,4 +1,5 @@
-"""What limits the values of a number: a criterion that holds with equality at the end of a set, and where on the band."""
+"""What limits the values of a number: a criterion that holds with equality at the end of a set, and
+where on the band."""
 
 from __future__ import annotations
 
@@ -24,12 +25,14 @@ class Kind(Enum):
     AXIS = "axis"
     """Roots of a display in a hand lie on the imaginary axis."""
     FAR = "far-out"
-    """At frequencies without bound: a root comes from infinity, or a condition fails there first."""
+    """At frequencies without bound: a root comes from infinity, or a condition fails there
+    first."""
 
 
 @dataclass(frozen=True)
 class Binding(Judged):
-    """A condition that holds with equality at the end of a set: which one, where on the band, rad/s.
+    """A condition that holds with equality at the end of a set: which one, where on the band,
+    rad/s.
 
     ``omega``: None where the frequency of a degenerate touch was not isolated.
     """

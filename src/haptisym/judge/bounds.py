@@ -1,8 +1,9 @@
 """What a chain of series effects does to every environment at once.
 
-Behind a series effect G the distortion is (G - 1) H: |G - 1| |H| long, in a direction that depends on the environment. So
-every environment is transparent where |G - 1| is at most the smaller threshold, as then both parts of dH are; and none is
-where |G - 1| exceeds sqrt(c_real^2 + c_imag^2), as then one part is too long whatever the direction. Both bounds are attained.
+Behind a series effect G the distortion is (G - 1) H: |G - 1| |H| long, in a direction that depends
+on the environment. So every environment is transparent where |G - 1| is at most the smaller
+threshold, as then both parts of dH are; and none is where |G - 1| exceeds sqrt(c_real^2 +
+c_imag^2), as then one part is too long whatever the direction. Both bounds are attained.
 Derivation: 11_any_environment.
 """
 
@@ -29,8 +30,10 @@ from haptisym.model.scene import Scene
 class AnyEnvironment:
     """Bounds on the band for all environments, rad/s, certified.
 
-    ``transparent_below`` : from the band's low end up to here no environment is felt distorted; None if not even there.
-    ``opaque_above`` : from here up to the band's high end every environment is; None if not even there.
+    ``transparent_below`` : from the band's low end up to here no environment is felt distorted;
+    None if not even there.
+    ``opaque_above`` : from here up to the band's high end every environment is; None if not even
+    there.
     """
 
     transparent_below: RealNumber | None
@@ -43,7 +46,8 @@ class AnyEnvironment:
 
 
 def relative_square(distortion: Distortion) -> RealFunction | None:
-    """|G - 1|^2 of a chain of series effects, a function of omega without the environment; None for any other chain.
+    """|G - 1|^2 of a chain of series effects, a function of omega without the environment; None for
+    any other chain.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -60,7 +64,9 @@ def relative_square(distortion: Distortion) -> RealFunction | None:
 
 def is_series(chain: Chain) -> bool:
     """Whether H_perc is G H_env."""
-    series = all(b.is_zero and c.is_zero for _, b, c, _ in chain.matrices)  # a symbol, m s^2 say, is not zero
+    series = all(
+        b.is_zero and c.is_zero for _, b, c, _ in chain.matrices
+    )  # a symbol, m s^2 say, is not zero
     return series and chain.rendered == chain.environment
 
 
@@ -68,7 +74,8 @@ def _square(distortion: Distortion) -> RealFunction:
     found = relative_square(distortion)
     if found is None:
         raise SceneError(
-            "a bound for any environment needs effects in series only: evaluate this scene for its environment"
+            "a bound for any environment needs effects in series only: evaluate this scene "
+            "for its environment"
         )
     return found
 
@@ -78,9 +85,14 @@ def _modulus(values: Any) -> Any:
 
 
 ANY_ENVIRONMENT = Criterion(
-    "any environment", "any environment", "|G - 1|", "|G - 1| <= c", _square, _modulus,
+    "any environment",
+    "any environment",
+    "|G - 1|",
+    "|G - 1| <= c",
+    _square,
+    _modulus,
     kept="transparent with any environment",
-)  # fmt: skip
+)
 """Judges the effects of a scene alone, whatever stands behind them."""
 
 
@@ -91,10 +103,11 @@ def for_any_environment(threshold: Threshold) -> Criterion:
 
 
 def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
-    """For a region what is positive where some, and where every, change of this squared length leaves it.
+    """For a region what is positive where some, and where every, change of this squared length
+    leaves it.
 
-    By the largest circle inside it and the smallest one around it, both about 0. With a floor, or limits for each way, the first
-    is on the careful side, and the second says nothing.
+    By the largest circle inside it and the smallest one around it, both about 0. With a floor, or
+    limits for each way, the first is on the careful side, and the second says nothing.
     """
     own, axis, q = threshold.region, square.axis, square.function
 
@@ -104,7 +117,9 @@ def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
     if own.shape is Shape.ELLIPSE:  # by trace and determinant of the quadratic form of its border
         upright = 1 - own.tilt**2
         trace = (threshold.real**-2 + threshold.imag**-2) / upright
-        whole = over(-trace, -1).function + q * q * axis.convert((threshold.real * threshold.imag) ** -2 / upright)
+        whole = over(-trace, -1).function + q * q * axis.convert(
+            (threshold.real * threshold.imag) ** -2 / upright
+        )
         form, sum_ = RealFunction(whole.reduced()), over(trace, 2)
         return Lattice.largest([sum_, RealFunction(-form.function)]), Lattice(((sum_, form),))
     inner, outer = _circles(threshold)
@@ -112,11 +127,15 @@ def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
 
 
 def _circles(threshold: Threshold) -> tuple[list[Expr], list[Expr]]:
-    """1/radius^2 of circles about 0: within all of the first no change leaves the region, outside all of the others every one."""
+    """1/radius^2 of circles about 0: within all of the first no change leaves the region, outside
+    all of the others every one."""
     region, (a, b) = threshold.region, (threshold.real, threshold.imag)
     if corners := threshold.corners:
         edges = Cornered(S.One, S.One, corners).edges
-        inner, outer = ((p * p + q * q for p, q in edges), (1 / (x * x + y * y) for x, y in corners))
+        inner, outer = (
+            (p * p + q * q for p, q in edges),
+            (1 / (x * x + y * y) for x, y in corners),
+        )
         return list(dict.fromkeys(inner)), list(dict.fromkeys(outer))
     return [x**-2 for x in (a, b, *region.lower) if x is not None], [1 / (a * a + b * b)]
 
@@ -138,7 +157,10 @@ def any_environment(scene: Scene) -> AnyEnvironment | None:
         asked: tuple[Signed, Signed] = least.function(d), replace(least, threshold=most).function(d)
     else:
         region = scene.threshold.region
-        if region.floor is not None or region.lower != (None, None):  # where more than the length of a change matters
+        if region.floor is not None or region.lower != (
+            None,
+            None,
+        ):  # where more than the length of a change matters
             return None
         asked = around(scene.threshold, _square(d))
     table = chart(dict(zip(("all", "none"), asked, strict=True)), *scene.band)

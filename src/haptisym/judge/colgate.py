@@ -1,9 +1,12 @@
-"""Whether a sampled loop is passive: Colgate and Schenkel's condition, one polynomial sign in tan(theta/2).
+"""Whether a sampled loop is passive: Colgate and Schenkel's condition, one polynomial sign in
+tan(theta/2).
 
-A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive where, for 0 < theta <= pi,
-    b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),
-b >= 0, and its stiffness at rest, C(1) + k, is not negative: else it pushes a softer hand away, whatever damps.
-With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2: a response like any other.
+A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive
+    where, for 0 < theta <= pi, b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta), b
+    >= 0, and its stiffness at rest, C(1) + k, is not negative: else it pushes a softer hand away,
+    whatever damps.
+With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2:
+a response like any other.
 Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity.
 """
 
@@ -47,10 +50,12 @@ class Angle(RealNumber):
 
 @dataclass(frozen=True)
 class SampledPassivity:
-    """Colgate and Schenkel's condition for a display of period ``T``, s, whose device has this ``damping``.
+    """Colgate and Schenkel's condition for a display of period ``T``, s, whose device has this
+    ``damping``.
 
-    ``sides`` : its right-hand side as a function of tan(theta/2), and of cot(theta/2); None where the condition does not
-    apply, for that ``reason``. ``is_settled`` : whether the controller's own poles lie inside the unit circle. ``at_rest`` :
+    ``sides`` : its right-hand side as a function of tan(theta/2), and of cot(theta/2); None where
+    the condition does not apply, for that ``reason``. ``is_settled`` : whether the controller's own
+    poles lie inside the unit circle. ``at_rest`` :
     the stiffness of controller and device for what does not move, where it is settled.
     """
 
@@ -73,7 +78,8 @@ class SampledPassivity:
 
     @cached_property
     def needed(self) -> Greatest | None:
-        """The largest right-hand side: the damping that the device must exceed, and theta. None where nothing bounds it."""
+        """The largest right-hand side: the damping that the device must exceed, and theta. None
+        where nothing bounds it."""
         return self._largest(Integer(0))
 
     def _largest(self, less: Expr) -> Greatest | None:
@@ -90,7 +96,8 @@ class SampledPassivity:
 
     @cached_property
     def passive(self) -> bool | None:
-        """Whether the device's damping exceeds that, and nothing is pushed away: then the display is passive.
+        """Whether the device's damping exceeds that, and nothing is pushed away: then the display
+        is passive.
 
         None where not decided.
         """
@@ -100,12 +107,14 @@ class SampledPassivity:
             return False
         if not self.is_settled:
             return None
-        # a controller that holds no force leaves the device, which need not damp: a free mass is passive
+        # a controller that holds no force leaves the device, which need not damp: a free mass is
+        # passive
         return all(f.is_zero or self._exceeds(f) for f in self.sides)
 
     @property
     def hand_needed(self) -> RealNumber | None:
-        """The damping of a hand that makes up for what the device lacks, at least 0: with it any mass and stiffness will do.
+        """The damping of a hand that makes up for what the device lacks, at least 0: with it any
+        mass and stiffness will do.
 
         None where none does, or that is not decided.
         """
@@ -119,7 +128,8 @@ class SampledPassivity:
         return ExactNumber(-self.damping) if self.asks_nothing else found.value
 
     def is_held_by(self, damping: Expr, stiffness: Expr) -> bool:
-        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more, whatever its mass.
+        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more,
+        whatever its mass.
 
         Something must damp: between two samples a motion may go on that none of them sees.
         """
@@ -131,11 +141,20 @@ class SampledPassivity:
         return found is not None and ordered(found.value, ExactNumber(damping)) > 0
 
     def _exceeds(self, f: RealFunction) -> bool:
-        table = chart({"": RealFunction((f.axis.convert(self.damping) - f.function).reduced())}, Integer(0), Integer(1))
+        table = chart(
+            {"": RealFunction((f.axis.convert(self.damping) - f.function).reduced())},
+            Integer(0),
+            Integer(1),
+        )
         if table.undecided:
-            raise UndecidedError("whether a device has just the damping that its sampled loop needs")
+            raise UndecidedError(
+                "whether a device has just the damping that its sampled loop needs"
+            )
         signs = {
-            x for p in table.points for x in (*p.at.values(), *p.before.values(), *p.after.values()) if x is not None
+            x
+            for p in table.points
+            for x in (*p.at.values(), *p.before.values(), *p.after.values())
+            if x is not None
         }
         return signs == {1}
 
@@ -169,7 +188,9 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
         return loop
     ring = Ring()
     inner = ring.convert(loop.C).reduced()
-    settled = is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
+    settled = (
+        is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
+    )
     reason = "" if settled else "the controller has a pole on or outside the unit circle"
     at_rest = loop.at_rest(ring)[0] if settled else Integer(0)
     return SampledPassivity(loop.T, loop.damping, loop.sides(ring), settled, reason, at_rest)
@@ -177,7 +198,8 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
 
 @dataclass(frozen=True)
 class ColgateLoop:
-    """Period, controller as a function of s = (z - 1)/(z + 1), and the device; in numbers, or with a symbol."""
+    """Period, controller as a function of s = (z - 1)/(z + 1), and the device; in numbers, or with
+    a symbol."""
 
     T: Expr
     C: Expr
@@ -187,14 +209,21 @@ class ColgateLoop:
 
     def sides(self, ring: Ring) -> tuple[RealFunction, RealFunction]:
         """The right-hand side as a function of tan(theta/2), and of cot(theta/2)."""
-        found = [self.T / 2 * (s - 1) / s * self.C, self.T / 2 * (1 - s) * self.C.xreplace({s: 1 / s})]
+        found = [
+            self.T / 2 * (s - 1) / s * self.C,
+            self.T / 2 * (1 - s) * self.C.xreplace({s: 1 / s}),
+        ]
         near, far = (on_axis(ring.convert(f).reduced()).real for f in found)
         return near, far
 
     def at_rest(self, ring: Ring) -> tuple[Expr, Expr]:
-        """C(1) + k, and that times what C(1) is divided by, which is 0 where the controller is not settled."""
+        """C(1) + k, and that times what C(1) is divided by, which is 0 where the controller is not
+        settled."""
         inner = ring.convert(self.C).reduced()
-        above, below = (next(iter(ring.coefficients(x)), Integer(0)) for x in (inner.numerator, inner.denominator))
+        above, below = (
+            next(iter(ring.coefficients(x)), Integer(0))
+            for x in (inner.numerator, inner.denominator)
+        )
         whole = (above + self.stiffness * below).expand()
         return (whole / below if below != 0 else whole), whole
 
@@ -218,15 +247,19 @@ def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
 
 
 def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
-    """A spring whose force is sampled as the controller of its position, with the whole samples that come late behind it."""
+    """A spring whose force is sampled as the controller of its position, with the whole samples
+    that come late behind it."""
     C, left = (scene.rendered or scene.environment).H, list(behind)
-    while left and left[0].model == "delay" and (count := left[0].parameters[0].value / T).is_Integer:
+    while (
+        left and left[0].model == "delay" and (count := left[0].parameters[0].value / T).is_Integer
+    ):
         C, left = C * BACK**count, left[1:]
     return C, left
 
 
 def _device(effects: Sequence[Effect]) -> Device | None:
-    """Mass, damping and stiffness between clock and hand; None where there is something else, or a negative mass or stiffness.
+    """Mass, damping and stiffness between clock and hand; None where there is something else, or a
+    negative mass or stiffness.
 
     Of a symbol it is not asked whether it is negative.
     """

@@ -1,6 +1,8 @@
-"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes, or stops being, noticeable.
+"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes, or
+stops being, noticeable.
 
-A criterion is a real function of omega that must not be positive: r^2 - c^2 of a ratio, or what a JND region makes of a change.
+A criterion is a real function of omega that must not be positive: r^2 - c^2 of a ratio, or what a
+JND region makes of a change.
 """
 
 from __future__ import annotations
@@ -30,10 +32,13 @@ Measure: TypeAlias = Callable[[Distortion], RealFunction]
 class Criterion:
     """A condition on a display at each frequency: ``measure`` - ``limit`` must not be positive.
 
-    ``name`` : as JSON calls it. ``words`` : in a legend. ``symbol`` : of what is judged. ``rule`` : the condition, written.
-    ``measure`` : of a distortion, an exact real function of omega and of what is a symbol in it; for a ratio r it is r^2.
+    ``name`` : as JSON calls it. ``words`` : in a legend. ``symbol`` : of what is judged. ``rule`` :
+    the condition, written.
+    ``measure`` : of a distortion, an exact real function of omega and of what is a symbol in it;
+    for a ratio r it is r^2.
     ``sampled`` : the ratio from the fields of compiled values, for drawings.
-    ``threshold`` : c of a ratio, a number, a symbol or a formula in omega; 0 where the measure itself must not be positive.
+    ``threshold`` : c of a ratio, a number, a symbol or a formula in omega; 0 where the measure
+    itself must not be positive.
     ``part`` : the component of dH that is judged; None where both are.
     ``kept`` : what a display is called that keeps it on a whole band.
     ``region`` : of a JND that is more than a number for each part: what is judged instead.
@@ -60,7 +65,8 @@ class Criterion:
 
     @property
     def joint(self) -> Joint | None:
-        """The region that judges both parts at once; None where it is one part, or a ratio, that is judged."""
+        """The region that judges both parts at once; None where it is one part, or a ratio, that is
+        judged."""
         return self.region if self.part is None else None  # type: ignore[return-value]
 
     @property
@@ -73,9 +79,11 @@ class Criterion:
         return bool(parts) and self.threshold != 0 and (self.part is None or self.part in parts)
 
     def function(self, d: Distortion) -> Signed:
-        """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where the measure is unbounded.
+        """r^2 - c^2 in lowest terms: positive exactly where the criterion is broken, a pole where
+        the measure is unbounded.
 
-        As common factors are gone, a resonance at which H_env and dH vanish together invents no crossing.
+        As common factors are gone, a resonance at which H_env and dH vanish together invents no
+        crossing.
         """
         if self.region:
             return self.region.exceeded(d)
@@ -116,15 +124,21 @@ def _square(part: Part, d: Distortion) -> RealFunction:
 
 _JND: Mapping[Part, Criterion] = {
     part: Criterion(
-        part.value, f"{words} part", symbol, f"{symbol} <= c_{part.value}",
-        partial(_square, part), attrgetter(f"ratio_{part.value}"), part=part,
+        part.value,
+        f"{words} part",
+        symbol,
+        f"{symbol} <= c_{part.value}",
+        partial(_square, part),
+        attrgetter(f"ratio_{part.value}"),
+        part=part,
     )
     for part, words, symbol in ((Part.REAL, "real", "r_r"), (Part.IMAG, "imaginary", "r_i"))
-}  # fmt: skip
+}
 
 
 def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
-    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that a region is not left."""
+    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that
+    a region is not left."""
     own = threshold.region
     if own.shape is Shape.SQUARE:
         return tuple(_of_part(threshold, part) for part in Part)
@@ -132,7 +146,11 @@ def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
     if corners := own.corners or own.shape.corners:
         region = Cornered(threshold.real, threshold.imag, corners, own.shape)
     rule = f"dH/|H_env| within the {region.kind}"
-    return (Criterion(JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region),)
+    return (
+        Criterion(
+            JOINT, "both parts at once", "r_j", rule, region, threshold=Integer(1), region=region
+        ),
+    )
 
 
 def _of_part(threshold: Threshold, part: Part) -> Criterion:
@@ -141,7 +159,9 @@ def _of_part(threshold: Threshold, part: Part) -> Criterion:
     if lower is None and floor is None:
         return plain
     sided = Sided(part, own, own if lower is None else lower, floor)
-    return replace(plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit")
+    return replace(
+        plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit"
+    )
 
 
 JOINT = "joint"
@@ -160,7 +180,14 @@ def _opened(x: Criterion, parts: Collection[Part]) -> Criterion:
     return replace(x, measure=region, region=region)
 
 
-PASSIVE = Criterion("passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive on the whole band")
+PASSIVE = Criterion(
+    "passive",
+    "passive",
+    "-Im H_perc",
+    "Im H_perc >= 0",
+    _given_away,
+    kept="passive on the whole band",
+)
 """The display gives no energy away at that frequency."""
 
 
@@ -170,7 +197,8 @@ def judged(chart: Chart) -> tuple[Criterion, ...]:
 
 
 def kept(chart: Chart) -> tuple[Interval, ...]:
-    """All frequencies of the band at which every criterion is kept: closed intervals, perhaps none."""
+    """All frequencies of the band at which every criterion is kept: closed intervals, perhaps
+    none."""
     criteria = judged(chart)
     return chart.where(lambda signs: all(signs[x] <= 0 for x in criteria))
 
@@ -178,8 +206,9 @@ def kept(chart: Chart) -> tuple[Interval, ...]:
 class CrossingKind(Enum):
     """How a ratio r meets its threshold c as omega grows.
 
-    ``EXCEEDS`` : r goes from at most c to more. ``RETURNS`` : from more to at most c. ``TOUCHES`` : r = c at one frequency and
-    the sign of r - c is the same on both sides; touched from below, the display stays transparent there.
+    ``EXCEEDS`` : r goes from at most c to more. ``RETURNS`` : from more to at most c. ``TOUCHES`` :
+    r = c at one frequency and the sign of r - c is the same on both sides; touched from below, the
+    display stays transparent there.
 
     >>> [CrossingKind(x).name for x in ("exceeds", "returns", "touches")]
     ['EXCEEDS', 'RETURNS', 'TOUCHES']
@@ -190,20 +219,32 @@ class CrossingKind(Enum):
     TOUCHES = "touches"
 
 
-_MEETS = {CrossingKind.EXCEEDS: "exceeds", CrossingKind.RETURNS: "returns below", CrossingKind.TOUCHES: "touches"}
+_MEETS = {
+    CrossingKind.EXCEEDS: "exceeds",
+    CrossingKind.RETURNS: "returns below",
+    CrossingKind.TOUCHES: "touches",
+}
 
-_LEAVES = {CrossingKind.EXCEEDS: "leaves", CrossingKind.RETURNS: "returns into", CrossingKind.TOUCHES: "touches"}
+_LEAVES = {
+    CrossingKind.EXCEEDS: "leaves",
+    CrossingKind.RETURNS: "returns into",
+    CrossingKind.TOUCHES: "touches",
+}
 
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Judged, Shown):
-    """A frequency at which a ratio equals its threshold, or dH lies on the border of a joint region.
+    """A frequency at which a ratio equals its threshold, or dH lies on the border of a joint
+    region.
 
-    ``criterion`` : which ratio and threshold; ``criterion.part`` is the part, None of a joint region.
-    ``omega`` : rad/s, an algebraic or enclosed real number; ``float(omega)``, ``omega.digits(n)`` and ``omega.enclosure(n)``
-    give it correctly rounded, and proven bounds.
-    ``kind`` : a ``CrossingKind``. ``sign`` : of Re dH or Im dH there, 0 of a joint region. ``multiplicity`` : of the root.
-    ``jump`` : whether the threshold passes the ratio there, from the one for higher to the one for lower or back.
+    ``criterion`` : which ratio and threshold; ``criterion.part`` is the part, None of a joint
+    region.
+    ``omega`` : rad/s, an algebraic or enclosed real number; ``float(omega)``, ``omega.digits(n)``
+    and ``omega.enclosure(n)`` give it correctly rounded, and proven bounds.
+    ``kind`` : a ``CrossingKind``. ``sign`` : of Re dH or Im dH there, 0 of a joint region.
+    ``multiplicity`` : of the root.
+    ``jump`` : whether the threshold passes the ratio there, from the one for higher to the one for
+    lower or back.
 
     >>> import haptisym as hs
     >>> first, _ = hs.evaluate("fu2019").crossings
@@ -227,7 +268,9 @@ class Crossing(Judged, Shown):
 class Curve(Enum):
     """The real functions whose signs tell how a distortion is felt; each is of one part."""
 
-    __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
+    __hash__ = (
+        object.__hash__
+    )  # members are singletons; the hash by name is slow, and charts look up much
 
     ENVIRONMENT = "Re or Im of H_env"
     PERCEIVED = "Re or Im of H_perc"
@@ -238,7 +281,8 @@ class Curve(Enum):
 
 
 NEARER = "real nearer"
-"""The function that is positive where the real part is nearer its own limit than the imaginary part, of such a region."""
+"""The function that is positive where the real part is nearer its own limit than the imaginary
+part, of such a region."""
 
 
 def curves(
@@ -267,22 +311,36 @@ def curves(
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:
     """All crossings on the band in ascending order; () means proved none."""
     criteria = judged(chart)
-    found = ((p, x) for p in chart.points for x in criteria if p.orders.get(x, 0) > 0 and x not in p.undecided)
+    found = (
+        (p, x)
+        for p in chart.points
+        for x in criteria
+        if p.orders.get(x, 0) > 0 and x not in p.undecided
+    )
     return tuple(_crossing(p, x) for p, x in found)
 
 
 def _crossing(point: Point, x: Criterion) -> Crossing:
     before, after = point.before[x], point.after[x]
-    mirrored = isinstance(point.omega, ExactNumber) and point.omega.value == 0  # where all functions are even or odd
+    mirrored = (
+        isinstance(point.omega, ExactNumber) and point.omega.value == 0
+    )  # where all functions are even or odd
     if before == after and not (mirrored and after > 0):
         kind = CrossingKind.TOUCHES
     else:
         kind = CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
-    jump = isinstance(x.region, Sided) and x.region.has_sides and point.orders.get((Curve.SUM, x.part), 0) > 0
-    return Crossing(x, point.omega, kind, point.after.get((Curve.DIFFERENCE, x.part), 0), point.orders[x], jump)
+    jump = (
+        isinstance(x.region, Sided)
+        and x.region.has_sides
+        and point.orders.get((Curve.SUM, x.part), 0) > 0
+    )
+    return Crossing(
+        x, point.omega, kind, point.after.get((Curve.DIFFERENCE, x.part), 0), point.orders[x], jump
+    )
 
 
 def unbounded_points(chart: Chart) -> tuple[Point, ...]:
-    """Where a ratio has a pole: H_env = 0 while dH does not vanish with it, or dH itself is infinite."""
+    """Where a ratio has a pole: H_env = 0 while dH does not vanish with it, or dH itself is
+    infinite."""
     criteria = judged(chart)
     return tuple(p for p in chart.points if any(p.orders.get(x, 0) < 0 for x in criteria))

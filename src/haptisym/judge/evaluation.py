@@ -1,6 +1,7 @@
 """The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
 
-Beside it: whether the conclusion survives another JND model: square, disc and diamond of its half widths, beside the scene's own.
+Beside it: whether the conclusion survives another JND model: square, disc and diamond of its half
+widths, beside the scene's own.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ from haptisym.model.scenefile import as_scene
 
 @dataclass(frozen=True, repr=False)
 class Compared(Shown):
-    """What one region says of a scene: the first crossing on the band, and the bandwidth; None for what there is not."""
+    """What one region says of a scene: the first crossing on the band, and the bandwidth; None for
+    what there is not."""
 
     name: str
     threshold: Threshold
@@ -112,13 +114,16 @@ def different(found: Sequence[_N]) -> list[_N]:
 def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tuple[Compared, ...]:
     """Square, disc and diamond of the half widths of a JND, and the JND itself; all certified.
 
-    The half widths of limits for each way are those for changes that make a part larger; those of a polygon the least that it
-    reaches along each axis. SceneError for a polygon that depends on the frequency, which has none.
+    The half widths of limits for each way are those for changes that make a part larger; those of a
+    polygon the least that it reaches along each axis. SceneError for a polygon that depends on the
+    frequency, which has none.
     """
     real, imag = half_widths(threshold)
     plain = Threshold.of(real, imag)
     shapes = {"square": SQUARE, "disc": Region(Shape.ELLIPSE), "diamond": Region(Shape.DIAMOND)}
-    regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {OWN: threshold}
+    regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {
+        OWN: threshold
+    }
     found = []
     for name, x in regions.items():
         table = chart(curves(d, noticed(x)), *band)
@@ -135,7 +140,8 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
         return threshold.real, threshold.imag
     if not threshold.is_constant:
         raise SceneError(
-            "regions: a polygon that depends on omega cannot be compared with a square and a disc: leave regions out"
+            "regions: a polygon that depends on omega cannot be compared with a square and a "
+            "disc: leave regions out"
         )
     edges = Cornered(S.One, S.One, corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
@@ -239,23 +245,30 @@ class Deciding(Protocol):
 class Evaluation(Answer):
     """The answers for a scene: when a change is noticed, and as what.
 
-    ``crossings`` : each frequency at which r_r or r_i equals its threshold, or dH lies on the border of its region.
-    ``transparent`` : closed intervals on which neither exceeds it. ``bandwidth`` : the end of the one that starts at the band's
-    low end, rad/s; None if none does.
-    ``changeovers_environment``, ``changeovers_perceived`` : where Re H_env and Re H_perc change sign, rad/s.
-    ``percepts`` : what is felt where a ratio exceeds; ``felt`` : the same in words, with what has no name.
-    ``outside_model`` : intervals with Im H_perc < 0, where the display is active; ``unnamed`` : those where the imaginary part
-    is noticed. ``unbounded`` : frequencies at which a ratio is infinite, as H_env is 0 there.
-    ``stable`` : whether it is stable under prescribed motion: all poles of H_perc in Re s < 0. None where that is undecided
-    or poles do not show it (a sampled loop). It says nothing about a display in a hand; ``hs.stability`` does.
-    ``undecided`` : where something stayed open at the precision limit, such as a tangency of a scene with delays; empty of each
-    rational scene. ``certified`` : nothing is.
+    ``crossings`` : each frequency at which r_r or r_i equals its threshold, or dH lies on the
+    border of its region.
+    ``transparent`` : closed intervals on which neither exceeds it. ``bandwidth`` : the end of the
+    one that starts at the band's low end, rad/s; None if none does.
+    ``changeovers_environment``, ``changeovers_perceived`` : where Re H_env and Re H_perc change
+    sign, rad/s.
+    ``percepts`` : what is felt where a ratio exceeds; ``felt`` : the same in words, with what has
+    no name.
+    ``outside_model`` : intervals with Im H_perc < 0, where the display is active; ``unnamed`` :
+    those where the imaginary part is noticed. ``unbounded`` : frequencies at which a ratio is
+    infinite, as H_env is 0 there.
+    ``stable`` : whether it is stable under prescribed motion: all poles of H_perc in Re s < 0. None
+    where that is undecided or poles do not show it (a sampled loop). It says nothing about a
+    display in a hand; ``hs.stability`` does.
+    ``undecided`` : where something stayed open at the precision limit, such as a tangency of a
+    scene with delays; empty of each rational scene. ``certified`` : nothing is.
     ``digits`` : decimal digits shown of each crossing.
-    ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what was left out (all answers are
-    then those of the pruned scene, ``scene``); what other JND regions say; what a fit to a movement reports; which changes would
-    decide between JND regions. None where they were not asked for. ``left`` : those not found in time, with the reason.
+    ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what
+    was left out (all answers are then those of the pruned scene, ``scene``); what other JND regions
+    say; what a fit to a movement reports; which changes would decide between JND regions. None
+    where they were not asked for. ``left`` : those not found in time, with the reason.
 
-    Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for what ``undecided`` names.
+    Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for
+    what ``undecided`` names.
 
     >>> import haptisym as hs
     >>> found = hs.evaluate("fu2019")
@@ -280,13 +293,19 @@ class Evaluation(Answer):
     left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
-        width = "no bandwidth" if self.bandwidth is None else f"bandwidth {self.bandwidth.digits(5)} rad/s"
+        width = (
+            "no bandwidth"
+            if self.bandwidth is None
+            else f"bandwidth {self.bandwidth.digits(5)} rad/s"
+        )
         found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
         return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
 
     def with_regions(self) -> Evaluation:
         """The same, with what square, disc and diamond of the same half widths say."""
-        return replace(self, regions=compared(self.distortion, self.scene.threshold, self.scene.band))
+        return replace(
+            self, regions=compared(self.distortion, self.scene.threshold, self.scene.band)
+        )
 
     @property
     def given(self) -> Scene:
@@ -314,7 +333,8 @@ class Evaluation(Answer):
 
     @property
     def bandwidth(self) -> RealNumber | None:
-        """The end of the transparent interval that starts at the band's low end; None if none does."""
+        """The end of the transparent interval that starts at the band's low end; None if none
+        does."""
         first = self.transparent[0] if self.transparent else None
         return first.high.omega if first and first.low is self.chart.points[0] else None
 
@@ -335,7 +355,8 @@ class Evaluation(Answer):
 
     @cached_property
     def _felt_chart(self) -> Chart:
-        """With friction also where a ratio would meet its threshold without it, which is a place for percepts alone."""
+        """With friction also where a ratio would meet its threshold without it, which is a place
+        for percepts alone."""
         if self.friction is None:
             return self.chart
         bare = without_friction(self.scene).distortion()
@@ -348,17 +369,20 @@ class Evaluation(Answer):
 
     @cached_property
     def felt(self) -> tuple[Felt, ...]:
-        """Everything that is noticed, as what it is felt, in words: percepts, and where no property is named."""
+        """Everything that is noticed, as what it is felt, in words: percepts, and where no property
+        is named."""
         return find_felt(self._felt_chart)
 
     @property
     def friction(self) -> Friction | None:
-        """Whether the display's friction is noticed, by its own threshold; None of a display without it."""
+        """Whether the display's friction is noticed, by its own threshold; None of a display
+        without it."""
         return frictions(self.scene)
 
     @cached_property
     def unnamed(self) -> tuple[Interval, ...]:
-        """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named for it there."""
+        """Where Im H_perc < 0 and the imaginary part is noticed all the same: no property is named
+        for it there."""
         return unnamed(self._felt_chart)
 
     @cached_property
@@ -373,17 +397,25 @@ class Evaluation(Answer):
 
     @cached_property
     def undecided(self) -> tuple[tuple[Criterion, Point], ...]:
-        """Where it stayed open at the precision limit whether a ratio touches its threshold, crosses it twice or not at all."""
-        return tuple((x, point) for point in self.chart.undecided for x in self.criteria if x in point.undecided)
+        """Where it stayed open at the precision limit whether a ratio touches its threshold,
+        crosses it twice or not at all."""
+        return tuple(
+            (x, point)
+            for point in self.chart.undecided
+            for x in self.criteria
+            if x in point.undecided
+        )
 
     @cached_property
     def any_environment(self) -> AnyEnvironment | None:
-        """What the scene's effects do to every environment at once; None unless all of them are in series."""
+        """What the scene's effects do to every environment at once; None unless all of them are in
+        series."""
         return any_environment(self.scene)
 
     @cached_property
     def passivity(self) -> Passivity | None:
-        """Whether the display is passive, judged at all frequencies; None where not even signs are decided."""
+        """Whether the display is passive, judged at all frequencies; None where not even signs are
+        decided."""
         try:
             return passivity(self.scene, self.distortion)
         except UndecidedError:
@@ -399,11 +431,16 @@ class Evaluation(Answer):
         """Whether every number here is proven, none estimated, and nothing was left undecided."""
         is_fitted = self.movement is None or not self.movement.undecided
         return (
-            not (self.undecided or self.left) and is_fitted and (self.bandwidths is None or self.bandwidths.certified)
+            not (self.undecided or self.left)
+            and is_fitted
+            and (self.bandwidths is None or self.bandwidths.certified)
         )
 
     def _body(self) -> dict[str, Any]:
-        changeovers = {"environment": self.changeovers_environment, "perceived": self.changeovers_perceived}
+        changeovers = {
+            "environment": self.changeovers_environment,
+            "perceived": self.changeovers_perceived,
+        }
         return {
             "band": [float(point.omega) for point in (self.chart.points[0], self.chart.points[-1])],
             "threshold": self.scene.threshold.row(),
@@ -412,7 +449,9 @@ class Evaluation(Answer):
             "transparent": [_interval(x) for x in self.transparent],
             "bandwidth": None if self.bandwidth is None else float(self.bandwidth),
             **({"bandwidths": self.bandwidths.row(self.digits)} if self.bandwidths else {}),
-            "changeovers": {system: [float(p.omega) for p in points] for system, points in changeovers.items()},
+            "changeovers": {
+                system: [float(p.omega) for p in points] for system, points in changeovers.items()
+            },
             "percepts": [_percept(p) for p in self.percepts],
             "outside_model": [_interval(x) for x in self.outside_model],
             **({"friction": self.friction.row()} if self.friction else {}),
@@ -426,7 +465,8 @@ class Evaluation(Answer):
 
     def _left(self) -> dict[str, Any]:
         rows: list[Any] = [
-            {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))} for x, p in self.undecided
+            {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))}
+            for x, p in self.undecided
         ]
         rows += [{"name": name, "reason": why} for name, why in self.left.items()]
         found: dict[str, Any] = {"undecided": rows} if rows else {}
@@ -448,10 +488,14 @@ class Evaluation(Answer):
         }
 
 
-def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut | None = None) -> Evaluation:
-    """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
+def evaluate(
+    scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut | None = None
+) -> Evaluation:
+    """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing,
+    as many as wanted.
 
-    ``left_out`` : what is known of the scene that ``scene`` is the rest of. Raises SceneError if a parameter is still a symbol.
+    ``left_out`` : what is known of the scene that ``scene`` is the rest of. Raises SceneError if a
+    parameter is still a symbol.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(1.8, 15, 100), (effects.second_order_lowpass(80, 0.5),))
@@ -464,7 +508,9 @@ def evaluate(scene: Scene | str | Path, digits: int = 15, *, left_out: LeftOut |
     distortion = scene.distortion()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
     left = Left()
-    stable = in_time(lambda: force_is_stable(scene, distortion), "stability under prescribed motion", left)
+    stable = in_time(
+        lambda: force_is_stable(scene, distortion), "stability under prescribed motion", left
+    )
     return Evaluation(scene, distortion, table, stable, digits, left_out, left=left)
 
 
@@ -473,9 +519,15 @@ def _interval(x: Interval) -> list[float]:
 
 
 def _percept(p: Percept) -> dict[str, Any]:
-    """A percept as a row; of both parts together both properties, that of the part nearer its own limit last."""
+    """A percept as a row; of both parts together both properties, that of the part nearer its own
+    limit last."""
     if p.part:
-        return {"part": p.part.value, "band": _interval(p.band), "property": p.property.value, "change": p.change.value}
+        return {
+            "part": p.part.value,
+            "band": _interval(p.band),
+            "property": p.property.value,
+            "change": p.change.value,
+        }
     listed = [*([p.other] if p.other else []), (p.property, p.change)]
     names = {"property": [x.value for x, _ in listed], "change": [x.value for _, x in listed]}
     return {"part": JOINT, "band": _interval(p.band), **names}

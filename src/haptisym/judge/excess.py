@@ -1,9 +1,12 @@
-"""What a criterion judges, over cells of band and parameters, in Taylor models: proven bounds on it and on its slopes.
+"""What a criterion judges, over cells of band and parameters, in Taylor models: proven bounds on it
+and on its slopes.
 
-The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or of a limit that depends on the
-frequency, is the largest of the smallest of smooth functions, as far as its sign and its zeros go, in one model (``joined``):
-of an ellipse it is one function, of a diamond two; a polygon has one for each edge. |G - 1|^2 - c^2, of effects in series, is
-what is judged whatever the environment, and nowhere less than the excess of one part.
+The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or of a
+limit that depends on the frequency, is the largest of the smallest of smooth functions, as far as
+its sign and its zeros go, in one model (``joined``):
+of an ellipse it is one function, of a diamond two; a polygon has one for each edge. |G - 1|^2 -
+c^2, of effects in series, is what is judged whatever the environment, and nowhere less than the
+excess of one part.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ from haptisym.programs.taylormodels import Array, Model, Modelled, floated, valu
 
 @dataclass(frozen=True)
 class Side:
-    """A parameter that varies: its symbol's name (``c``, ``c_real`` or ``c_imag`` for a threshold), lowest and highest value."""
+    """A parameter that varies: its symbol's name (``c``, ``c_real`` or ``c_imag`` for a threshold),
+    lowest and highest value."""
 
     name: str
     low: Expr
@@ -68,7 +72,8 @@ class Box:
 
     @cached_property
     def chain(self) -> tuple[Chain, bool]:
-        """The scene's with these numbers, without zeros on the axis; whether real and imaginary part are exchanged by that."""
+        """The scene's with these numbers, without zeros on the axis; whether real and imaginary
+        part are exchanged by that."""
         return self.scene.chain.at(self.fixed).without_axis_zeros()
 
     def part_name(self, part: Part) -> str:
@@ -82,16 +87,20 @@ def _side(x: Knob) -> Side:
 
 
 def box_of(scene: Scene) -> Box:
-    """The box of a scene, without sides where ranges are of its hands alone; SceneError without any, or with a symbol."""
+    """The box of a scene, without sides where ranges are of its hands alone; SceneError without
+    any, or with a symbol."""
     if not scene.threshold.is_box:
         names = " and ".join(scene.threshold.ranges)
         raise SceneError(
-            f"jnd: a range of {names} is for haptisym evaluate, which gives its bandwidths: give a number here"
+            f"jnd: a range of {names} is for haptisym evaluate, which gives its bandwidths: "
+            f"give a number here"
         )
     box = Box(scene)
     scene.knobs.need_numbers()
     if not box.sides and not any(x.has_ranges for x in scene.hands):
-        raise SceneError('no parameter has a range: write one as "1.8 kg +- 5 %" or ["1.7 kg", "1.9 kg"]')
+        raise SceneError(
+            'no parameter has a range: write one as "1.8 kg +- 5 %" or ["1.7 kg", "1.9 kg"]'
+        )
     return box
 
 
@@ -99,16 +108,19 @@ _BENT = 7  # sides: with more of them the curvature of all slopes costs more tha
 
 
 class Excess:
-    """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values of the box.
+    """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values
+    of the box.
 
-    ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box, from which share of its way to
-    which, 0 the low end and 1 the high end.
+    ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box,
+    from which share of its way to which, 0 the low end and 1 the high end.
     """
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         part = criterion.part
         if part is None:
-            raise SceneError(f"{criterion.words}: tolerances need a JND with a limit for each part: a square")
+            raise SceneError(
+                f"{criterion.words}: tolerances need a JND with a limit for each part: a square"
+            )
         self._over(box)
         self._judges(box, criterion, part)
         chain, exchanged = box.chain
@@ -142,15 +154,22 @@ class Excess:
         return bool(self._program.operations[self._program.results[self._name]].value == 0)
 
     def model(self, cells: Array, *, slopes: int | None = None) -> Model:
-        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell.
+        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole
+        may lie in the cell.
 
         ``slopes`` : of which order; none if 0, and whatever suits so many sides if not said.
         """
         slopes = self.order if slopes is None else slopes
-        with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
+        with np.errstate(
+            all="ignore"
+        ):  # what is not finite is unknown, which every caller asks about
             inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
             square = self._square(inputs)
-            c = inputs[0].number(self._c) if self._limit is None else self._variable(self._limit, cells, slopes=slopes)
+            c = (
+                inputs[0].number(self._c)
+                if self._limit is None
+                else self._variable(self._limit, cells, slopes=slopes)
+            )
             minus = -(c * c)
             return minus + square if isinstance(square, Model) else minus.plus(square)
 
@@ -166,7 +185,8 @@ class Excess:
         return found
 
     def _spread(self, cells: Array) -> Array:
-        """How wide cells are, relative to the values in them: by what is cut of which nothing is known."""
+        """How wide cells are, relative to the values in them: by what is cut of which nothing is
+        known."""
         low, width = np.array(self._intervals).T
         ends = low[:, None] + width[:, None] * cells
         return (ends[..., 1] - ends[..., 0]) / np.maximum(np.abs(ends).max(-1), 1e-300)
@@ -181,7 +201,8 @@ class Excess:
         return limit | self._used(self._program)
 
     def _used(self, program: Program) -> Array:
-        """For omega and each side, whether the results of a program depend on it; of omega it is said anyway."""
+        """For omega and each side, whether the results of a program depend on it; of omega it is
+        said anyway."""
         steps = [program.operations[i] for i in program.needed(program.results.values())]
         used = {step.arguments[0] for step in steps if step.name == "input"}
         inputs = self._places(program)
@@ -196,7 +217,8 @@ class Excess:
 
 
 class LargerExcess(Excess):
-    """|G - 1|^2 - c^2 of a criterion of one part, or for any environment: of effects in series r is never larger."""
+    """|G - 1|^2 - c^2 of a criterion of one part, or for any environment: of effects in series r is
+    never larger."""
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         self._over(box)
@@ -211,7 +233,10 @@ class LargerExcess(Excess):
 
     def _square(self, inputs: Sequence[Model]) -> Model:
         found = Modelled(self._program).run(inputs)
-        x, y = (v if isinstance(v, Model) else inputs[0].number(v) for v in (found[name] for name in _RELATIVE))
+        x, y = (
+            v if isinstance(v, Model) else inputs[0].number(v)
+            for v in (found[name] for name in _RELATIVE)
+        )
         return x * x + y * y
 
 
@@ -221,15 +246,20 @@ _RELATIVE = ("relative_real", "relative_imag")
 def joined(terms: Sequence[Sequence[Model]]) -> Model:
     """A model with the sign and the zeros of max over ``terms`` of the min over each.
 
-    In a cell only those functions count whose sign is not known there while it decides that of the whole. The model encloses
-    each of them, value and slopes: a slope that keeps its sign is that of all of them, and so of what they make. Where none
-    counts it is a number of the known sign.
+    In a cell only those functions count whose sign is not known there while it decides that of the
+    whole. The model encloses each of them, value and slopes: a slope that keeps its sign is that of
+    all of them, and so of what they make. Where none counts it is a number of the known sign.
     """
     signs = [[_sign(f) for f in term] for term in terms]
     alive = [np.logical_and.reduce([sign >= 0 for sign in term]) for term in signs]
-    positive = np.logical_or.reduce([np.logical_and.reduce([sign > 0 for sign in term]) for term in signs])
+    positive = np.logical_or.reduce(
+        [np.logical_and.reduce([sign > 0 for sign in term]) for term in signs]
+    )
     first = terms[0][0]
-    found, known = first.number(1.0).where(positive, first.number(-1.0)), np.zeros(len(positive), dtype=bool)
+    found, known = (
+        first.number(1.0).where(positive, first.number(-1.0)),
+        np.zeros(len(positive), dtype=bool),
+    )
     for own, term, of_term in zip(alive, terms, signs, strict=True):
         for f, sign in zip(term, of_term, strict=True):
             counts = own & (sign == 0) & ~positive
@@ -266,31 +296,43 @@ def excess_of(box: Box, criterion: Criterion) -> Excess:
 
 
 class RegionalExcess(Excess):
-    """Of a criterion with a region, or with a formula in omega as its limit; has the sign and the zeros of what it judges."""
+    """Of a criterion with a region, or with a formula in omega as its limit; has the sign and the
+    zeros of what it judges."""
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         self._over(box)
         self._criterion, self._limit = criterion, None
         threshold = box.scene.threshold
         if criterion.region and threshold.interval(Part.REAL):  # one for both half widths
-            self._criterion = replace(criterion, region=criterion.region.opened(dict.fromkeys(Part, c)))
+            self._criterion = replace(
+                criterion, region=criterion.region.opened(dict.fromkeys(Part, c))
+            )
             self._limit = 1 + self._names.index(box.part_name(Part.REAL))
         chain = box.scene.chain.at(self._fixed)
         relative, _ = chain.without_axis_zeros()
         environments = (chain.ring.convert(x.environment) for x in (chain, relative))
-        powers = [int(n) for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()]
+        powers = [
+            int(n)
+            for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()
+        ]
         sided = isinstance(criterion.region, Cornered) and not criterion.region.pairs
         if len(powers) > 1 and sided:  # changes its side where H_env changes its sign
             relative, powers = chain, [0]
         self._turns, self._from_rest = max(powers) % 4, len(powers) == 1
-        self._relative, self._plain = relative.program([*_SQUARED, *_FIELDS]), chain.program(_FIELDS)
+        self._relative, self._plain = (
+            relative.program([*_SQUARED, *_FIELDS]),
+            chain.program(_FIELDS),
+        )
 
     @cached_property
     def is_zero(self) -> bool:
         """Whether nothing of what is judged changes anywhere."""
         parts = [self._criterion.part] if self._criterion.part else list(Part)
         steps, results = self._relative.operations, self._relative.results
-        return all(steps[results[f"squared_{seen_as(part, self._turns).value}"]].value == 0 for part in parts)
+        return all(
+            steps[results[f"squared_{seen_as(part, self._turns).value}"]].value == 0
+            for part in parts
+        )
 
     @cached_property
     def matters(self) -> Array:
@@ -299,23 +341,32 @@ class RegionalExcess(Excess):
         return limit | self._used(self._relative) | self._used(self._plain)
 
     def model(self, cells: Array, *, slopes: int | None = None) -> Model:
-        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole may lie in the cell."""
+        """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole
+        may lie in the cell."""
         with np.errstate(all="ignore"):
             return joined(self.terms(cells, slopes=slopes))
 
     def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
         """The functions of which the excess is the largest of the smallest, as of ``model``."""
         slopes = self.order if slopes is None else slopes
-        with np.errstate(all="ignore"):  # what is not finite is unknown, which every caller asks about
+        with np.errstate(
+            all="ignore"
+        ):  # what is not finite is unknown, which every caller asks about
             at = self._variable(0, cells, slopes=slopes)
-            relative, plain = (self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain))
+            relative, plain = (
+                self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain)
+            )
             known: dict[Expr, Model] = {omega: at}
             if self._limit is not None:
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
-            return Changes(relative, plain, known, self._turns, self._from_rest).terms(self._criterion)
+            return Changes(relative, plain, known, self._turns, self._from_rest).terms(
+                self._criterion
+            )
 
     def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
-        found = Modelled(program).run([self._variable(i, cells, slopes=slopes) for i in self._places(program)])
+        found = Modelled(program).run(
+            [self._variable(i, cells, slopes=slopes) for i in self._places(program)]
+        )
         return {name: x if isinstance(x, Model) else at.number(x) for name, x in found.items()}
 
 
@@ -328,9 +379,10 @@ def seen_as(part: Part, turns: int) -> Part:
 class Changes:
     """x = Re dH/|H_env| and y = Im dH/|H_env| over cells, and what a criterion makes of them.
 
-    ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters behind; ``plain``: of the chain.
-    ``known`` : what omega, and the half width c where it varies, are over the cells. ``from_rest`` : whether these chains differ
-    by a power of s alone.
+    ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters
+    behind; ``plain``: of the chain.
+    ``known`` : what omega, and the half width c where it varies, are over the cells. ``from_rest``
+    : whether these chains differ by a power of s alone.
     """
 
     relative: Mapping[str, Model]
@@ -340,7 +392,8 @@ class Changes:
     from_rest: bool = False
 
     def terms(self, criterion: Criterion) -> Terms:
-        """The functions of which the largest of the smallest is positive where a change is noticed."""
+        """The functions of which the largest of the smallest is positive where a change is
+        noticed."""
         region = criterion.region
         if isinstance(region, Ellipse):
             return [[self._quadric(region, (S.One, -region.tilt, S.One), 1 - region.tilt**2)]]
@@ -348,16 +401,23 @@ class Changes:
             return [[self._quadric(region, (p * p, p * q, q * q), S.One)] for p, q in region.pairs]
         if isinstance(region, Cornered):
             (x, y), (a, b) = self._xy, (region.real, region.imag)
-            return [[(self._times(p / a, x) + self._times(q / b, y)).plus(-1.0)] for p, q in region.edges]
+            return [
+                [(self._times(p / a, x) + self._times(q / b, y)).plus(-1.0)]
+                for p, q in region.edges
+            ]
         if isinstance(region, Sided):
             return self._sided(region)
         assert criterion.part
         return [[self._beyond(criterion.part, criterion.threshold)]]
 
-    def _quadric(self, region: Ellipse | Cornered, form: tuple[Expr, Expr, Expr], whole: Expr) -> Model:
+    def _quadric(
+        self, region: Ellipse | Cornered, form: tuple[Expr, Expr, Expr], whole: Expr
+    ) -> Model:
         """a b times xx (x/a)^2 + 2 xy (x/a)(y/b) + yy (y/b)^2 - whole."""
         (a, b), (xx, xy, yy) = (region.real, region.imag), form
-        squares = self._times(xx * b / a, self._square(Part.REAL)) + self._times(yy * a / b, self._square(Part.IMAG))
+        squares = self._times(xx * b / a, self._square(Part.REAL)) + self._times(
+            yy * a / b, self._square(Part.IMAG)
+        )
         found = squares - self._constant(a * b * whole)
         return found if xy == 0 else found + self._times(2 * xy, self._product)
 
@@ -371,9 +431,14 @@ class Changes:
         return [[growth, larger, *least], [-growth, smaller, *least], [larger, smaller, *least]]
 
     def _growth(self, part: Part) -> Model:
-        """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing is left in it."""
-        fields, seen = (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
-        return fields[seen.value] * (fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0))
+        """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing
+        is left in it."""
+        fields, seen = (
+            (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
+        )
+        return fields[seen.value] * (
+            fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0)
+        )
 
     def _beyond(self, part: Part, limit: Expr) -> Model:
         return self._square(part) - self._constant(limit**2)

@@ -1,14 +1,15 @@
 """Whether a display is passive, and whether the force under prescribed motion is stable.
 
-Every passive hand may hold it where H_perc/s is positive real: Im H_perc(j omega) >= 0 on [0, infinity), with a clock up to pi/T;
-no poles in Re s > 0; those on the axis, at 0 and at infinity simple, with positive residues. The force is stable where all poles
-of H_perc lie in Re s < 0.
+Every passive hand may hold it where H_perc/s is positive real: Im H_perc(j omega) >= 0 on [0,
+infinity), with a clock up to pi/T; no poles in Re s > 0; those on the axis, at 0 and at infinity
+simple, with positive residues. The force is stable where all poles of H_perc lie in Re s < 0.
 
-A passive one-port behind passive two-ports is passive, however many poles it has. And where the environment takes energy at
-every frequency and has no pole on the axis, H_perc has no pole there either: with the hand at rest no energy flows, so that the
-environment would be at rest, and with it, as a chain matrix has an inverse, all of the chain. So all poles of H_perc lie in
-Re s < 0, however near to the axis. Source: Youla, Castriota and Carlin (1959); Niemeyer and Slotine (1991) for the wave-variable
-link, which is a line without losses.
+A passive one-port behind passive two-ports is passive, however many poles it has. And where the
+environment takes energy at every frequency and has no pole on the axis, H_perc has no pole there
+either: with the hand at rest no energy flows, so that the environment would be at rest, and with
+it, as a chain matrix has an inverse, all of the chain. So all poles of H_perc lie in Re s < 0,
+however near to the axis. Source: Youla, Castriota and Carlin (1959); Niemeyer and Slotine (1991)
+for the wave-variable link, which is a line without losses.
 """
 
 from __future__ import annotations
@@ -42,28 +43,39 @@ from haptisym.model.scene import Scene, clocks, sampled_loop
 
 
 def environment_alone(scene: Scene) -> Scene | None:
-    """The scene without its effects, where these are two-ports that only take energy; None where some are not."""
+    """The scene without its effects, where these are two-ports that only take energy; None where
+    some are not."""
     if scene.rendered is not None or not scene.effects or not are_passive(scene.effects):
         return None
     return Scene(scene.environment, (), scene.band)
 
 
 def rests(scene: Scene, chain: Chain) -> bool:
-    """Whether a display has no root in Re s >= 0 but at 0 in any hand that damps, as nothing in it gives energy.
+    """Whether a display has no root in Re s >= 0 but at 0 in any hand that damps, as nothing in it
+    gives energy.
 
-    In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative. On the axis the hand would not move,
-    nor feel a force: then all that is behind chain matrices is at rest too, as they have inverses. ``chain`` : of the scene, in
-    which a number may be open: then it is so for all of its values > 0, and False where it stands in a shunt.
+    In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative. On the
+    axis the hand would not move, nor feel a force: then all that is behind chain matrices is at
+    rest too, as they have inverses. ``chain`` : of the scene, in which a number may be open: then
+    it is so for all of its values > 0, and False where it stands in a shunt.
     """
-    shunts = [m[1] for x, m in zip(scene.effects, chain.matrices, strict=True) if x.model == "shunt"]
-    return environment_alone(scene) is not None and all(map(_takes_energy, shunts)) and takes_energy(chain.environment)
+    shunts = [
+        m[1] for x, m in zip(scene.effects, chain.matrices, strict=True) if x.model == "shunt"
+    ]
+    return (
+        environment_alone(scene) is not None
+        and all(map(_takes_energy, shunts))
+        and takes_energy(chain.environment)
+    )
 
 
 def takes_energy(environment: Expr) -> bool:
-    """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of what is open in it.
+    """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of what
+    is open in it.
 
-    Told by signs alone, False says nothing: Im H >= 0 as no coefficient of it is negative; the denominator has its zeros in
-    Re s < 0, as those of degree 2 with coefficients > 0 have; H(0) is finite, and far out H grows no faster than s^2, both > 0.
+    Told by signs alone, False says nothing: Im H >= 0 as no coefficient of it is negative; the
+    denominator has its zeros in Re s < 0, as those of degree 2 with coefficients > 0 have; H(0) is
+    finite, and far out H grows no faster than s^2, both > 0.
 
     >>> from sympy.abc import k, q
     >>> each = k + q * s, k * q * s / (k + q * s), k * s**q, 1 / (s**2 + q), k - q * s, q * s - k
@@ -76,7 +88,11 @@ def takes_energy(environment: Expr) -> bool:
     H, axis = ring.convert(environment).reduced(), ring.axis
     top, bottom = H.numerator, H.denominator
     powers = {int(x[0]) for x in bottom.monoms()}
-    if len({c > 0 for c in (*top.coeffs(), *bottom.coeffs())}) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
+    if len({c > 0 for c in (*top.coeffs(), *bottom.coeffs())}) > 1 or powers not in (
+        {0},
+        {0, 1},
+        {0, 1, 2},
+    ):
         return False
     if any(any(x[ring.size :]) for x in bottom.monoms()) or _growth(top, ring) > max(powers) + 2:
         return False
@@ -89,7 +105,8 @@ def _growth(polynomial: Polynomial, ring: Ring) -> Expr:
     """Its highest power of s, or more: an open order is below 1."""
     orders = [x if x.is_Rational else Integer(1) for x in ring.orders]
     powers = (
-        int(x[0]) + sum(int(n) * a for n, a in zip(x[ring.size :], orders, strict=False)) for x in polynomial.monoms()
+        int(x[0]) + sum(int(n) * a for n, a in zip(x[ring.size :], orders, strict=False))
+        for x in polynomial.monoms()
     )
     return max(powers, default=Integer(0))
 
@@ -103,7 +120,8 @@ def are_passive(effects: Iterable[Effect]) -> bool:
     (True, False, False)
     """
     return all(
-        x.model in ("wave-variables", "compliance") or (x.model == "shunt" and _takes_energy(x.matrix[1]))
+        x.model in ("wave-variables", "compliance")
+        or (x.model == "shunt" and _takes_energy(x.matrix[1]))
         for x in effects
     )
 
@@ -113,11 +131,14 @@ def _takes_energy(Z: Expr) -> bool:
     if not Z.is_polynomial(s):
         return False
     row = Poly(Z, s).all_coeffs()
-    return len(row) <= 3 and all(not x.free_symbols and x.is_real and sign_of_number(x) >= 0 for x in row)
+    return len(row) <= 3 and all(
+        not x.free_symbols and x.is_real and sign_of_number(x) >= 0 for x in row
+    )
 
 
 def poles_allow(F: RationalFunction) -> bool | None:
-    """Whether the poles of F/s, F in lowest terms, are as those of a positive real function; None where not decided.
+    """Whether the poles of F/s, F in lowest terms, are as those of a positive real function; None
+    where not decided.
 
     >>> from haptisym.kernel.rings import s
     >>> def of(Z): return poles_allow(Ring.of([s * Z]).convert(s * Z).reduced())
@@ -143,7 +164,9 @@ def has_no_pole_right(f: RationalFunction) -> bool | None:
 
 def _allowed(F: RationalFunction, response: Response) -> bool:
     ring = ring_of(F)
-    if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring) or not _allowed_far_out(response):
+    if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring) or not _allowed_far_out(
+        response
+    ):
         return False
     found = count_roots(F.denominator, ring)
     if found.right is None:
@@ -153,11 +176,16 @@ def _allowed(F: RationalFunction, response: Response) -> bool:
     places = [float(x) for x in found.on_axis if float(x) > 0]
     if not places:
         return True
-    table = chart({"real": response.real, "imag": response.imag}, Integer(0), Integer(int(max(places)) + 1))
+    table = chart(
+        {"real": response.real, "imag": response.imag}, Integer(0), Integer(int(max(places)) + 1)
+    )
     poles = [p for p in table.points if min(p.orders.get(name, 0) for name in ("real", "imag")) < 0]
-    # with the residue r > 0 F is near omega_0 r/(omega - omega_0): real, it comes back from -infinity as +infinity
+    # with the residue r > 0 F is near omega_0 r/(omega - omega_0): real, it comes back from
+    # -infinity as +infinity
     return all(
-        p.orders.get("real") == -1 and (p.before["real"], p.after["real"]) == (-1, 1) and p.orders.get("imag", 0) >= 0
+        p.orders.get("real") == -1
+        and (p.before["real"], p.after["real"]) == (-1, 1)
+        and p.orders.get("imag", 0) >= 0
         for p in poles
     )
 
@@ -174,7 +202,11 @@ def _sign_at_0(real: RealFunction) -> int:
 def _allowed_far_out(response: Response) -> bool:
     """Whether F grows more slowly than s^2, or as a positive mass does."""
     raw = response.raw_real
-    grown = max(power(x.numerator, x) - power(x.denominator, x) for x in (raw, response.raw_imag) if not x.is_zero)
+    grown = max(
+        power(x.numerator, x) - power(x.denominator, x)
+        for x in (raw, response.raw_imag)
+        if not x.is_zero
+    )
     faster = sign_of_number(grown - 2)
     if faster:
         return faster < 0
@@ -199,7 +231,9 @@ _MOST_TURNS = 500  # that are charted where a sign settles later
 _GRID = 200
 _BELOW = 1e-3
 _BITS = 128
-_PATIENCE = 10.0  # s, as where delays meet in a chain of roots thousands of peaks may have to be compared
+_PATIENCE = (
+    10.0  # s, as where delays meet in a chain of roots thousands of peaks may have to be compared
+)
 
 
 class Beyond(Enum):
@@ -214,15 +248,19 @@ class Beyond(Enum):
 
 
 _BEYOND = {
-    Sense.POSITIVE: Beyond.NEVER, Sense.NEGATIVE: Beyond.ALWAYS, Sense.BOTH: Beyond.AGAIN, Sense.UNKNOWN: Beyond.UNKNOWN,
-}  # fmt: skip
+    Sense.POSITIVE: Beyond.NEVER,
+    Sense.NEGATIVE: Beyond.ALWAYS,
+    Sense.BOTH: Beyond.AGAIN,
+    Sense.UNKNOWN: Beyond.UNKNOWN,
+}
 
 
 @dataclass(frozen=True)
 class Passivity:
     """Where a display generates energy, and whether it is passive: proven.
 
-    ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that. ``settled`` : far out.
+    ``chart`` : of Im H_perc, from 0 to ``high``. ``beyond`` : what it does above that. ``settled``
+    : far out.
     """
 
     scene: Scene
@@ -234,7 +272,8 @@ class Passivity:
 
     @cached_property
     def active(self) -> tuple[Interval, ...]:
-        """Where Im H_perc < 0, up to ``high``: the display gives -pi A^2 Im H_perc per cycle of amplitude A."""
+        """Where Im H_perc < 0, up to ``high``: the display gives -pi A^2 Im H_perc per cycle of
+        amplitude A."""
         return self.chart.where(lambda signs: signs[PASSIVE] > 0)
 
     @property
@@ -249,14 +288,17 @@ class Passivity:
 
     @property
     def active_from(self) -> Expr | None:
-        """From where on Im H_perc < 0 everywhere, with a gap between ``high`` and that which was not looked at; else None."""
+        """From where on Im H_perc < 0 everywhere, with a gap between ``high`` and that which was
+        not looked at; else None."""
         is_late = self.beyond is Beyond.LATE and self.settled.sense is Sense.NEGATIVE
         return self.settled.radius if is_late else None
 
     @cached_property
     def holds(self) -> bool | None:
         """Whether the display is passive, with a clock by ``sampled``; None where not decided."""
-        if self.is_active and not sampled_loop(self.scene):  # where the closed form is no approximation
+        if self.is_active and not sampled_loop(
+            self.scene
+        ):  # where the closed form is no approximation
             return False
         if self.sampled is not None:
             return self._sampled_holds()
@@ -285,24 +327,31 @@ class Passivity:
 
     @property
     def takes_energy(self) -> bool:
-        """Whether the display is passive, and Im H_perc > 0 at every frequency: for rational dynamics."""
+        """Whether the display is passive, and Im H_perc > 0 at every frequency: for rational
+        dynamics."""
         if not self.holds or _ring_in_passivity(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
-        signs = [x for p in self.chart.points for x in p.after.values()] + [x for p in points for x in p.at.values()]
+        signs = [x for p in self.chart.points for x in p.after.values()] + [
+            x for p in points for x in p.at.values()
+        ]
         return not _ring_in_passivity(self.distortion).orders and set(signs) == {-1}
 
     @cached_property
     def poles_allow(self) -> bool | None:
-        """Whether H_perc/s has no poles in Re s > 0, and on the axis simple ones with positive residues alone."""
+        """Whether H_perc/s has no poles in Re s > 0, and on the axis simple ones with positive
+        residues alone."""
         return True if self.has_passive_parts else poles_allow(self.distortion.perc)
 
     @cached_property
     def damping(self) -> Greatest | None:
-        """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and stiffness.
+        """b* = sup(-Im H_perc/omega), at least 0: with it a hand is held whatever its mass and
+        stiffness.
 
-        That, where the force under prescribed motion is stable. Its frequency is None where it is only approached, far out.
-        None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells. Found in ten seconds or not at all.
+        That, where the force under prescribed motion is stable. Its frequency is None where it is
+        only approached, far out.
+        None where nothing bounds it, and where that is not decided: ``is_unbounded`` tells. Found
+        in ten seconds or not at all.
         """
         if not self.is_active:
             return Greatest(ExactNumber(Integer(0)), None)
@@ -316,7 +365,8 @@ class Passivity:
 
     @cached_property
     def is_unbounded(self) -> bool:
-        """Whether -Im H_perc/omega is proven to be unbounded far out, so that no damping of a hand is enough."""
+        """Whether -Im H_perc/omega is proven to be unbounded far out, so that no damping of a hand
+        is enough."""
         if not self.stays_active:
             return False
         raw = self.distortion.perc_response.raw_imag
@@ -325,22 +375,31 @@ class Passivity:
 
     @cached_property
     def most_given(self) -> Greatest | None:
-        """The largest -Im H_perc up to ``high``, N/m, and where: times pi A^2 it is energy per cycle. None if unbounded."""
+        """The largest -Im H_perc up to ``high``, N/m, and where: times pi A^2 it is energy per
+        cycle. None if unbounded."""
         return greatest(PASSIVE.measure(self.distortion), Integer(0), self.high)
 
     def row(self) -> dict[str, Any]:
         """As documents have it."""
-        ends: list[list[float | None]] = [[float(x.low.omega), float(x.high.omega)] for x in self.active]
+        ends: list[list[float | None]] = [
+            [float(x.low.omega), float(x.high.omega)] for x in self.active
+        ]
         if self.beyond is Beyond.ALWAYS:
             ends = [*ends[:-1], [ends[-1][0], None]]
         if self.active_from is not None:
             ends.append([float(self.active_from), None])
-        found = {"holds": self.holds, "active": ends, "beyond": self.beyond.value, "reach": float(self.high)}
+        found = {
+            "holds": self.holds,
+            "active": ends,
+            "beyond": self.beyond.value,
+            "reach": float(self.high),
+        }
         return {**found, "poles_allow": self.poles_allow}
 
 
 def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
-    """Where a scene with numbers gives energy away on [0, infinity): at least as far as its band, and what is beyond.
+    """Where a scene with numbers gives energy away on [0, infinity): at least as far as its band,
+    and what is beyond.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = passivity(load_scene("zener-tissue"))
@@ -349,14 +408,19 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     d = distortion or scene.closed
     periods = clocks(scene)
-    settled = AsymptoticSign(Sense.POSITIVE) if periods else asymptotic_sign(d.perc_response.raw_imag)
+    settled = (
+        AsymptoticSign(Sense.POSITIVE) if periods else asymptotic_sign(d.perc_response.raw_imag)
+    )
     high, is_late = (pi / max(periods, key=float), False) if periods else _reach(scene, d, settled)
     beyond = Beyond.CLOCK if periods else Beyond.LATE if is_late else _BEYOND[settled.sense]
-    return Passivity(scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled)
+    return Passivity(
+        scene, d, chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high), high, beyond, settled
+    )
 
 
 def _reach(scene: Scene, d: Distortion, settled: AsymptoticSign) -> tuple[Expr, bool]:
-    """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in any case.
+    """As far as a chart goes: where the sign is settled, else some turns of the delays; the band in
+    any case.
 
     And whether it settles only after too many turns.
     """
@@ -367,7 +431,8 @@ def _reach(scene: Scene, d: Distortion, settled: AsymptoticSign) -> tuple[Expr, 
 
 
 def most_charted(d: Distortion, high: Expr) -> Expr:
-    """As far as is looked at, rad/s: all if the longest delay turns some hundred times up to there, else two of its turns."""
+    """As far as is looked at, rad/s: all if the longest delay turns some hundred times up to there,
+    else two of its turns."""
     turn = _turn(d)
     return _TURNS * turn if turn and sign_of_number(high - _MOST_TURNS * turn) > 0 else high
 
@@ -388,12 +453,18 @@ def _ring_in_passivity(d: Distortion) -> Ring:
 
 
 def _damping(d: Distortion, high: Expr) -> Greatest | None:
-    """sup(-Im H_perc/omega): found on a chart that reaches as far as the function may be that large."""
+    """sup(-Im H_perc/omega): found on a chart that reaches as far as the function may be that
+    large."""
     axis: Any = d.perc_response.raw_imag.ring
     raw = d.perc_response.raw_imag
     needed = PASSIVE.measure(d) / RealFunction(axis.convert(omega))
     top, below = needed.function.numerator, needed.function.denominator
-    if not top.degrees()[0] and len(axis.angles) == 1 and not axis.orders and len({x[0] for x in below.monoms()}) == 1:
+    if (
+        not top.degrees()[0]
+        and len(axis.angles) == 1
+        and not axis.orders
+        and len({x[0] for x in below.monoms()}) == 1
+    ):
         return greatest(
             needed, Integer(0), 2 * pi / axis.angles[0].rate
         )  # a wave, which repeats, or falls with a power
@@ -403,15 +474,22 @@ def _damping(d: Distortion, high: Expr) -> Greatest | None:
             reach = left.radius if sign_of_number(left.radius - high) > 0 else high
             found = greatest(needed, Integer(0), reach)
             limit = ExactNumber(value)
-            return Greatest(limit, None) if found and found.value.ball(_BITS) < limit.ball(_BITS) else found
+            return (
+                Greatest(limit, None)
+                if found and found.value.ball(_BITS) < limit.ball(_BITS)
+                else found
+            )
     return None
 
 
 def _tried(needed: RealFunction, high: Expr) -> list[Expr]:
-    """Bounds to try: the limit far out of a rational function, and a little less than the largest value seen."""
+    """Bounds to try: the limit far out of a rational function, and a little less than the largest
+    value seen."""
     with flint.ctx.workprec(64):
         end = float(high)
-        seen = (float(needed.ball(arb(end * (k / _GRID) ** 2)).lower()) for k in range(1, _GRID + 1))
+        seen = (
+            float(needed.ball(arb(end * (k / _GRID) ** 2)).lower()) for k in range(1, _GRID + 1)
+        )
         most = max((x for x in seen if isfinite(x)), default=0.0)
     found = [Rational(most * (1 - _BELOW))] if most > 0 else []
     top, below = needed.function.numerator, needed.function.denominator
@@ -425,10 +503,12 @@ _NAME = "H_perc"
 
 
 def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
-    """Whether all poles of H_perc have Re s < 0; None where that is not decided, or they do not tell, as with a clock in a loop.
+    """Whether all poles of H_perc have Re s < 0; None where that is not decided, or they do not
+    tell, as with a clock in a loop.
 
-    By ``is_stable``; where that stays open, as infinitely many poles come as near to the axis as one likes, by the parts: of an
-    environment that damps none reaches it. A display without losses is real on the axis, where its poles show.
+    By ``is_stable``; where that stays open, as infinitely many poles come as near to the axis as
+    one likes, by the parts: of an environment that damps none reaches it. A display without losses
+    is real on the axis, where its poles show.
     """
     if sampled_loop(scene):
         return None
@@ -450,7 +530,8 @@ def _damps(scene: Scene) -> bool:
 
 
 def _has_pole_on_axis(distortion: Distortion) -> bool:
-    """Whether H_perc is real on the axis, and has a pole among the first turns of its longest delay."""
+    """Whether H_perc is real on the axis, and has a pole among the first turns of its longest
+    delay."""
     perceived, ring = distortion.perc_response, distortion.perc.ring
     assert isinstance(ring, Ring)
     if not ring.lags or not perceived.raw_imag.is_zero:

@@ -1,8 +1,10 @@
-"""Where a distortion is largest, and how large: peaks of the ratios, and the largest values of real functions, exact.
+"""Where a distortion is largest, and how large: peaks of the ratios, and the largest values of real
+functions, exact.
 
-What is judged of a part or a region is an envelope: a change is outside at frequencies at which all ``where`` of a term are
-positive, as soon as all its squares exceed 1. So at each frequency the square that counts is the largest, over the terms that
-hold there, of their least ones; a local maximum is one of that square, or lies where another one takes over.
+What is judged of a part or a region is an envelope: a change is outside at frequencies at which all
+``where`` of a term are positive, as soon as all its squares exceed 1. So at each frequency the
+square that counts is the largest, over the terms that hold there, of their least ones; a local
+maximum is one of that square, or lies where another one takes over.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ _Place: TypeAlias = tuple[int, int]
 
 
 class Maximum(NamedTuple):
-    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds at once.
+    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds
+    at once.
 
     ``after`` : whether that is the side before it.
     """
@@ -47,7 +50,8 @@ class Maximum(NamedTuple):
 
 @dataclass(frozen=True)
 class Envelope:
-    """What is judged under a ``name``: the largest, over the terms that hold at a frequency, of their least squares."""
+    """What is judged under a ``name``: the largest, over the terms that hold at a frequency, of
+    their least squares."""
 
     name: Hashable
     terms: tuple[Term, ...]
@@ -59,9 +63,18 @@ class Envelope:
 
     def functions(self) -> dict[Key, RealFunction]:
         """All functions whose signs tell where there is a maximum."""
-        found: dict[Key, RealFunction] = {(self, "slope", x): f.derivative() for x, f in self.squares.items()}
-        found |= {(self, "over", x, y): self.squares[x] - self.squares[y] for x, y in combinations(self.squares, 2)}
-        return found | {(self, "where", i, k): f for i, term in enumerate(self.terms) for k, f in enumerate(term.where)}
+        found: dict[Key, RealFunction] = {
+            (self, "slope", x): f.derivative() for x, f in self.squares.items()
+        }
+        found |= {
+            (self, "over", x, y): self.squares[x] - self.squares[y]
+            for x, y in combinations(self.squares, 2)
+        }
+        return found | {
+            (self, "where", i, k): f
+            for i, term in enumerate(self.terms)
+            for k, f in enumerate(term.where)
+        }
 
     def __hash__(self) -> int:
         return hash(self.name)
@@ -69,8 +82,16 @@ class Envelope:
     def top(self, point: Point) -> Maximum | None:
         """The maximum at a point inside of the band; None where there is none, or no bound."""
         before, after = self._counts(point.before), self._counts(point.after)
-        rises = before is not None and point.before[self, "slope", before] > 0 and self._is_finite(point, before)
-        falls = after is not None and point.after[self, "slope", after] < 0 and self._is_finite(point, after)
+        rises = (
+            before is not None
+            and point.before[self, "slope", before] > 0
+            and self._is_finite(point, before)
+        )
+        falls = (
+            after is not None
+            and point.after[self, "slope", after] < 0
+            and self._is_finite(point, after)
+        )
         if before is None or after is None:
             over = (before is not None) - (after is not None)
         else:
@@ -82,7 +103,8 @@ class Envelope:
         return None
 
     def plateau(self, point: Point) -> Maximum | None:
-        """What counts behind a point if it is a number there, and less before it: as of ``top``, though no maximum."""
+        """What counts behind a point if it is a number there, and less before it: as of ``top``,
+        though no maximum."""
         before, after = self._counts(point.before), self._counts(point.after)
         if after is None or point.after[self, "slope", after]:
             return None
@@ -97,7 +119,8 @@ class Envelope:
         return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
 
     def counting(self, signs: Signs) -> tuple[RealFunction, int]:
-        """The square that counts between two points at which a term holds, and the sign of its slope."""
+        """The square that counts between two points at which a term holds, and the sign of its
+        slope."""
         own = self._counts(signs)
         assert own is not None
         return self.squares[own], signs[self, "slope", own]
@@ -141,11 +164,15 @@ class ValueAt(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Peak(Judged, Shown):
-    """A local maximum of a ratio: at ``omega``, rad/s, inside the band, with ``ratio`` as its value, dimensionless.
+    """A local maximum of a ratio: at ``omega``, rad/s, inside the band, with ``ratio`` as its
+    value, dimensionless.
 
-    Proven: d(r^2)/d omega changes from + to - there, or another limit takes over; both numbers to any number of digits.
-    ``jump`` : whether the limit changes there: the ratio then comes arbitrarily near to this on one side, and drops.
-    ``threshold`` : the ratio as the exact number to which a ``Threshold`` is tangent here. Made by ``peaks``.
+    Proven: d(r^2)/d omega changes from + to - there, or another limit takes over; both numbers to
+    any number of digits.
+    ``jump`` : whether the limit changes there: the ratio then comes arbitrarily near to this on one
+    side, and drops.
+    ``threshold`` : the ratio as the exact number to which a ``Threshold`` is tangent here. Made by
+    ``peaks``.
     """
 
     criterion: Criterion
@@ -154,16 +181,28 @@ class Peak(Judged, Shown):
     jump: bool = False
 
     def _line(self) -> str:
-        what = f"{self.criterion.symbol} over its limit" if self.in_limits and self.part else self.criterion.symbol
+        what = (
+            f"{self.criterion.symbol} over its limit"
+            if self.in_limits and self.part
+            else self.criterion.symbol
+        )
         return f"{what} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
     def row(self) -> dict[str, Any]:
         """As a row of a document."""
-        shown = {"omega": float(self.omega), "digits": self.omega.digits(), "enclosure": list(self.omega.enclosure())}
+        shown = {
+            "omega": float(self.omega),
+            "digits": self.omega.digits(),
+            "enclosure": list(self.omega.enclosure()),
+        }
         jump = {"limit": "changes"} if self.jump else {}
         return {
-            "part": self.criterion.name, **shown, "ratio": float(self.ratio), "ratio_digits": self.ratio.digits(), **jump,
-        }  # fmt: skip
+            "part": self.criterion.name,
+            **shown,
+            "ratio": float(self.ratio),
+            "ratio_digits": self.ratio.digits(),
+            **jump,
+        }
 
     @property
     def in_limits(self) -> bool:
@@ -179,7 +218,8 @@ class Peak(Judged, Shown):
 class Peaks(Answer, tuple[Peak, ...]):
     """The local maxima of a scene's ratios inside its band, in ascending order.
 
-    ``undecided`` : where it stayed open at the precision limit whether a slope changes its sign; empty for every rational scene.
+    ``undecided`` : where it stayed open at the precision limit whether a slope changes its sign;
+    empty for every rational scene.
     """
 
     _schema: ClassVar[str] = "haptisym.peaks/1"
@@ -189,7 +229,9 @@ class Peaks(Answer, tuple[Peak, ...]):
     scene: Scene
     undecided: tuple[RealNumber, ...]
 
-    def __new__(cls, scene: Scene, found: Iterable[Peak], undecided: Iterable[RealNumber] = ()) -> Peaks:
+    def __new__(
+        cls, scene: Scene, found: Iterable[Peak], undecided: Iterable[RealNumber] = ()
+    ) -> Peaks:
         self = super().__new__(cls, found)
         self.scene, self.undecided = scene, tuple(undecided)
         return self
@@ -210,14 +252,19 @@ class Peaks(Answer, tuple[Peak, ...]):
         }
 
     def _left(self) -> dict[str, Any]:
-        return {"undecided": [list(x.enclosure()) for x in self.undecided]} if self.undecided else {}
+        return (
+            {"undecided": [list(x.enclosure()) for x in self.undecided]} if self.undecided else {}
+        )
 
 
 def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
-    """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed, none invented.
+    """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed,
+    none invented.
 
-    Of a JND region, or of a part with a floor or limits for each way, how many times it must be enlarged is the ratio.
-    ``limit`` : seconds of processor time after which a LimitError says that it is not decided; None for none.
+    Of a JND region, or of a part with a floor or limits for each way, how many times it must be
+    enlarged is the ratio.
+    ``limit`` : seconds of processor time after which a LimitError says that it is not decided; None
+    for none.
 
     >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))
@@ -227,9 +274,14 @@ def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     d = scene.distortion()
-    judged = {x: x.region.terms(d) if x.region else (Term((), (x.measure(d),)),) for x in noticed(scene.threshold)}
+    judged = {
+        x: x.region.terms(d) if x.region else (Term((), (x.measure(d),)),)
+        for x in noticed(scene.threshold)
+    }
     envelopes = {x: Envelope(x, terms) for x, terms in judged.items()}
-    functions = {key: f for envelope in envelopes.values() for key, f in envelope.functions().items()}
+    functions = {
+        key: f for envelope in envelopes.values() for key, f in envelope.functions().items()
+    }
     with limited(limit):
         table = chart(functions, *scene.band)
     found = (
@@ -245,7 +297,8 @@ def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
 class Top:
     """A frequency at which a real function may be largest on a band, and its value there.
 
-    ``end``: None for a local maximum inside, False for the low and True for the high end of the band.
+    ``end``: None for a local maximum inside, False for the low and True for the high end of the
+    band.
     """
 
     omega: RealNumber
@@ -254,15 +307,19 @@ class Top:
 
 
 def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
-    """All places at which a real function can be largest on a closed band: its ends and local maxima, certified.
+    """All places at which a real function can be largest on a closed band: its ends and local
+    maxima, certified.
 
-    None where it is unbounded. UndecidedError where it stayed open whether the slope changes its sign somewhere.
+    None where it is unbounded. UndecidedError where it stayed open whether the slope changes its
+    sign somewhere.
     """
     table = chart({"value": f, "slope": f.derivative()}, low, high)
     if any(point.orders.get("value", 0) < 0 for point in table.points):
         return None
     if table.undecided:
-        raise UndecidedError("whether a function has a local maximum where its slope nearly vanishes")
+        raise UndecidedError(
+            "whether a function has a local maximum where its slope nearly vanishes"
+        )
     first, last = table.points[0], table.points[-1]
     found = [
         (x, None if x is not first and x is not last else x is last)
@@ -270,7 +327,8 @@ def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
         if x is first or x is last or (x.before["slope"], x.after["slope"]) == (1, -1)
     ]
     return tuple(
-        Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end) for x, end in found
+        Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end)
+        for x, end in found
     )
 
 
@@ -289,27 +347,34 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
 
 @dataclass(frozen=True)
 class Greatest:
-    """The largest value of a real function, and a frequency where it has it; None where it only comes near it, far out."""
+    """The largest value of a real function, and a frequency where it has it; None where it only
+    comes near it, far out."""
 
     value: RealNumber
     omega: RealNumber | None
 
 
 def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
-    """The largest value of a real function on a closed band and where, certified; None where it grows without bound.
+    """The largest value of a real function on a closed band and where, certified; None where it
+    grows without bound.
 
     Where it falls without bound it is not largest.
     """
     table = chart({"value": f, "slope": f.derivative()}, low, high)
     if table.undecided:
-        raise UndecidedError("whether a function has a local maximum where its slope nearly vanishes")
+        raise UndecidedError(
+            "whether a function has a local maximum where its slope nearly vanishes"
+        )
     poles = [p for p in table.points if p.orders.get("value", 0) < 0]
     sides = {p.after["value"] for p in poles if p is not table.points[-1]}
     sides |= {p.before["value"] for p in poles if p is not table.points[0]}
     if 1 in sides:
         return None
     tried = [p for p in table.points if p not in poles]
-    known = [(ExactNumber(Integer(0)) if p.orders.get("value") else ValueAt(f, p.omega), p.omega) for p in tried]
+    known = [
+        (ExactNumber(Integer(0)) if p.orders.get("value") else ValueAt(f, p.omega), p.omega)
+        for p in tried
+    ]
     best = max(known, key=lambda pair: float(pair[0]))
     return Greatest(Largest(tuple(value for value, _ in known)), best[1])
 

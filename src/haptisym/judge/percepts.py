@@ -1,4 +1,5 @@
-"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of it; friction among them."""
+"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of
+it; friction among them."""
 
 from __future__ import annotations
 
@@ -17,8 +18,9 @@ from haptisym.model.scene import Scene
 
 
 class Property(Enum):
-    """What the distorted part of the dynamics feels like (section 2.3): Im H is damping, or friction; Re H stiffness where it
-    is positive and mass where it is negative, from one to the other where its sign is not the environment's."""
+    """What the distorted part of the dynamics feels like (section 2.3): Im H is damping, or
+    friction; Re H stiffness where it is positive and mass where it is negative, from one to the
+    other where its sign is not the environment's."""
 
     STIFFNESS = "stiffness"
     MASS = "mass"
@@ -29,7 +31,8 @@ class Property(Enum):
 
 
 class Change(Enum):
-    """How the magnitude felt compares with the environment's: that of Re H_perc with Re H_env, or of the imaginary parts."""
+    """How the magnitude felt compares with the environment's: that of Re H_perc with Re H_env, or
+    of the imaginary parts."""
 
     HIGHER = "higher"
     LOWER = "lower"
@@ -40,13 +43,13 @@ class Change(Enum):
 class Percept(Shown):
     """Step 2: how what exceeds its threshold on a whole piece of the band is felt.
 
-    ``part`` : ``Part.REAL`` or ``Part.IMAG``, whose ratio exceeds its threshold on all of ``band``; None where both are noticed
-    together, neither by itself; ``property`` and ``change`` are then of the part that is nearer its own limit, and ``other`` is
-    how the other one has changed.
+    ``part`` : ``Part.REAL`` or ``Part.IMAG``, whose ratio exceeds its threshold on all of ``band``;
+    None where both are noticed together, neither by itself; ``property`` and ``change`` are then of
+    the part that is nearer its own limit, and ``other`` is how the other one has changed.
     ``band`` : an ``Interval``, rad/s, on which neither ``property`` nor ``change`` changes.
-    ``property`` : of the real part stiffness where Re H is positive in both, mass where it is negative in both, else from one to
-    the other; of the imaginary part damping. ``change`` : higher or lower, by the magnitudes of that part. Source: Fu, van
-    Paassen and Mulder (2019), section 2.
+    ``property`` : of the real part stiffness where Re H is positive in both, mass where it is
+    negative in both, else from one to the other; of the imaginary part damping. ``change`` : higher
+    or lower, by the magnitudes of that part. Source: Fu, van Paassen and Mulder (2019), section 2.
 
     >>> import haptisym as hs
     >>> [(x.part.value, x.property.value, x.change.value) for x in hs.evaluate("fu2019").percepts]
@@ -66,7 +69,8 @@ class Percept(Shown):
 
 
 class Felt(NamedTuple):
-    """A piece of the band on which a part, or None for both together, is noticed, and as what it is felt, in words."""
+    """A piece of the band on which a part, or None for both together, is noticed, and as what it is
+    felt, in words."""
 
     part: Part | None
     band: Interval
@@ -74,7 +78,8 @@ class Felt(NamedTuple):
 
 
 NOT_NAMED = "noticed (active)"
-"""What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no property for that."""
+"""What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no
+property for that."""
 
 _OF_IMAG = (Property.DAMPING, Property.FRICTION)
 _EXCHANGED = {
@@ -103,11 +108,14 @@ def felt_words(what: Property, change: Change) -> str:
     if what is Property.FRICTION:
         return "friction"
     exchanged = _EXCHANGED.get(what)
-    return f"{exchanged}, with {change.value} force" if exchanged else f"{change.value} {what.value}"
+    return (
+        f"{exchanged}, with {change.value} force" if exchanged else f"{change.value} {what.value}"
+    )
 
 
 def find_felt(chart: Chart) -> tuple[Felt, ...]:
-    """Everything that is noticed on the band, part by part: the percepts, and where no property is named."""
+    """Everything that is noticed on the band, part by part: the percepts, and where no property is
+    named."""
     named = [Felt(p.part, p.band, felt(p)) for p in find_percepts(chart)]
     missing = None if _joint(chart) else Part.IMAG
     rows = [*named, *(Felt(missing, band, NOT_NAMED) for band in unnamed(chart))]
@@ -118,15 +126,24 @@ _ORDER = (Part.REAL, Part.IMAG, None)
 
 
 def find_percepts(chart: Chart) -> tuple[Percept, ...]:
-    """The pieces of the band where a ratio exceeds its threshold, split where property or change changes.
+    """The pieces of the band where a ratio exceeds its threshold, split where property or change
+    changes.
 
-    Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc < 0. Of a region that judges
-    both parts at once a part is named where it alone would be outside, and both together where neither would.
+    Proven by signs on whole intervals, never sampled. No damping percept is claimed where Im H_perc
+    < 0. Of a region that judges both parts at once a part is named where it alone would be outside,
+    and both together where neither would.
     """
     joint = _joint(chart)
     if joint:
-        return tuple(percept for part in _ORDER for percept in _percepts(chart, _Noticed(joint, part)))
-    return tuple(percept for x in judged(chart) if x.part for percept in _percepts(chart, _Noticed(x, x.part)))
+        return tuple(
+            percept for part in _ORDER for percept in _percepts(chart, _Noticed(joint, part))
+        )
+    return tuple(
+        percept
+        for x in judged(chart)
+        if x.part
+        for percept in _percepts(chart, _Noticed(x, x.part))
+    )
 
 
 def _joint(chart: Chart) -> Criterion | None:
@@ -203,7 +220,8 @@ def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
 
 
 def real_property(env: int, perc: int) -> Property:
-    """A part that is zero throughout takes the other's side: nothing becomes something of the same kind."""
+    """A part that is zero throughout takes the other's side: nothing becomes something of the same
+    kind."""
     return _SIDES[env or perc, perc or env]
 
 
@@ -226,11 +244,18 @@ def outside_model(chart: Chart) -> tuple[Interval, ...]:
 
 
 def unnamed(chart: Chart) -> tuple[Interval, ...]:
-    """Where Im H_perc < 0 and the imaginary part is noticed all the same, alone or with the real one: it has no name there."""
+    """Where Im H_perc < 0 and the imaginary part is noticed all the same, alone or with the real
+    one: it has no name there."""
     joint = _joint(chart)
     damping = [x for x in judged(chart) if x.part is Part.IMAG]
-    found = [_Noticed(joint, None), _Noticed(joint, Part.IMAG)] if joint else [_Noticed(x, x.part) for x in damping]
-    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found))
+    found = (
+        [_Noticed(joint, None), _Noticed(joint, Part.IMAG)]
+        if joint
+        else [_Noticed(x, x.part) for x in damping]
+    )
+    return chart.where(
+        lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found)
+    )
 
 
 _MODEL = "coulomb-friction"
@@ -238,7 +263,8 @@ _MODEL = "coulomb-friction"
 
 @dataclass(frozen=True)
 class Friction:
-    """``force`` : of the display's elements together, N or N m. ``least`` : the least difference from ``reference`` noticed.
+    """``force`` : of the display's elements together, N or N m. ``least`` : the least difference
+    from ``reference`` noticed.
 
     ``noticed`` : None where the scene does not say when friction is.
     """
@@ -251,12 +277,20 @@ class Friction:
     def row(self) -> dict[str, Any]:
         """As a document has it."""
         numbers = {"force": self.force, "reference": self.reference, "threshold": self.least}
-        return {key: None if x is None else float(x) for key, x in numbers.items()} | {"noticed": self.noticed}
+        return {key: None if x is None else float(x) for key, x in numbers.items()} | {
+            "noticed": self.noticed
+        }
 
 
 def frictions(scene: Scene) -> Friction | None:
     """The friction of a scene with numbers; None without any."""
-    forces = [x.value for e in scene.effects if e.model == _MODEL for x in e.parameters if x.key == "force"]
+    forces = [
+        x.value
+        for e in scene.effects
+        if e.model == _MODEL
+        for x in e.parameters
+        if x.key == "force"
+    ]
     if not forces:
         return None
     force, own = Add(*forces), scene.friction

@@ -1,6 +1,8 @@
-"""JND regions as exact functions: positive where a change (x, y) = (Re dH, Im dH)/|H_env| lies outside.
+"""JND regions as exact functions: positive where a change (x, y) = (Re dH, Im dH)/|H_env| lies
+outside.
 
-A region with 0 inside is judged by how many times it must be enlarged to hold the change, which must not be more than once.
+A region with 0 inside is judged by how many times it must be enlarged to hold the change, which
+must not be more than once.
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ from haptisym.model.jnd import Corner, Part, Shape
 
 
 class Term(NamedTuple):
-    """One way to be outside: at frequencies at which all of ``where`` are positive, as soon as all squares are above 1."""
+    """One way to be outside: at frequencies at which all of ``where`` are positive, as soon as all
+    squares are above 1."""
 
     where: tuple[RealFunction, ...]
     squares: tuple[RealFunction, ...]
@@ -30,7 +33,8 @@ class Term(NamedTuple):
 
 @dataclass(frozen=True)
 class Change:
-    """A change of dynamics: its parts X and Y and the square N of what they are compared with, in one ring."""
+    """A change of dynamics: its parts X and Y and the square N of what they are compared with, in
+    one ring."""
 
     d: Distortion
 
@@ -48,11 +52,17 @@ class Change:
         return self.square.ring.convert(x)
 
     def side(self, x: RationalFunction, power: int) -> RealFunction:
-        """What tells a side and grows as a power of |H_env|: where that vanishes at omega = 0, with the sign of its limit."""
+        """What tells a side and grows as a power of |H_env|: where that vanishes at omega = 0, with
+        the sign of its limit."""
         form, variable = x.reduced(), x.ring.variable
-        above, below = (min(int(n) for n, *_ in p.monoms()) for p in (self.square.numerator, self.square.denominator))
+        above, below = (
+            min(int(n) for n, *_ in p.monoms())
+            for p in (self.square.numerator, self.square.denominator)
+        )
         order = max(above - below, 0) * power // 2
-        return RealFunction((form / form.ring.function(variable**order)).reduced() if order else form)
+        return RealFunction(
+            (form / form.ring.function(variable**order)).reduced() if order else form
+        )
 
     def over(self, x: RationalFunction) -> RealFunction:
         """A square relative to that of H_env."""
@@ -64,7 +74,8 @@ class Change:
 
 
 class Region(ABC):
-    """What is judged of a change at each frequency, and what is drawn of it: all is told by its terms."""
+    """What is judged of a change at each frequency, and what is drawn of it: all is told by its
+    terms."""
 
     @property
     @abstractmethod
@@ -73,21 +84,24 @@ class Region(ABC):
 
     @abstractmethod
     def terms(self, d: Distortion) -> tuple[Term, ...]:
-        """All ways to be outside; the square of how many times the region must be enlarged is the largest of their least ones."""
+        """All ways to be outside; the square of how many times the region must be enlarged is the
+        largest of their least ones."""
 
     @abstractmethod
     def opened(self, limits: Mapping[Part, Expr]) -> Region:
         """With other limits for some parts."""
 
     def __call__(self, d: Distortion) -> RealFunction:
-        """The square of what must not exceed 1; SceneError where that is not one smooth function."""
+        """The square of what must not exceed 1; SceneError where that is not one smooth
+        function."""
         found = self.squares(d)
         if len(found) > 1:
             raise self._not_smooth
         return found[0]
 
     def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        """The squares of which the largest must not exceed 1; SceneError where it is not made of such."""
+        """The squares of which the largest must not exceed 1; SceneError where it is not made of
+        such."""
         found = self.terms(d)
         if any(x.where or len(x.squares) > 1 for x in found):
             raise self._not_smooth
@@ -121,7 +135,8 @@ class Joint(Region):
 
     @abstractmethod
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
-        """How many times the region must be enlarged, in floats; ``number`` : the floats of an exact number."""
+        """How many times the region must be enlarged, in floats; ``number`` : the floats of an
+        exact number."""
 
 
 def above_one(square: RealFunction) -> RealFunction:
@@ -175,7 +190,8 @@ class Ellipse(_OfHalfWidths):
 
 @dataclass(frozen=True)
 class Cornered(_OfHalfWidths):
-    """p u + q v <= 1 for each edge; where the opposite of each edge is one, too, (p u + q v)^2 <= 1 for each pair.
+    """p u + q v <= 1 for each edge; where the opposite of each edge is one, too, (p u + q v)^2 <= 1
+    for each pair.
 
     ``corners`` : (u, v), counterclockwise around 0. ``shape`` : a polygon, or what it is called.
     """
@@ -195,16 +211,21 @@ class Cornered(_OfHalfWidths):
     def edges(self) -> tuple[Corner, ...]:
         """(p, q) of each edge."""
         found = []
-        for (x, y), (right, up) in zip(self.corners, [*self.corners[1:], self.corners[0]], strict=True):
+        for (x, y), (right, up) in zip(
+            self.corners, [*self.corners[1:], self.corners[0]], strict=True
+        ):
             area = x * up - y * right
             found.append(((up - y) / area, (x - right) / area))
         return tuple(found)
 
     @property
     def pairs(self) -> tuple[Corner, ...]:
-        """One edge of each pair of opposite ones; none unless all are such, as a shape that tells its corners has them."""
+        """One edge of each pair of opposite ones; none unless all are such, as a shape that tells
+        its corners has them."""
         half = len(self.edges) // 2
-        paired = self.shape.corners and self.edges[half:] == tuple((-p, -q) for p, q in self.edges[:half])
+        paired = self.shape.corners and self.edges[half:] == tuple(
+            (-p, -q) for p, q in self.edges[:half]
+        )
         return self.edges[:half] if paired else ()
 
     def terms(self, d: Distortion) -> tuple[Term, ...]:
@@ -213,9 +234,14 @@ class Cornered(_OfHalfWidths):
     def projected(self, d: Distortion, part: Part) -> Signed:
         if self.pairs:
             w, *own = self._scaled(d)
-            x = w.number(max(edge[part is Part.IMAG] for edge in self.edges)) * own[part is Part.IMAG]
+            x = (
+                w.number(max(edge[part is Part.IMAG] for edge in self.edges))
+                * own[part is Part.IMAG]
+            )
             return w.beyond(x * x)
-        return Lattice(tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,))))
+        return Lattice(
+            tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,)))
+        )
 
     def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
         w, *scaled = self._scaled(d)
@@ -232,9 +258,12 @@ class Cornered(_OfHalfWidths):
             u, v = (w.number(max(edge[i] for edge in self.edges)) * x for i, x in enumerate((u, v)))
             return RealFunction((u * u - v * v).reduced())
         across, up = (_extremes([edge[i] for edge in self.edges]) for i in (0, 1))
-        return Lattice(tuple(
-            tuple(RealFunction((w.number(p) * u - w.number(q) * v).reduced()) for q in up) for p in across
-        ))  # fmt: skip
+        return Lattice(
+            tuple(
+                tuple(RealFunction((w.number(p) * u - w.number(q) * v).reduced()) for q in up)
+                for p in across
+            )
+        )
 
     def opened(self, limits: Mapping[Part, Expr]) -> Cornered:
         if limits and not self.shape.corners:
@@ -249,9 +278,11 @@ class Cornered(_OfHalfWidths):
 
 @dataclass(frozen=True)
 class Sided(Region):
-    """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or with a floor, or both.
+    """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or
+    with a floor, or both.
 
-    Where the part is as large as it was, the larger limit holds, so that what is not noticed is a closed set.
+    Where the part is as large as it was, the larger limit holds, so that what is not noticed is a
+    closed set.
     """
 
     part: Part
@@ -272,12 +303,20 @@ class Sided(Region):
         w = Change(d)
         square = w.part(self.part) * w.part(self.part)
         higher, lower = (w.over(square / w.number(x) ** 2) for x in (self.higher, self.lower))
-        least = () if self.floor is None else (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
+        least = (
+            ()
+            if self.floor is None
+            else (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
+        )
         if not self.has_sides:
             return (Term((), (higher, *least)),)
         env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
         up, down = (w.side(x, 2) for x in (perc * perc - env * env, env * env - perc * perc))
-        return Term((up,), (higher, *least)), Term((down,), (lower, *least)), Term((), (higher, lower, *least))
+        return (
+            Term((up,), (higher, *least)),
+            Term((down,), (lower, *least)),
+            Term((), (higher, lower, *least)),
+        )
 
     def opened(self, limits: Mapping[Part, Expr]) -> Sided:
         x = limits.get(self.part)

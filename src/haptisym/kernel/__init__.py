@@ -1,1 +1,2 @@
-"""Exact numbers, functions of omega, certified zeros and charts of them: mathematics that knows no haptics."""
+"""Exact numbers, functions of omega, certified zeros and charts of them: mathematics that knows no
+haptics."""

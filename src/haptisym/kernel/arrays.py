@@ -1,7 +1,8 @@
 """NumPy, loaded when an array is first asked for: the exact core neither waits for it nor needs it.
 
-Modules in which some functions work on arrays write ``from haptisym.kernel.arrays import np``. Where NumPy is not there (in a
-browser, say), what needs it is undecided, and says so; where an exact way does as well, ``has_arrays`` tells to take that.
+Modules in which some functions work on arrays write ``from haptisym.kernel.arrays import np``.
+Where NumPy is not there (in a browser, say), what needs it is undecided, and says so; where an
+exact way does as well, ``has_arrays`` tells to take that.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ __all__ = ["has_arrays", "np"]
 
 
 class _Later(ModuleType):
-    """A module that is imported when a name of it is first used; a name that was used once costs no more than in the module."""
+    """A module that is imported when a name of it is first used; a name that was used once costs no
+    more than in the module."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):  # what readers of documentation ask of everything

@@ -1,8 +1,10 @@
-"""What sign a real function of omega has at high frequency, or that it changes sign at infinitely many frequencies.
+"""What sign a real function of omega has at high frequency, or that it changes sign at infinitely
+many frequencies.
 
-A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of angles. The highest power
-decides where what does not turn in it outweighs all that does: from some frequency on all lower powers are less. Where its
-waves take both signs, they take both infinitely often, as sums of waves come as near as one likes to every value they have.
+A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of
+angles. The highest power decides where what does not turn in it outweighs all that does: from some
+frequency on all lower powers are less. Where its waves take both signs, they take both infinitely
+often, as sums of waves come as near as one likes to every value they have.
 """
 
 from __future__ import annotations
@@ -41,16 +43,19 @@ class Sense(Enum):
 
 @dataclass(frozen=True)
 class AsymptoticSign:
-    """The sign of a function above ``radius``, rad/s; where it is ``BOTH`` or ``UNKNOWN`` there is no such radius."""
+    """The sign of a function above ``radius``, rad/s; where it is ``BOTH`` or ``UNKNOWN`` there is
+    no such radius."""
 
     sense: Sense
     radius: Rational = Integer(0)
 
 
 def asymptotic_sign(f: RationalFunction) -> AsymptoticSign:
-    """The sign at high frequency of a function of an axis, with numbers only, over a square: proven, or ``UNKNOWN``.
+    """The sign at high frequency of a function of an axis, with numbers only, over a square:
+    proven, or ``UNKNOWN``.
 
-    The sign is that of its numerator, as its denominator must nowhere be negative: such is a response that is not reduced.
+    The sign is that of its numerator, as its denominator must nowhere be negative: such is a
+    response that is not reduced.
 
     >>> from sympy import cos, exp
     >>> from haptisym.kernel.dynamics import Ring
@@ -81,7 +86,8 @@ _Group: TypeAlias = dict[tuple[int, ...], Ball]
 
 
 class _Waves:
-    """A polynomial of an axis as sums of products of harmonics of its angles, by the powers of omega before them."""
+    """A polynomial of an axis as sums of products of harmonics of its angles, by the powers of
+    omega before them."""
 
     def __init__(self, axis: Axis, polynomial: Polynomial) -> None:
         self.axis, self.polynomial = axis, polynomial
@@ -91,9 +97,15 @@ class _Waves:
 
     @cached_property
     def groups(self) -> dict[Rational, _Group]:
-        bits = _BITS + sum(self.degrees)  # sums of powers of a tangent cancel where harmonics are few
+        bits = _BITS + sum(
+            self.degrees
+        )  # sums of powers of a tangent cancel where harmonics are few
         with flint.ctx.workprec(bits):
-            fixed = {a: expression_ball(tan(x.value / 2)) for a, x in enumerate(self.axis.angles) if x.constant}
+            fixed = {
+                a: expression_ball(tan(x.value / 2))
+                for a, x in enumerate(self.axis.angles)
+                if x.constant
+            }
             found: dict[Rational, _Group] = {}
             for power, turns, constants, value in self._terms():
                 own = arb(value) * arb.pi() ** constants[0]
@@ -108,28 +120,45 @@ class _Waves:
         """Powers of sines and cosines of half angles as a sum of products of waves."""
         sums = [harmonics(k, top).items() for k, top in zip(turns, self.degrees, strict=True)]
         for terms in product(*sums):
-            yield tuple(wave for wave, _ in terms), prod((share for _, share in terms), start=fmpq(1))
+            yield (
+                tuple(wave for wave, _ in terms),
+                prod((share for _, share in terms), start=fmpq(1)),
+            )
 
-    def _terms(self) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
+    def _terms(
+        self,
+    ) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
         axis, angles = self.axis, len(self.axis.angles)
         for exponents, value in monomials(self.polynomial):
             own = [int(n) for n in exponents]
             turns, powers = own[axis.size : axis.size + angles], own[axis.size + angles :]
-            power = sum((n * order for n, order in zip(powers, axis.orders, strict=False)), Integer(own[0]))
+            power = sum(
+                (n * order for n, order in zip(powers, axis.orders, strict=False)), Integer(own[0])
+            )
             constants = {i: n for i, n in enumerate(turns) if n and i not in self.turning}
             yield power, tuple(turns[i] for i in self.turning), (own[1], constants), value
 
     def _value(self, group: _Group, angles: Sequence[Ball]) -> Ball:
-        rows = [{wave: _wave(wave, angle) for wave in {waves[i] for waves in group}} for i, angle in enumerate(angles)]
+        rows = [
+            {wave: _wave(wave, angle) for wave in {waves[i] for waves in group}}
+            for i, angle in enumerate(angles)
+        ]
         return sum(
-            (prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c) for waves, c in group.items()), arb(0)
+            (
+                prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c)
+                for waves, c in group.items()
+            ),
+            arb(0),
         )
 
     def dominated(self, power: Rational) -> tuple[int, Ball]:
-        """Of the waves before a power of omega: the sign of what does not turn, and by how much it outweighs all that does."""
+        """Of the waves before a power of omega: the sign of what does not turn, and by how much it
+        outweighs all that does."""
         group, own = self.groups[power], (CONSTANT,) * len(self.turning)
         still = group.get(own, arb(0))
-        return sign_of(still), (abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))).lower()
+        return sign_of(still), (
+            abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))
+        ).lower()
 
     def takes_both_signs(self, power: Rational) -> bool:
         """Whether these waves are seen to, at some frequencies: then they do again and again."""
@@ -148,11 +177,17 @@ class _Waves:
 
     def prevails(self, power: Rational, least: Ball) -> Rational | None:
         """From where on ``least`` omega^power exceeds all lower powers together."""
-        weights = {p: sum(map(abs, group.values()), arb(0)) for p, group in self.groups.items() if p < power}
+        weights = {
+            p: sum(map(abs, group.values()), arb(0))
+            for p, group in self.groups.items()
+            if p < power
+        }
         radius = _FIRST
         for _ in range(_MOST_DOUBLINGS):
             base = expression_ball(radius)
-            if least > sum((w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)):
+            if least > sum(
+                (w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)
+            ):
                 return radius
             radius *= 2
         return None

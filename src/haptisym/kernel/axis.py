@@ -1,7 +1,9 @@
-"""Real functions on ``s = j omega``: a delay is an all-pass of the real variable t = tan(omega tau/2).
+"""Real functions on ``s = j omega``: a delay is an all-pass of the real variable t = tan(omega
+tau/2).
 
-exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha times a constant of the same kind: both become quotients
-of polynomials, exact, with exact cancellation. Cosines and sines come back where a function is written or computed.
+exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha times a constant of the same
+kind: both become quotients of polynomials, exact, with exact cancellation. Cosines and sines come
+back where a function is written or computed.
 """
 
 from __future__ import annotations
@@ -16,7 +18,14 @@ from flint import fmpq
 from sympy import Expr, Symbol, chebyshevt, chebyshevu, cos, pi, sin, sinc
 
 from haptisym.kernel.budget import afford, room
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, degree_in, monomials, omega
+from haptisym.kernel.rings import (
+    Polynomial,
+    PolynomialRing,
+    RationalFunction,
+    degree_in,
+    monomials,
+    omega,
+)
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
 """Real and imaginary part."""
@@ -26,7 +35,8 @@ CONSTANT = -1
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle whose half-angle tangent is a variable: omega tau of a delay, or the constant alpha pi/2 of ``s^alpha``."""
+    """An angle whose half-angle tangent is a variable: omega tau of a delay, or the constant alpha
+    pi/2 of ``s^alpha``."""
 
     rate: Expr
     """Radians per rad/s; for a constant angle, radians."""
@@ -39,15 +49,25 @@ class Angle:
 
 
 class Axis(PolynomialRing):
-    """Real functions on ``s = j omega``: polynomials in omega, pi, the parameters, tan(angle/2) and omega^alpha.
+    """Real functions on ``s = j omega``: polynomials in omega, pi, the parameters, tan(angle/2) and
+    omega^alpha.
 
-    ``symbols``, ``lags``, ``orders``: those of the dynamics, and ``j`` whether the imaginary unit is among their numbers.
+    ``symbols``, ``lags``, ``orders``: those of the dynamics, and ``j`` whether the imaginary unit
+    is among their numbers.
     """
 
     def __init__(
-        self, symbols: Iterable[Symbol], lags: Sequence[Expr], orders: Sequence[Expr], *, j: bool = False
+        self,
+        symbols: Iterable[Symbol],
+        lags: Sequence[Expr],
+        orders: Sequence[Expr],
+        *,
+        j: bool = False,
     ) -> None:
-        self.angles = (*(Angle(lag) for lag in lags), *(Angle(pi * x / 2, constant=True) for x in orders))
+        self.angles = (
+            *(Angle(lag) for lag in lags),
+            *(Angle(pi * x / 2, constant=True) for x in orders),
+        )
         self.lags, self.orders = tuple(lags), tuple(orders)
         # a name, not tan(...) itself, which SymPy would evaluate at a known angle
         tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
@@ -55,7 +75,8 @@ class Axis(PolynomialRing):
         self.delays, self.complex = len(lags), j
 
     def convert(self, expression: Expr) -> RationalFunction:
-        """The element that a SymPy expression is, of cosines and sines of multiples of the angles, too.
+        """The element that a SymPy expression is, of cosines and sines of multiples of the angles,
+        too.
 
         >>> from sympy import Integer
         >>> axis = Axis((), (Integer(2),), ())
@@ -66,9 +87,14 @@ class Axis(PolynomialRing):
             for angle, tangent in zip(self.angles, self.functions, strict=False):
                 n = expression.args[0] / angle.value
                 if n.is_Integer and n > 0:
-                    cosine, sine = (1 - tangent**2) / (1 + tangent**2), 2 * tangent / (1 + tangent**2)
+                    cosine, sine = (
+                        (1 - tangent**2) / (1 + tangent**2),
+                        2 * tangent / (1 + tangent**2),
+                    )
                     is_even = isinstance(expression, cos)
-                    return super().convert(chebyshevt(n, cosine) if is_even else chebyshevu(n - 1, cosine) * sine)
+                    return super().convert(
+                        chebyshevt(n, cosine) if is_even else chebyshevu(n - 1, cosine) * sine
+                    )
         if expression.is_Pow and expression.base == omega:
             for order in self.orders:
                 if (n := expression.exp / order).is_Integer and not expression.exp.is_Integer:
@@ -76,7 +102,8 @@ class Axis(PolynomialRing):
         return super().convert(expression)
 
     def parts(self, polynomials: Sequence[Polynomial]) -> list[ComplexPolynomial]:
-        """Real and imaginary part of each polynomial in the dynamics' ring, all times the same factor that is not zero."""
+        """Real and imaginary part of each polynomial in the dynamics' ring, all times the same
+        factor that is not zero."""
         if not self.functions and not self.complex:
             return [self._even_and_odd(p) for p in polynomials]
         highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
@@ -94,7 +121,9 @@ class Axis(PolynomialRing):
         real, imag = self.constant(0), self.constant(0)
         gens, first = self.context.gens(), self.size + len(self.angles)
         groups = self._alike(polynomial)
-        terms = sum(len(x) + len(y) for x, y in groups.values()) * prod(most + 1 for most in highest)
+        terms = sum(len(x) + len(y) for x, y in groups.values()) * prod(
+            most + 1 for most in highest
+        )
         room(terms)
         afford(terms)
         for turns, (x, y) in groups.items():
@@ -122,7 +151,8 @@ class Axis(PolynomialRing):
 
     @lru_cache(maxsize=256)  # noqa: B019 - a ring lives as long as its functions
     def _all_pass(self, index: int, turn: int, most: int) -> ComplexPolynomial:
-        """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha turns the other way."""
+        """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha
+        turns the other way."""
         t = self.context.gens()[self.size + index]
         sense = -1 if index < self.delays else 1
         x, y = self.constant(1), self.constant(0)
@@ -131,7 +161,8 @@ class Axis(PolynomialRing):
         return x, y
 
     def derivative(self, polynomial: Polynomial) -> RationalFunction:
-        """d/d omega, with d tan(a/2) = (1 + tan(a/2)^2)/2 da and d omega^alpha = alpha omega^(alpha - 1) d omega."""
+        """d/d omega, with d tan(a/2) = (1 + tan(a/2)^2)/2 da and d omega^alpha = alpha omega^(alpha
+        - 1) d omega."""
         total = self.function(polynomial.derivative(0))
         for i, angle in enumerate(self.angles, self.size):
             if not angle.constant:
@@ -143,9 +174,11 @@ class Axis(PolynomialRing):
         return total
 
     def trigonometric(self, function: RationalFunction) -> RationalFunction:
-        """The function in cosines and sines of the angles and their multiples, as a person would write it."""
+        """The function in cosines and sines of the angles and their multiples, as a person would
+        write it."""
         degrees = [
-            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+            degree_in([function.numerator, function.denominator], self.size + i)
+            for i in range(len(self.angles))
         ]
         even = [n + n % 2 for n in degrees]
         waves = [
@@ -154,11 +187,19 @@ class Axis(PolynomialRing):
             for n in range(1, top // 2 + 1)
         ]
         powers = self.functions[len(self.angles) :]
-        target = PolynomialRing(omega, self.symbols, [*powers, *(wave for pair in waves for wave in pair)])
-        return target.function(*(self._waves(p, even, target) for p in (function.numerator, function.denominator)))
+        target = PolynomialRing(
+            omega, self.symbols, [*powers, *(wave for pair in waves for wave in pair)]
+        )
+        return target.function(
+            *(self._waves(p, even, target) for p in (function.numerator, function.denominator))
+        )
 
-    def _waves(self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing) -> Polynomial:
-        rows: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}  # by the powers of tangents, then by the waves
+    def _waves(
+        self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing
+    ) -> Polynomial:
+        rows: dict[
+            tuple[int, ...], dict[tuple[int, ...], fmpq]
+        ] = {}  # by the powers of tangents, then by the waves
         for exponents, coefficient in monomials(polynomial):
             own = [int(n) for n in exponents]
             turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
@@ -171,11 +212,17 @@ class Axis(PolynomialRing):
                     for rest, value in row.items():
                         into[rest] = into.get(rest, 0) + share * value
             rows = told
-        terms = {(*rest, *_places(waves, even)): x for waves, row in rows.items() for rest, x in row.items() if x}
+        terms = {
+            (*rest, *_places(waves, even)): x
+            for waves, row in rows.items()
+            for rest, x in row.items()
+            if x
+        }
         return target.context.from_dict(terms)
 
     def without_circles(self, polynomial: Polynomial) -> tuple[Polynomial, list[int]]:
-        """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2 + sin^2 is 1."""
+        """A polynomial without its factors 1 + tan^2, and how many there were of each angle: cos^2
+        + sin^2 is 1."""
         counts = [0] * len(self.angles)
         if polynomial.is_zero():
             return polynomial, counts
@@ -191,10 +238,14 @@ class Axis(PolynomialRing):
     @cached_property
     def _circles(self) -> list[Polynomial]:
         """1 + tan^2 of each half angle."""
-        return [tangent**2 + 1 for tangent in self.context.gens()[self.size : self.size + len(self.angles)]]
+        return [
+            tangent**2 + 1
+            for tangent in self.context.gens()[self.size : self.size + len(self.angles)]
+        ]
 
     def reduced(self, function: RationalFunction) -> RationalFunction:
-        """In lowest terms, the denominator with leading coefficient 1; its factors 1 + tan^2 are tried alone, which is fast."""
+        """In lowest terms, the denominator with leading coefficient 1; its factors 1 + tan^2 are
+        tried alone, which is fast."""
         top, bottom = function.numerator, function.denominator
         afford(len(top), len(bottom))
         core, counts = self.without_circles(bottom)
@@ -210,17 +261,23 @@ class Axis(PolynomialRing):
         return self.function(top, bottom).monic()
 
     def half_angles(self, function: RationalFunction) -> RationalFunction:
-        """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low frequencies, nor 0/0 at 0."""
+        """The function in half angles, cos(a/2) and sin(a/2)/omega: without cancellation at low
+        frequencies, nor 0/0 at 0."""
         degrees = [
-            degree_in([function.numerator, function.denominator], self.size + i) for i in range(len(self.angles))
+            degree_in([function.numerator, function.denominator], self.size + i)
+            for i in range(len(self.angles))
         ]
         target = self._with_waves(_half_waves)
         return target.function(
-            *(self._homogeneous(p, degrees, target, over=1) for p in (function.numerator, function.denominator))
+            *(
+                self._homogeneous(p, degrees, target, over=1)
+                for p in (function.numerator, function.denominator)
+            )
         )
 
     def in_half_angles(self, polynomial: Polynomial) -> RationalFunction:
-        """A polynomial times cosines of half angles, in their cosines and sines: as short as in tangents, with all its zeros."""
+        """A polynomial times cosines of half angles, in their cosines and sines: as short as in
+        tangents, with all its zeros."""
         degrees = [degree_in([polynomial], self.size + i) for i in range(len(self.angles))]
         target = self._with_waves(lambda angle: (cos(angle.value / 2), sin(angle.value / 2)))
         return target.function(self._homogeneous(polynomial, degrees, target, over=0))
@@ -233,14 +290,20 @@ class Axis(PolynomialRing):
     def _homogeneous(
         self, polynomial: Polynomial, degrees: Sequence[int], target: PolynomialRing, *, over: int
     ) -> Polynomial:
-        """Of these degrees in cosine and sine of each half angle, the sines over that power of omega."""
+        """Of these degrees in cosine and sine of each half angle, the sines over that power of
+        omega."""
         polynomial, circles = self.without_circles(polynomial)
         tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
         terms = {}
         for exponents, coefficient in monomials(polynomial):
             own = [int(n) for n in exponents]
-            turns, powers = own[self.size : self.size + len(degrees)], own[self.size + len(degrees) :]
-            own[0] += over * sum(k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant)
+            turns, powers = (
+                own[self.size : self.size + len(degrees)],
+                own[self.size + len(degrees) :],
+            )
+            own[0] += over * sum(
+                k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant
+            )
             halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
             terms[(*own[: self.size], *powers, *halves)] = coefficient
         return target.context.from_dict(terms)
@@ -258,7 +321,8 @@ def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
 
 @lru_cache(maxsize=1024)
 def harmonics(k: int, top: int) -> dict[int, fmpq]:
-    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: `CONSTANT`, 2 (n - 1) is cos n x, 2 n - 1 is sin n x."""
+    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: `CONSTANT`, 2 (n - 1) is cos n x,
+    2 n - 1 is sin n x."""
     # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
     coefficients: dict[int, int] = {}
     for a in range(k + 1):

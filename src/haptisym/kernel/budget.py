@@ -1,13 +1,16 @@
 """A limit in time for a question, and the queue of what is cut and waits.
 
-Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped: ``limited`` sets it for what is
-called inside and puts back what was there before. Nothing else reads the clock, and a question that is asked without a limit is
-cut short only by ``Budget.stop``. The clock counts the processor time of this process, all of its threads together, so that an
-answer does not depend on what else the machine does; ``timed_by`` sets another one. In a browser, which does not tell processor
-time, it is the wall clock. What other processes compute for this one, such as the workers of a sweep, is not counted.
+Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped:
+``limited`` sets it for what is called inside and puts back what was there before. Nothing else
+reads the clock, and a question that is asked without a limit is cut short only by ``Budget.stop``.
+The clock counts the processor time of this process, all of its threads together, so that an answer
+does not depend on what else the machine does; ``timed_by`` sets another one. In a browser, which
+does not tell processor time, it is the wall clock. What other processes compute for this one, such
+as the workers of a sweep, is not counted.
 
-Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait their turn. Every loop of that
-kind runs on ``Waiting``, so that each has a limit in number and in time, and says what it leaves open.
+Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait
+their turn. Every loop of that kind runs on ``Waiting``, so that each has a limit in number and in
+time, and says what it leaves open.
 """
 
 from __future__ import annotations
@@ -27,7 +30,8 @@ from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 
 Told: TypeAlias = Callable[[float, float | None, str], None]
-"""Is called with what is done, of how much (None: nobody knows), and with what it is that is done."""
+"""Is called with what is done, of how much (None: nobody knows), and with what it is that is
+done."""
 
 SECONDS = 60.0
 """The limit of a question that is asked without one."""
@@ -38,7 +42,8 @@ _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_ti
 
 @contextmanager
 def timed_by(clock: Callable[[], float]) -> Iterator[None]:
-    """Limits that are set inside are measured by that clock, in s, and so is the pause between two words.
+    """Limits that are set inside are measured by that clock, in s, and so is the pause between two
+    words.
 
     A clock that counts its readings is the same on every machine.
 
@@ -56,9 +61,11 @@ def timed_by(clock: Callable[[], float]) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Budget:
-    """What a question may take: ``seconds`` of processor time, None without a limit, and who is told.
+    """What a question may take: ``seconds`` of processor time, None without a limit, and who is
+    told.
 
-    ``began``, ``deadline`` : when the limit was set, and when the time is over: for a share of it, before the limit is reached.
+    ``began``, ``deadline`` : when the limit was set, and when the time is over: for a share of it,
+    before the limit is reached.
     """
 
     seconds: float | None
@@ -86,17 +93,24 @@ class Budget:
         return bool(self.why)
 
     def stop(self) -> None:
-        """End the work at its next tick, with what is proven by then, as at a limit; also from a signal or another thread."""
+        """End the work at its next tick, with what is proven by then, as at a limit; also from a
+        signal or another thread."""
         self.outermost.stopped = True
 
     def tick(self, done: float | None, total: float | None, what: str) -> None:
-        """LimitError when the time is over, or the work was stopped; else now and then a word to whoever is told."""
+        """LimitError when the time is over, or the work was stopped; else now and then a word to
+        whoever is told."""
         now = self.clock()
         if self.outermost.stopped:
             self.end("stopped at the limit (interrupted)")
         if self.deadline is not None and now > self.deadline:
-            self.end(f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it", self.seconds)
-        if done is not None and (what or not self._last[2]):  # an inner loop without a name leaves the outer one's word
+            self.end(
+                f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it",
+                self.seconds,
+            )
+        if done is not None and (
+            what or not self._last[2]
+        ):  # an inner loop without a name leaves the outer one's word
             self._last = done, total, what
         self._tell_now_and_then(now)
 
@@ -117,7 +131,8 @@ class Budget:
             self._tell(*self._last)
 
     def _tell(self, *word: Any) -> None:
-        """Pass a word on; the last one outside, if there is any, is said again in place of one from inside."""
+        """Pass a word on; the last one outside, if there is any, is said again in place of one from
+        inside."""
         if self.told is not None:
             self.told(*word)
         elif self.outer is not None:
@@ -129,7 +144,8 @@ _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 @contextmanager
 def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
-    """What is called inside may take that many seconds of processor time, and no longer than what is around it may.
+    """What is called inside may take that many seconds of processor time, and no longer than what
+    is around it may.
 
     ``seconds`` : None for as long as it likes.
 
@@ -137,12 +153,18 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
     ...     inner.deadline == outer.deadline
     True
     """
-    if seconds is not None and not (isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0):
+    if seconds is not None and not (
+        isinstance(seconds, int | float) and isfinite(seconds) and seconds > 0
+    ):
         raise SceneError(f"limit: {seconds}: give a number of seconds > 0, or None for no limit")
     outer, clock = _budget.get(), _clock.get()
     now = clock()
     own = None if seconds is None else now + seconds
-    same = outer if own is None or (outer and outer.deadline is not None and outer.deadline < own) else None
+    same = (
+        outer
+        if own is None or (outer and outer.deadline is not None and outer.deadline < own)
+        else None
+    )
     limit = (same.seconds, same.began, same.deadline) if same else (seconds, now, own)
     with _inside(Budget(*limit, told, outer, clock), same) as budget:
         yield budget
@@ -150,7 +172,8 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
 
 @contextmanager
 def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
-    """``same`` : of which it is the limit, or a share: it is cut short by what cuts this one short."""
+    """``same`` : of which it is the limit, or a share: it is cut short by what cuts this one
+    short."""
     mark = _budget.set(budget)
     try:
         yield budget
@@ -163,14 +186,22 @@ def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
 def left() -> float | None:
     """Seconds until the time is over, None without a limit."""
     budget = _budget.get()
-    return None if budget is None or budget.deadline is None else max(budget.deadline - budget.clock(), 0.0)
+    return (
+        None
+        if budget is None or budget.deadline is None
+        else max(budget.deadline - budget.clock(), 0.0)
+    )
 
 
 def spent() -> tuple[float, float] | None:
     """Processor time since the outermost limit was set, and that limit, s; None without one."""
     budget = _budget.get()
     outer = None if budget is None else budget.outermost
-    return None if outer is None or outer.seconds is None else (outer.clock() - outer.began, outer.seconds)
+    return (
+        None
+        if outer is None or outer.seconds is None
+        else (outer.clock() - outer.began, outer.seconds)
+    )
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
@@ -181,25 +212,34 @@ def tick(done: float | None = None, total: float | None = None, what: str = "") 
 
 
 def afford(terms: int, others: int = 1) -> None:
-    """LimitError if work on that many products of terms, which nothing can interrupt, would most likely outlast the limit.
+    """LimitError if work on that many products of terms, which nothing can interrupt, would most
+    likely outlast the limit.
 
-    Dense polynomials are multiplied at about twice ``_PRODUCTS`` terms a second, sparse ones slower.
+    Dense polynomials are multiplied at about twice ``_PRODUCTS`` terms a second, sparse ones
+    slower.
     """
     budget = _budget.get()
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
         if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
-            why = "which formulas as long as these would probably exceed; a longer limit may decide it"
+            why = (
+                "which formulas as long as these would probably exceed; a longer limit may "
+                "decide it"
+            )
             budget.end(f"stopped at the limit of {budget.seconds:g} s, {why}", budget.seconds)
 
 
 def room(terms: int) -> None:
-    """LimitError for a polynomial of so many terms, known before it is there, that memory would not hold it and what follows.
+    """LimitError for a polynomial of so many terms, known before it is there, that memory would not
+    hold it and what follows.
 
     Memory is bounded without a limit in time, too.
     """
     if terms > MOST_TERMS:
-        why = f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} are computed with"
+        why = (
+            f"formulas of {terms:,} terms, which memory would not hold: at most {MOST_TERMS:,} "
+            f"are computed with"
+        )
         (_budget.get() or Budget(None, 0, None)).end(why)
 
 
@@ -245,35 +285,45 @@ def spared() -> Iterator[None]:
 
 @contextmanager
 def share(part: float) -> Iterator[None]:
-    """What is called inside may take that share of the time that is left, so that another way can be tried after it."""
+    """What is called inside may take that share of the time that is left, so that another way can
+    be tried after it."""
     budget = _budget.get()
     if budget is None or budget.deadline is None:
         yield
         return
     now = budget.clock()
     own = now + part * (budget.deadline - now)
-    with _inside(Budget(budget.seconds, budget.began, own, budget.told, budget, budget.clock), budget):
+    with _inside(
+        Budget(budget.seconds, budget.began, own, budget.told, budget, budget.clock), budget
+    ):
         yield
 
 
 class _OneThread:
     """How many calls want one thread now.
 
-    A BLAS has one number of threads for the whole process, and simulations in two threads of a program overlap in any order: the
-    first notes the user's number, the last gives it back.
+    A BLAS has one number of threads for the whole process, and simulations in two threads of a
+    program overlap in any order: the first notes the user's number, the last gives it back.
     """
 
     def __init__(self) -> None:
         self.lock, self.callers, self.limit = Lock(), 0, ExitStack()
 
     def __enter__(self) -> None:
-        with self.lock, suppress(ImportError):  # of the extra "simulate", but nothing fails without it
+        with (
+            self.lock,
+            suppress(ImportError),
+        ):  # of the extra "simulate", but nothing fails without it
             self.callers += 1
             if self.callers == 1:
                 from threadpoolctl import ThreadpoolController
 
-                import_module("scipy.linalg")  # brings a BLAS of its own, which can be limited only once it is there
-                self.limit.enter_context(ThreadpoolController().select(user_api="blas").limit(limits=1))
+                import_module(
+                    "scipy.linalg"
+                )  # brings a BLAS of its own, which can be limited only once it is there
+                self.limit.enter_context(
+                    ThreadpoolController().select(user_api="blas").limit(limits=1)
+                )
 
     def __exit__(self, *_: object) -> None:
         with self.lock:
@@ -283,8 +333,9 @@ class _OneThread:
 
 
 ONE_THREAD = _OneThread()
-"""As a context: every BLAS that threadpoolctl knows (OpenBLAS, MKL, BLIS, FlexiBLAS) has one thread. Where matrices are small,
-threads wait for each other, on a busy machine ten and more times what one takes; results do not depend on it."""
+"""As a context: every BLAS that threadpoolctl knows (OpenBLAS, MKL, BLIS, FlexiBLAS) has one
+thread. Where matrices are small, threads wait for each other, on a busy machine ten and more times
+what one takes; results do not depend on it."""
 
 
 def forget() -> None:
@@ -299,13 +350,16 @@ C = TypeVar("C")
 
 
 class Waiting(Generic[C]):
-    """Cells that wait to be examined: the best one first, or, without a ``rank``, in the order of the domain.
+    """Cells that wait to be examined: the best one first, or, without a ``rank``, in the order of
+    the domain.
 
-    Iterating gives one after the other, ticks the budget for each, and ends when none waits or ``most`` were given. A loop that
-    goes on has settled the cell, unless it put its pieces back with ``add``, in the order of the domain. LimitError out of the
-    iteration when the time is over. ``rest`` holds all that is not settled, also the cell in which a loop was left.
+    Iterating gives one after the other, ticks the budget for each, and ends when none waits or
+    ``most`` were given. A loop that goes on has settled the cell, unless it put its pieces back
+    with ``add``, in the order of the domain. LimitError out of the iteration when the time is over.
+    ``rest`` holds all that is not settled, also the cell in which a loop was left.
 
-    ``rank`` : of a cell, what is least for the one to be examined first. ``what`` : is done, for a progress bar.
+    ``rank`` : of a cell, what is least for the one to be examined first. ``what`` : is done, for a
+    progress bar.
 
     >>> waiting, settled = Waiting([(0, 8)]), []
     >>> for low, high in waiting:
@@ -318,7 +372,12 @@ class Waiting(Generic[C]):
     """
 
     def __init__(
-        self, cells: Iterable[C], rank: Callable[[C], Any] | None = None, *, most: int | None = None, what: str = ""
+        self,
+        cells: Iterable[C],
+        rank: Callable[[C], Any] | None = None,
+        *,
+        most: int | None = None,
+        what: str = "",
     ) -> None:
         self.examined = 0
         self._rank, self._most, self._what = rank, most, what
@@ -328,7 +387,8 @@ class Waiting(Generic[C]):
         self.add(*cells)
 
     def add(self, *cells: C) -> None:
-        """Let cells wait, in place of the one that was given last; of equal ranks the first comes first."""
+        """Let cells wait, in place of the one that was given last; of equal ranks the first comes
+        first."""
         self._given = []
         for cell in cells if self._rank else reversed(cells):
             self._number += 1

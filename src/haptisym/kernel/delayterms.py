@@ -1,10 +1,13 @@
-"""Polynomials times sines, cosines and powers of omega, and sums of them: values, Taylor coefficients, beginnings at 0.
+"""Polynomials times sines, cosines and powers of omega, and sums of them: values, Taylor
+coefficients, beginnings at 0.
 
-Derivatives of polynomials times waves of half angles are of the same kind, in balls; where all that turns is known exactly they
-are exact. A function with powers of omega, f = sum over l of omega^(alpha l) A_l with A_l analytic, begins at omega = 0 with the
-first term of its expansion that is not zero. Where alpha is rational, terms of different l meet at one exponent, and their
-coefficients, sums of products of cosines and sines of parts of a turn, may cancel: Re s^(2 alpha) is 0 for alpha = 1/2. These
-are algebraic, beside pi, which is not: whether such a number is zero is decided.
+Derivatives of polynomials times waves of half angles are of the same kind, in balls; where all that
+turns is known exactly they are exact. A function with powers of omega, f = sum over l of
+omega^(alpha l) A_l with A_l analytic, begins at omega = 0 with the first term of its expansion that
+is not zero. Where alpha is rational, terms of different l meet at one exponent, and their
+coefficients, sums of products of cosines and sines of parts of a turn, may cancel: Re s^(2 alpha)
+is 0 for alpha = 1/2. These are algebraic, beside pi, which is not: whether such a number is zero is
+decided.
 """
 
 from __future__ import annotations
@@ -35,25 +38,33 @@ NOTHING, ONE = arb(0), arb(1)
 
 Turns: TypeAlias = tuple[int, ...]
 _Blocks: TypeAlias = Mapping[Turns, arb_mat]
-"""Coefficients of powers of omega (columns) times waves of the last angle (rows), by the turns of the other angles."""
+"""Coefficients of powers of omega (columns) times waves of the last angle (rows), by the turns of
+the other angles."""
 Place: TypeAlias = tuple[Mapping[Turns, Ball], arb_mat, arb_mat]
-"""Products of sines and cosines of all half angles but the last, by turns; those of the last one in a row; powers of omega."""
+"""Products of sines and cosines of all half angles but the last, by turns; those of the last one in
+a row; powers of omega."""
 
 
 class Derivatives:
-    """A sum of polynomials times waves and its derivatives, which are of the same kind: exact, and no longer.
+    """A sum of polynomials times waves and its derivatives, which are of the same kind: exact, and
+    no longer.
 
-    d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1) cos(a)^(n - k - 1)) da.
+    d sin(a)^k cos(a)^(n - k) = (k sin(a)^(k - 1) cos(a)^(n - k + 1) - (n - k) sin(a)^(k + 1)
+    cos(a)^(n - k - 1)) da.
     """
 
-    def __init__(self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[Turns, Sequence[Ball]]) -> None:
+    def __init__(
+        self, angles: Sequence[tuple[Ball, int]], width: int, terms: Mapping[Turns, Sequence[Ball]]
+    ) -> None:
         *self._outer, (rate, degree) = angles
         self._turn, self._shift = _turning(rate, degree), _shift(width)
         entries: dict[Turns, list[Ball]] = {}
         for (*others, k), row in terms.items():
             block = entries.setdefault(tuple(others), [NOTHING] * (width * (degree + 1)))
             block[k * width : k * width + len(row)] = row
-        self._known: list[_Blocks] = [{o: arb_mat(degree + 1, width, block) for o, block in entries.items()}]
+        self._known: list[_Blocks] = [
+            {o: arb_mat(degree + 1, width, block) for o, block in entries.items()}
+        ]
 
     def series(self, place: Place, start: int, stop: int) -> list[Ball]:
         """The Taylor coefficients of these orders."""
@@ -64,7 +75,13 @@ class Derivatives:
             found = [(last * (blocks[()] * columns))[0, 0] for blocks in self._known[start:stop]]
         else:
             found = [
-                sum((outer[turns] * (last * (block * columns))[0, 0] for turns, block in blocks.items()), NOTHING)
+                sum(
+                    (
+                        outer[turns] * (last * (block * columns))[0, 0]
+                        for turns, block in blocks.items()
+                    ),
+                    NOTHING,
+                )
                 for blocks in self._known[start:stop]
             ]
         return list(map(mul, found, _shares(stop, flint.ctx.prec)[start:])) if stop > 2 else found
@@ -79,7 +96,9 @@ class Derivatives:
                 if k:
                     parts.append(((*others[:i], k - 1, *others[i + 1 :]), block * (rate * k)))
                 if k < degree:
-                    parts.append(((*others[:i], k + 1, *others[i + 1 :]), block * (rate * (k - degree))))
+                    parts.append(
+                        ((*others[:i], k + 1, *others[i + 1 :]), block * (rate * (k - degree)))
+                    )
             for turns, part in parts:
                 found[turns] = found[turns] + part if turns in found else part
         return found
@@ -94,7 +113,8 @@ def _shares(count: int, bits: int) -> list[Ball]:
 
 @lru_cache(maxsize=64)
 def _shift(width: int) -> arb_mat:
-    """What d/d omega does to the coefficients of 1, omega, omega^2, ... in a row: whole numbers, exact at any precision."""
+    """What d/d omega does to the coefficients of 1, omega, omega^2, ... in a row: whole numbers,
+    exact at any precision."""
     shift = arb_mat(width, width)
     for n in range(1, width):
         shift[n, n - 1] = n
@@ -102,7 +122,8 @@ def _shift(width: int) -> arb_mat:
 
 
 def _turning(rate: Ball, degree: int) -> arb_mat:
-    """What d/d omega does to the coefficients of sin^k cos^(degree - k), k = 0 ... degree, of one half angle."""
+    """What d/d omega does to the coefficients of sin^k cos^(degree - k), k = 0 ... degree, of one
+    half angle."""
     turn = arb_mat(degree + 1, degree + 1)
     for k in range(degree):
         turn[k, k + 1] = rate * (k + 1)
@@ -148,8 +169,9 @@ _TAYLOR_ORDER = 8
 class WaveTerm(NamedTuple):
     """Part of a sum: a polynomial in omega times sines, cosines and powers.
 
-    ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers. ``turns``: the power of the
-    half angle's sine, for each angle (the cosine has what is missing to the sum's degree). ``powers``: of each omega^alpha.
+    ``coefficients``: of ascending powers of omega, each a polynomial in pi over the integers.
+    ``turns``: the power of the half angle's sine, for each angle (the cosine has what is missing to
+    the sum's degree). ``powers``: of each omega^alpha.
     """
 
     turns: tuple[int, ...]
@@ -159,9 +181,11 @@ class WaveTerm(NamedTuple):
 
 @dataclass(frozen=True)
 class WaveSum:
-    """sum of p(omega) prod sin(a_i/2)^k_i cos(a_i/2)^(n_i - k_i) prod omega^(alpha l): entire for omega > 0, no divisions.
+    """sum of p(omega) prod sin(a_i/2)^k_i cos(a_i/2)^(n_i - k_i) prod omega^(alpha l): entire for
+    omega > 0, no divisions.
 
-    ``rates``: of each angle d a_i/d omega, rad per rad/s, with False; of a constant angle itself, rad, with True. ``degrees``:
+    ``rates``: of each angle d a_i/d omega, rad per rad/s, with False; of a constant angle itself,
+    rad, with True. ``degrees``:
     the n_i.
     """
 
@@ -182,7 +206,8 @@ class WaveSum:
         return _compiled(self, flint.ctx.prec).value(x)
 
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
-        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about
+        every point of a ball."""
         return _compiled(self, flint.ctx.prec).series(x, start, stop)
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
@@ -190,26 +215,33 @@ class WaveSum:
         return _compiled(self, flint.ctx.prec).over(box)
 
     def before(self, x: Ball, wanted: Sequence[tuple[tuple[int, ...], int]]) -> list[Ball]:
-        """Taylor coefficients about every point of a ball: each of what stands before a product of omega^alpha, and its order."""
+        """Taylor coefficients about every point of a ball: each of what stands before a product of
+        omega^alpha, and its order."""
         return _compiled(self, flint.ctx.prec).before(x, wanted)
 
     def parts(self, x: Ball) -> list[Ball]:
-        """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        """Balls around the values at a ball of frequencies of what stands before each product of
+        powers of omega^alpha."""
         return _compiled(self, flint.ctx.prec).parts(x)
 
     @property
     def begins_with_zero(self) -> bool:
-        """Whether it is 0 at omega = 0, no powers of omega in it, as each term holds a sine that turns, or omega."""
+        """Whether it is 0 at omega = 0, no powers of omega in it, as each term holds a sine that
+        turns, or omega."""
         turning = [i for i, (_, constant) in enumerate(self.rates) if not constant]
-        still = (term.coefficients[0] for term in self.terms if not any(term.turns[i] for i in turning))
+        still = (
+            term.coefficients[0] for term in self.terms if not any(term.turns[i] for i in turning)
+        )
         return not any(map(any, still))
 
     @property
     def shows_itself(self) -> bool:
-        """Whether its coefficients prove that it is not 0 everywhere; all orders of powers must be rational.
+        """Whether its coefficients prove that it is not 0 everywhere; all orders of powers must be
+        rational.
 
-        Waves of one angle are linearly independent over all algebraic functions. So are then all terms, where no two products
-        of powers are a whole power of omega apart: one coefficient that is not 0 is enough. False proves nothing.
+        Waves of one angle are linearly independent over all algebraic functions. So are then all
+        terms, where no two products of powers are a whole power of omega apart: one coefficient
+        that is not 0 is enough. False proves nothing.
         """
         if sum(not constant for _, constant in self.rates) > 1:
             return False
@@ -229,9 +261,11 @@ _Key: TypeAlias = tuple[Turns, tuple[int, ...]]
 
 @dataclass(frozen=True, eq=False)
 class CompiledWaves:
-    """A sum with balls of one precision for its constants: waves of constant angles are among the coefficients.
+    """A sum with balls of one precision for its constants: waves of constant angles are among the
+    coefficients.
 
-    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of omega^alpha, ascending coefficients.
+    ``rates``, ``degrees``: of the half angles that turn. ``terms``: sine powers, powers of
+    omega^alpha, ascending coefficients.
     """
 
     rates: tuple[Ball, ...]
@@ -244,14 +278,16 @@ class CompiledWaves:
         return self.taylor(x, 0)
 
     def taylor(self, x: Ball, order: int) -> Ball:
-        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        """A ball around the Taylor coefficient of that order about every point of a ball of
+        frequencies."""
         return self.series(x, order, order + 1)[0]
 
     def over(self, box: Ball) -> tuple[Ball, Ball, Ball]:
         """Enclosures of value, slope and half curvature over a ball of frequencies.
 
-        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last coefficient enclosed over the
-        whole ball: tight as soon as the ball is shorter than what the function does, however much its terms cancel.
+        Taylor's theorem about the middle m, f(m + h) = c_0 + c_1 h + ... + c(xi) h^n, with the last
+        coefficient enclosed over the whole ball: tight as soon as the ball is shorter than what the
+        function does, however much its terms cancel.
         """
         middle, reach = box.mid(), powers_of(box.rad(), _TAYLOR_ORDER + 1)
         row = [*self.series(middle, 0, _TAYLOR_ORDER), self.taylor(box, _TAYLOR_ORDER)]
@@ -260,7 +296,8 @@ class CompiledWaves:
         return range_of(row, reach), range_of(slopes, reach), range_of(bends, reach)
 
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
-        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about
+        every point of a ball."""
         tick()
         place, found = self._place(x), list[Ball]()
         for powers, sums in self._sums.items():
@@ -273,17 +310,20 @@ class CompiledWaves:
         return found
 
     def before(self, x: Ball, wanted: Sequence[tuple[tuple[int, ...], int]]) -> list[Ball]:
-        """Taylor coefficients about every point of a ball: each of what stands before a product of omega^alpha, and its order."""
+        """Taylor coefficients about every point of a ball: each of what stands before a product of
+        omega^alpha, and its order."""
         place = self._place(x)
         return [self._sums[powers].series(place, order, order + 1)[0] for powers, order in wanted]
 
     def parts(self, x: Ball) -> list[Ball]:
-        """Balls around the values at a ball of frequencies of what stands before each product of powers of omega^alpha."""
+        """Balls around the values at a ball of frequencies of what stands before each product of
+        powers of omega^alpha."""
         place = self._place(x)
         return [sums.series(place, 0, 1)[0] for sums in self._sums.values()]
 
     def ranges(self, box: Ball) -> dict[tuple[int, ...], Ball]:
-        """Enclosures over a ball of frequencies of what stands before each product of powers of omega^alpha, as in ``over``."""
+        """Enclosures over a ball of frequencies of what stands before each product of powers of
+        omega^alpha, as in ``over``."""
         n, reach = _TAYLOR_ORDER, powers_of(box.rad(), _TAYLOR_ORDER + 1)
         at, around = self._place(box.mid()), self._place(box)
         return {
@@ -298,15 +338,24 @@ class CompiledWaves:
 
     @cached_property
     def _angles(self) -> list[tuple[Ball, int]]:
-        """Rate and degree of the half angles that turn; one that stands still where there is none."""
+        """Rate and degree of the half angles that turn; one that stands still where there is
+        none."""
         return list(zip(self.rates, self.degrees, strict=True)) or [(arb(0), 0)]
 
     def _place(self, x: Ball) -> Place:
         *others, last = [waves_of(rate * x, degree) for rate, degree in self._angles]
         outer: dict[Turns, Ball] = {(): ONE}
         for waves in others:
-            outer = {(*turns, k): known * wave for turns, known in outer.items() for k, wave in enumerate(waves)}
-        return outer, arb_mat(1, len(last), last), arb_mat(self._width, 1, powers_of(x, self._width))
+            outer = {
+                (*turns, k): known * wave
+                for turns, known in outer.items()
+                for k, wave in enumerate(waves)
+            }
+        return (
+            outer,
+            arb_mat(1, len(last), last),
+            arb_mat(self._width, 1, powers_of(x, self._width)),
+        )
 
     @cached_property
     def _width(self) -> int:
@@ -318,7 +367,9 @@ class CompiledWaves:
         groups: dict[tuple[int, ...], dict[Turns, Sequence[Ball]]] = {}
         for turns, powers, row in self.terms:
             groups.setdefault(powers, {})[turns or (0,)] = row
-        return {powers: Derivatives(self._angles, self._width, own) for powers, own in groups.items()}
+        return {
+            powers: Derivatives(self._angles, self._width, own) for powers, own in groups.items()
+        }
 
 
 @lru_cache(maxsize=512)
@@ -326,15 +377,25 @@ def _compiled(waves: WaveSum, bits: int) -> CompiledWaves:
     with flint.ctx.workprec(bits):
         halves = [expression_ball(rate) / 2 for rate, _ in waves.rates]
         turning = [i for i, (_, constant) in enumerate(waves.rates) if not constant]
-        fixed = [(i, waves_of(halves[i], waves.degrees[i])) for i, (_, constant) in enumerate(waves.rates) if constant]
+        fixed = [
+            (i, waves_of(halves[i], waves.degrees[i]))
+            for i, (_, constant) in enumerate(waves.rates)
+            if constant
+        ]
         pis = powers_of(arb.pi(), max([len(c) for term in waves.terms for c in term.coefficients]))
         units: dict[Turns, list[Ball]] = {(): pis}
         for _, wave in fixed:  # powers of pi times the waves of all constant angles
-            units = {(*known, k): [x * w for x in row] for known, row in units.items() for k, w in enumerate(wave)}
+            units = {
+                (*known, k): [x * w for x in row]
+                for known, row in units.items()
+                for k, w in enumerate(wave)
+            }
         terms: dict[_Key, list[Ball]] = {}
         for turns, powers, coefficients in waves.terms:
             own = units[tuple([turns[i] for i, _ in fixed])]
-            row = terms.setdefault((tuple([turns[i] for i in turning]) if fixed else turns, powers), [])
+            row = terms.setdefault(
+                (tuple([turns[i] for i in turning]) if fixed else turns, powers), []
+            )
             row += [NOTHING] * (len(coefficients) - len(row))
             for n, c in enumerate(coefficients):
                 for whole, unit in zip(c, own):  # noqa: B905 - not all have all powers of pi
@@ -353,10 +414,11 @@ _EIGHTHS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)
 
 
 def exact_waves(f: WaveSum, place: Expr) -> list[Wave] | None:
-    """Cosine and sine of the half angles, up to a factor, at multiples of an eighth of a turn; None if one is at another angle.
+    """Cosine and sine of the half angles, up to a factor, at multiples of an eighth of a turn; None
+    if one is at another angle.
 
-    In all terms of a factor the powers of both add up to the same, so that a common factor is none of the zeros' business. The
-    entry of a constant angle is None: its cosine and sine stay symbols.
+    In all terms of a factor the powers of both add up to the same, so that a common factor is none
+    of the zeros' business. The entry of a constant angle is None: its cosine and sine stay symbols.
     """
     if place != 0 and place.is_Rational and any(rate.is_Rational for rate, _ in f.rates):
         return None  # a rational angle, but 0, is no part of a turn
@@ -370,10 +432,11 @@ def exact_waves(f: WaveSum, place: Expr) -> list[Wave] | None:
 
 
 def taylor_coefficients(f: WaveSum, place: Expr, waves: list[Wave]) -> Iterator[RationalFunction]:
-    """The Taylor coefficients at a place where the waves are known, all times one number that is not 0.
+    """The Taylor coefficients at a place where the waves are known, all times one number that is
+    not 0.
 
-    Each is a polynomial in the cosines and sines of the constant half angles, in this order from the third variable of its
-    ring on, over a polynomial in pi.
+    Each is a polynomial in the cosines and sines of the constant half angles, in this order from
+    the third variable of its ring on, over a polynomial in pi.
     """
     names = [Symbol(f"{kind}{i}") for i in range(len(f.rates)) for kind in ("cos", "sin")]
     ring = PolynomialRing(omega, functions=names)
@@ -387,16 +450,20 @@ def taylor_coefficients(f: WaveSum, place: Expr, waves: list[Wave]) -> Iterator[
         for i, (rate, (_, constant)) in enumerate(zip(rates, f.rates, strict=True)):
             if not constant:
                 cosine, sine = (ring.context.gens()[2 + 2 * i + n] for n in (0, 1))
-                turned = cosine * derivative.derivative(3 + 2 * i) - sine * derivative.derivative(2 + 2 * i)
+                turned = cosine * derivative.derivative(3 + 2 * i) - sine * derivative.derivative(
+                    2 + 2 * i
+                )
                 change += rate.numerator * (common / rate.denominator) * turned
         derivative, order = change, order + 1
         scale = scale * ring.function(common * order)
 
 
 def order_at_0(f: WaveSum) -> int | None:
-    """The order of the zero at omega = 0, where all angles turn at rational rates; None where they do not, or it is very high.
+    """The order of the zero at omega = 0, where all angles turn at rational rates; None where they
+    do not, or it is very high.
 
-    The cosines of half angles are 1 there: it is that of the sum of polynomials times tangents, order by order.
+    The cosines of half angles are 1 there: it is that of the sum of polynomials times tangents,
+    order by order.
     """
     if not all(rate.is_Rational and not constant for rate, constant in f.rates):
         return None
@@ -408,7 +475,9 @@ def order_at_0(f: WaveSum) -> int | None:
         in_pi: dict[int, fmpq_poly] = {}
         for term in f.terms:
             waves = reduce(
-                lambda x, y: x.mul_low(y, length), (x[k] for x, k in zip(tangents, term.turns, strict=True)), _ONE
+                lambda x, y: x.mul_low(y, length),
+                (x[k] for x, k in zip(tangents, term.turns, strict=True)),
+                _ONE,
             )
             for i in range(max(map(len, term.coefficients))):
                 row = fmpq_poly([c[i] if i < len(c) else 0 for c in term.coefficients])
@@ -424,7 +493,8 @@ _NOTHING, _ONE = fmpq_poly([0]), fmpq_poly([1])
 
 
 def _tangent_powers(rate: fmpq, most: int, length: int) -> list[fmpq_poly]:
-    """tan(rate omega)^k for k = 0, 1, ... ``most``, as Taylor polynomials at 0 with that many coefficients."""
+    """tan(rate omega)^k for k = 0, 1, ... ``most``, as Taylor polynomials at 0 with that many
+    coefficients."""
     tangent = fmpq_poly([c * rate**n for n, c in enumerate(_tangent(length))])
     return list(accumulate(repeat(tangent, most), lambda x, y: x.mul_low(y, length), initial=_ONE))
 
@@ -442,7 +512,9 @@ def _tangent(length: int) -> list[fmpq]:
 def _in_waves(f: WaveSum, ring: PolynomialRing) -> Polynomial:
     terms: dict[tuple[int, ...], int] = {}
     for term in f.terms:
-        waves = [n for k, degree in zip(term.turns, f.degrees, strict=True) for n in (degree - k, k)]
+        waves = [
+            n for k, degree in zip(term.turns, f.degrees, strict=True) for n in (degree - k, k)
+        ]
         for power, row in enumerate(term.coefficients):
             for of_pi, value in enumerate(row):
                 if value:
@@ -450,7 +522,9 @@ def _in_waves(f: WaveSum, ring: PolynomialRing) -> Polynomial:
     return ring.context.from_dict(terms)
 
 
-def _at(ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[Wave]) -> RationalFunction:
+def _at(
+    ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[Wave]
+) -> RationalFunction:
     """The value at an exact place, a polynomial in pi (and the constant angles' waves)."""
     where, total = ring.convert(place), ring.zero
     for (power, of_pi, *turns), value in monomials(polynomial):
@@ -460,7 +534,9 @@ def _at(ring: PolynomialRing, polynomial: Polynomial, place: Expr, waves: list[W
         for wave, cosine, sine in zip(waves, turns[::2], turns[1::2], strict=True):
             kept += [int(cosine), int(sine)] if wave is None else [0, 0]
             known = known if wave is None else known * wave[0] ** int(cosine) * wave[1] ** int(sine)
-        total = total + ring.function(ring.context.from_dict({tuple(kept): known})) * where ** int(power)
+        total = total + ring.function(ring.context.from_dict({tuple(kept): known})) * where ** int(
+            power
+        )
     return total
 
 
@@ -474,7 +550,8 @@ Powers: TypeAlias = tuple[int, ...]
 
 @dataclass(frozen=True)
 class LeadingTerm:
-    """The exponent of the first term; ``parts``: each with its own exponent and its order up to which all terms cancel."""
+    """The exponent of the first term; ``parts``: each with its own exponent and its order up to
+    which all terms cancel."""
 
     exponent: Expr
     parts: tuple[tuple[Powers, Expr, int], ...]
@@ -485,7 +562,9 @@ def by_powers(f: WaveSum) -> dict[Powers, WaveSum]:
     groups: dict[Powers, list[WaveTerm]] = {}
     for term in f.terms:
         groups.setdefault(term.powers, []).append(WaveTerm(term.turns, (), term.coefficients))
-    return {powers: WaveSum(tuple(terms), f.rates, f.degrees, ()) for powers, terms in groups.items()}
+    return {
+        powers: WaveSum(tuple(terms), f.rates, f.degrees, ()) for powers, terms in groups.items()
+    }
 
 
 @lru_cache(maxsize=1024)
@@ -497,12 +576,15 @@ def leading_term(f: WaveSum) -> LeadingTerm:
     ]
     for exponent, meeting in _exponents(own):
         if not _cancels(f, meeting):
-            return LeadingTerm(exponent, tuple((powers, e, _order(exponent - e)) for powers, e in own))
+            return LeadingTerm(
+                exponent, tuple((powers, e, _order(exponent - e)) for powers, e in own)
+            )
     raise UndecidedError("whether a function vanishes near omega = 0")
 
 
 def _exponents(parts: list[tuple[Powers, Expr]]) -> Iterator[tuple[Expr, list[tuple[Powers, int]]]]:
-    """The exponents of omega in ascending order, and the Taylor coefficients of the parts that meet at each."""
+    """The exponents of omega in ascending order, and the Taylor coefficients of the parts that meet
+    at each."""
     waiting = [(_sortable(e), i, 0) for i, (_, e) in enumerate(parts)]
     heapify(waiting)
     for _ in range(_MOST_TERMS):
@@ -520,7 +602,10 @@ def _sortable(exponent: Expr) -> Fraction | float:
 
 
 def _is(
-    parts: list[tuple[Powers, Expr]], entry: tuple[Fraction | float, int, int], key: Fraction | float, exponent: Expr
+    parts: list[tuple[Powers, Expr]],
+    entry: tuple[Fraction | float, int, int],
+    key: Fraction | float,
+    exponent: Expr,
 ) -> bool:
     own, i, n = entry
     if isinstance(own, Fraction) and isinstance(key, Fraction):
@@ -529,12 +614,16 @@ def _is(
 
 
 def _order(rise: Expr) -> int:
-    """The lowest order of a part of which the terms may not all lie below the first one: the ceiling, and 0 or more."""
-    return max(0, -int((-rise).p // (-rise).q) if rise.is_Rational else int(rise.evalf(30) // 1) + 1)
+    """The lowest order of a part of which the terms may not all lie below the first one: the
+    ceiling, and 0 or more."""
+    return max(
+        0, -int((-rise).p // (-rise).q) if rise.is_Rational else int(rise.evalf(30) // 1) + 1
+    )
 
 
 def _cancels(f: WaveSum, meeting: list[tuple[Powers, int]]) -> bool:
-    """Whether Taylor coefficients at 0 add up to zero: balls first, then exact, finer balls where that is not told exactly."""
+    """Whether Taylor coefficients at 0 add up to zero: balls first, then exact, finer balls where
+    that is not told exactly."""
 
     def in_balls(_: int) -> bool | None:
         total = sum(f.before(arb(0), meeting), arb(0))
@@ -544,7 +633,10 @@ def _cancels(f: WaveSum, meeting: list[tuple[Powers, int]]) -> bool:
         return told
     waves, parts = exact_waves(f, Integer(0)), by_powers(f)
     assert waves is not None
-    exact = [next(islice(taylor_coefficients(parts[powers], Integer(0), waves), n, None)) for powers, n in meeting]
+    exact = [
+        next(islice(taylor_coefficients(parts[powers], Integer(0), waves), n, None))
+        for powers, n in meeting
+    ]
     top = reduce(lambda x, y: RationalFunction(x.ring, *_sum(x, y)), exact).numerator
     found = is_zero_number(top, [rate for rate, _ in f.rates])
     if found is None:
@@ -561,8 +653,9 @@ def _sum(x: RationalFunction, y: RationalFunction) -> tuple[Polynomial, Polynomi
 def clear_of_zero(f: WaveSum, first: Ball) -> Ball:
     """A dyadic number above 0, with no zero in between; ``first`` is tried first.
 
-    Divided by the lowest power omega^e of all, what remains is the sum of omega^(alpha l + n_l - e) times the n_l-th Taylor
-    coefficient of A_l about some place in between, alpha l + n_l being e or the next exponent above: all terms below cancel.
+    Divided by the lowest power omega^e of all, what remains is the sum of omega^(alpha l + n_l - e)
+    times the n_l-th Taylor coefficient of A_l about some place in between, alpha l + n_l being e or
+    the next exponent above: all terms below cancel.
     """
     start = leading_term(f)
     wanted = [(powers, order) for powers, _, order in start.parts]
@@ -572,7 +665,9 @@ def clear_of_zero(f: WaveSum, first: Ball) -> Ball:
         for n in range(200):
             total, lengths = arb(0), reach.log()
             for rise, own in zip(rises, f.before(arb(0).union(reach), wanted), strict=True):
-                total = total + (own if rise.is_zero() else own * arb(0).union((rise * lengths).exp()))
+                total = total + (
+                    own if rise.is_zero() else own * arb(0).union((rise * lengths).exp())
+                )
             if is_clear(total):
                 return reach
             reach = (reach / (NEARER if n < _NEAR else 16)).mid()
@@ -584,11 +679,13 @@ _HALF = fmpq(1, 2)
 
 
 def is_zero_number(polynomial: Polynomial, angles: Sequence[Expr]) -> bool | None:
-    """Whether a polynomial in pi and the cosines and sines of half of some angles is the number zero: exact.
+    """Whether a polynomial in pi and the cosines and sines of half of some angles is the number
+    zero: exact.
 
-    The variables are those of a ring ``omega, pi, cos, sin, cos, sin, ...``. None where a turn would have too many parts, and
-    where an angle is no part of a turn. With z a root of unity, cos = (z^k + z^-k)/2 and sin = (z^k - z^-k)/(2 i): each
-    coefficient of a power of pi, which is transcendental, must be a multiple of z's cyclotomic polynomial.
+    The variables are those of a ring ``omega, pi, cos, sin, cos, sin, ...``. None where a turn
+    would have too many parts, and where an angle is no part of a turn. With z a root of unity, cos
+    = (z^k + z^-k)/2 and sin = (z^k - z^-k)/(2 i): each coefficient of a power of pi, which is
+    transcendental, must be a multiple of z's cyclotomic polynomial.
     """
     if polynomial.is_zero():
         return True
@@ -607,14 +704,18 @@ def is_zero_number(polynomial: Polynomial, angles: Sequence[Expr]) -> bool | Non
             k = int(turns[i] * whole)
             product = _times(product, ((k, _HALF), (-k, _HALF)), exponent[2 + 2 * i], whole)
             quarter = whole // 4  # 1/i = -i
-            product = _times(product, ((k - quarter, _HALF), (-k - quarter, -_HALF)), exponent[3 + 2 * i], whole)
+            product = _times(
+                product, ((k - quarter, _HALF), (-k - quarter, -_HALF)), exponent[3 + 2 * i], whole
+            )
         row = rows.setdefault(exponent[1], {})
         for n, x in product.items():
             row[n] = row.get(n, fmpq(0)) + x
     return all(_is_multiple(row, whole) for row in rows.values())
 
 
-def _times(x: dict[int, fmpq], y: Iterable[tuple[int, fmpq]], count: int, whole: int) -> dict[int, fmpq]:
+def _times(
+    x: dict[int, fmpq], y: Iterable[tuple[int, fmpq]], count: int, whole: int
+) -> dict[int, fmpq]:
     """A sum of powers of a root of unity times another one, that many times."""
     for _ in range(count):
         found: dict[int, fmpq] = {}
@@ -638,26 +739,38 @@ _Terms: TypeAlias = dict[tuple[int, ...], fmpq]
 
 
 def vanishes(polynomial: Polynomial, axis: Axis) -> bool:
-    """Whether a polynomial of an axis is zero at every frequency, as Re s^(1/2) s^(1/2) is. (False: not seen to be.)
+    """Whether a polynomial of an axis is zero at every frequency, as Re s^(1/2) s^(1/2) is. (False:
+    not seen to be.)
 
-    Equal powers of omega, and of tangents that turn, are gathered: what stands before each must be the number zero.
+    Equal powers of omega, and of tangents that turn, are gathered: what stands before each must be
+    the number zero.
     """
     constant = [i for i, angle in enumerate(axis.angles) if angle.constant]
     every = [int(n) for n in polynomial.degrees()]
-    if polynomial.is_zero() or not constant or any(every[2 : axis.size]) or not all(x.is_Rational for x in axis.orders):
+    if (
+        polynomial.is_zero()
+        or not constant
+        or any(every[2 : axis.size])
+        or not all(x.is_Rational for x in axis.orders)
+    ):
         return bool(polynomial.is_zero())
     degrees = every[axis.size :]
     groups: dict[tuple[Expr, tuple[int, ...]], _Terms] = {}
     for exponents, value in zip(polynomial.monoms(), polynomial.coeffs(), strict=True):
         power, of_pi, *own = map(int, exponents)
         own = own[axis.size - 2 :]
-        raised = sum((x * n for x, n in zip(axis.orders, own[len(axis.angles) :], strict=False)), Integer(power))
+        raised = sum(
+            (x * n for x, n in zip(axis.orders, own[len(axis.angles) :], strict=False)),
+            Integer(power),
+        )
         turning = tuple(n for i, n in enumerate(own[: len(axis.angles)]) if i not in constant)
         waves = [n for i in constant for n in (degrees[i] - own[i], own[i])]
         group, key = groups.setdefault((raised, turning), {}), (0, of_pi, *waves)
         group[key] = group.get(key, fmpq(0)) + value
     angles = [axis.angles[i].value for i in constant]
-    ring = PolynomialRing(omega, functions=[Symbol(f"{kind}{i}") for i in constant for kind in ("cos", "sin")])
+    ring = PolynomialRing(
+        omega, functions=[Symbol(f"{kind}{i}") for i in constant for kind in ("cos", "sin")]
+    )
     return all(_is_nothing(ring, group, angles) for group in groups.values())
 
 
@@ -666,6 +779,8 @@ def _is_nothing(ring: PolynomialRing, terms: _Terms, angles: Sequence[Expr]) -> 
     with flint.ctx.workprec(128):
         halves = [expression_ball(angle / 2).sin_cos() for angle in angles]
         waves = [x for sine, cosine in halves for x in (cosine, sine)]
-        if is_clear(ring.ball(polynomial, dict(zip(ring.meanings[1:], (arb.pi(), *waves), strict=True)))):
+        if is_clear(
+            ring.ball(polynomial, dict(zip(ring.meanings[1:], (arb.pi(), *waves), strict=True)))
+        ):
             return False
     return bool(is_zero_number(polynomial, angles))

@@ -1,8 +1,9 @@
 """Dynamics in ``s``, and the real functions that they become on ``s = j omega``.
 
-Dynamics are quotients of polynomials in ``s``, the parameters, delays ``exp(-s tau)`` and powers ``s^alpha``. On ``s = j omega``
-even powers of ``s`` are real and odd ones imaginary, so that real part, imaginary part and squared modulus are had by
-polynomial arithmetic alone: no complex numbers, no ``as_real_imag``, no ``simplify``.
+Dynamics are quotients of polynomials in ``s``, the parameters, delays ``exp(-s tau)`` and powers
+``s^alpha``. On ``s = j omega`` even powers of ``s`` are real and odd ones imaginary, so that real
+part, imaginary part and squared modulus are had by polynomial arithmetic alone: no complex numbers,
+no ``as_real_imag``, no ``simplify``.
 """
 
 from __future__ import annotations
@@ -19,13 +20,22 @@ from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, perfe
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, monomials, omega, s, times
+from haptisym.kernel.rings import (
+    Polynomial,
+    PolynomialRing,
+    RationalFunction,
+    monomials,
+    omega,
+    s,
+    times,
+)
 
 _MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
 
 
 class Ring(PolynomialRing):
-    """Dynamics: polynomials in ``s``, pi, the parameters, and the delays ``exp(-s tau)`` and powers ``s^alpha`` of a scene.
+    """Dynamics: polynomials in ``s``, pi, the parameters, and the delays ``exp(-s tau)`` and powers
+    ``s^alpha`` of a scene.
 
     >>> m, k = Symbol("m"), Symbol("k")
     >>> ring = Ring.of([m * s**2 + k, exp(-2 * s)])
@@ -34,10 +44,19 @@ class Ring(PolynomialRing):
     """
 
     def __init__(
-        self, symbols: Iterable[Symbol] = (), lags: Sequence[Expr] = (), orders: Sequence[Expr] = (), *, j: bool = False
+        self,
+        symbols: Iterable[Symbol] = (),
+        lags: Sequence[Expr] = (),
+        orders: Sequence[Expr] = (),
+        *,
+        j: bool = False,
     ) -> None:
         self.lags, self.orders = tuple(lags), tuple(orders)
-        functions = [*(exp(-s * lag) for lag in lags), *(s**order for order in orders), *([I] if j else [])]
+        functions = [
+            *(exp(-s * lag) for lag in lags),
+            *(s**order for order in orders),
+            *([I] if j else []),
+        ]
         super().__init__(s, symbols, functions)
 
     @classmethod
@@ -47,7 +66,9 @@ class Ring(PolynomialRing):
         orders = {_order(x)[1] for x in found if _is_fractional(x)}
         roots = [x for x in found if _is_root(x)]
         order = Rational(1, lcm(*(x.exp.q for x in roots)))
-        bases = _independent({x.base for x in roots if x.base.is_Integer}) | {x.base for x in roots if x.base.is_Symbol}
+        bases = _independent({x.base for x in roots if x.base.is_Integer}) | {
+            x.base for x in roots if x.base.is_Symbol
+        }
         symbols = {x for x in found if x.is_Symbol} - {s} - bases | {x**order for x in bases}
         lags = {lag for x in found if x.func is exp for lag in _lags(x)}
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
@@ -56,22 +77,30 @@ class Ring(PolynomialRing):
         if expression.func in (cosh, sinh):
             return self.convert(_exponentials(expression))
         if expression.func is exp:
-            return reduce(lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items()))
+            return reduce(
+                lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items())
+            )
         if _is_fractional(expression):
             whole, order, sign = _order(expression)
-            return self.function(self.variable) ** whole * self.function(self.generators[s**order]) ** sign
+            return (
+                self.function(self.variable) ** whole
+                * self.function(self.generators[s**order]) ** sign
+            )
         return super().convert(expression)
 
     def _delayed(self, lag: Expr, sign: int) -> RationalFunction:
         """exp(-s lag) as a power of the unit delay that it is a multiple of."""
-        for unit in reversed(self.lags):  # the longest first: a delay of its own before a thousand of another one
+        for unit in reversed(
+            self.lags
+        ):  # the longest first: a delay of its own before a thousand of another one
             multiple = lag / unit
             if multiple.is_Integer:
                 return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))
         raise SceneError(f"the delay {lag} is not in this ring")
 
     def order_at_0(self, polynomial: Polynomial) -> float:
-        """The order of the zero at s = 0, where every delay is 1; powers s^alpha are taken as if they were independent of s.
+        """The order of the zero at s = 0, where every delay is 1; powers s^alpha are taken as if
+        they were independent of s.
 
         >>> from sympy import exp
         >>> ring = Ring.of([exp(-s)])
@@ -96,7 +125,12 @@ class Ring(PolynomialRing):
         common = reduce(lambda x, y: x * y, (rate.denominator for rate in rates), self.constant(1))
         total = common * polynomial.derivative(0)
         for i, rate in enumerate(rates, self.size):
-            total -= rate.numerator * (common / rate.denominator) * self.context.gens()[i] * polynomial.derivative(i)
+            total -= (
+                rate.numerator
+                * (common / rate.denominator)
+                * self.context.gens()[i]
+                * polynomial.derivative(i)
+            )
         return total
 
     @cached_property
@@ -106,7 +140,8 @@ class Ring(PolynomialRing):
 
 
 def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
-    """What a ring needs names for: symbols, j, exponentials and the powers of s that are not whole."""
+    """What a ring needs names for: symbols, j, exponentials and the powers of s that are not
+    whole."""
     waiting = [*expressions]
     while waiting:
         x = waiting.pop()
@@ -132,7 +167,8 @@ def _is_root(x: Expr) -> bool:
 
 
 def _independent(numbers: set[Integer]) -> set[Integer]:
-    """Numbers without common factors and no powers, of which the given ones are products: then their roots are independent.
+    """Numbers without common factors and no powers, of which the given ones are products: then
+    their roots are independent.
 
     >>> sorted(_independent({Integer(6), Integer(10), Integer(7)}))
     [2, 3, 5, 7]
@@ -148,7 +184,9 @@ def _exponentials(expression: Expr) -> Expr:
     """Hyperbolic functions as exponentials."""
     if not expression.has(cosh, sinh):
         return expression
-    return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(sinh, lambda x: (exp(x) - exp(-x)) / 2)
+    return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(
+        sinh, lambda x: (exp(x) - exp(-x)) / 2
+    )
 
 
 def _lags(exponential: Expr) -> dict[Expr, int]:
@@ -165,7 +203,8 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
 
 
 def _units(lags: set[Expr]) -> list[Expr]:
-    """Unit delays: of the rational multiples of one time, their greatest common divisor where that is not too fine."""
+    """Unit delays: of the rational multiples of one time, their greatest common divisor where that
+    is not too fine."""
     classes: dict[Expr, list[Rational]] = {}
     for lag in lags:
         number, rest = lag.as_coeff_Mul()
@@ -234,7 +273,9 @@ def squared_modulus(dynamics: RationalFunction) -> RealFunction:
     """|f(j omega)|^2, in lowest terms."""
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
-    return RealFunction(axis.function(times(a, a) + times(b, b), times(c, c) + times(d, d)).reduced())
+    return RealFunction(
+        axis.function(times(a, a) + times(b, b), times(c, c) + times(d, d)).reduced()
+    )
 
 
 def _axis(dynamics: RationalFunction) -> Axis:
@@ -268,8 +309,8 @@ def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial, 
 class RealFunction:
     """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``.
 
-    ``above``, ``below`` : polynomials of which numerator and denominator are known to be products, up to a number: to take
-    these apart one by one is quicker.
+    ``above``, ``below`` : polynomials of which numerator and denominator are known to be products,
+    up to a number: to take these apart one by one is quicker.
     """
 
     function: RationalFunction
@@ -299,7 +340,9 @@ class RealFunction:
         if g.is_zero:
             raise SceneError("division by zero")
         *above, below = _square_over(f.numerator, g.numerator)
-        *right, left = _square_over(f.denominator, g.denominator)  # both are in lowest terms: no more can cancel
+        *right, left = _square_over(
+            f.denominator, g.denominator
+        )  # both are in lowest terms: no more can cancel
         parts = (*above, left), (*right, below)
         return RealFunction(f.ring.function(*(reduce(mul, x) for x in parts)).monic(), *parts)
 
@@ -317,7 +360,10 @@ class RealFunction:
         axis, f = self.axis, self.function
         if f.is_zero:
             return self
-        top, bottom = _Derived.of(axis, f.numerator, self.above), _Derived.of(axis, f.denominator, self.below)
+        top, bottom = (
+            _Derived.of(axis, f.numerator, self.above),
+            _Derived.of(axis, f.denominator, self.below),
+        )
         core = top.change * axis.function(bottom.own) - bottom.change * axis.function(top.own)
         if core.is_zero:
             return RealFunction(axis.function(core.numerator))
@@ -325,15 +371,22 @@ class RealFunction:
         core = _lowest(core / axis.function(small))
         common = top.shared.gcd(core.denominator)
         above, below = (top.shared / common, core.numerator), (*rest, core.denominator / common)
-        return RealFunction(axis.function(reduce(mul, above), reduce(mul, below)).monic(), above, below)
+        return RealFunction(
+            axis.function(reduce(mul, above), reduce(mul, below)).monic(), above, below
+        )
 
     def ball(self, x: Ball) -> Ball:
-        """A ball around the values at a ball of frequencies, at the current working precision; no symbol may be left.
+        """A ball around the values at a ball of frequencies, at the current working precision; no
+        symbol may be left.
 
         At omega = 0 around the limit.
         """
         ring = self.half_angled.ring
-        values = {g: expression_ball(g, {omega: x}) for g in ring.meanings if not g.is_Symbol or g == omega}
+        values = {
+            g: expression_ball(g, {omega: x})
+            for g in ring.meanings
+            if not g.is_Symbol or g == omega
+        }
         above, below = (self.axis.orders and x.is_zero() and self._beginning) or (
             self.half_angled.numerator,
             self.half_angled.denominator,
@@ -342,9 +395,12 @@ class RealFunction:
 
     @cached_property
     def _beginning(self) -> tuple[Polynomial, Polynomial] | None:
-        """Both parts over the lowest power of omega in them, broken or not, at omega = 0; None where orders are open."""
+        """Both parts over the lowest power of omega in them, broken or not, at omega = 0; None
+        where orders are open."""
         ring = self.half_angled.ring
-        weights = [x.as_base_exp()[1] if x.as_base_exp()[0] == omega else Integer(0) for x in ring.meanings]
+        weights = [
+            x.as_base_exp()[1] if x.as_base_exp()[0] == omega else Integer(0) for x in ring.meanings
+        ]
         if not all(x.is_Rational for x in weights):
             return None
         parts = [
@@ -354,7 +410,11 @@ class RealFunction:
         least = min(x[0] for part in parts for x in part)
         above, below = (
             ring.context.from_dict(
-                {tuple(0 if w else n for n, w in zip(row, weights, strict=True)): c for x, row, c in part if x == least}
+                {
+                    tuple(0 if w else n for n, w in zip(row, weights, strict=True)): c
+                    for x, row, c in part
+                    if x == least
+                }
             )
             for part in parts
         )
@@ -362,7 +422,8 @@ class RealFunction:
 
     @cached_property
     def half_angled(self) -> RationalFunction:
-        """In cos(a/2) and sin(a/2)/omega of its angles a, in lowest terms: nothing cancels that need not."""
+        """In cos(a/2) and sin(a/2)/omega of its angles a, in lowest terms: nothing cancels that
+        need not."""
         return self.axis.half_angles(self.function).reduced() if self.axis.angles else self.function
 
     @property
@@ -388,10 +449,12 @@ class RealFunction:
 
 @dataclass(frozen=True)
 class _Derived:
-    """A polynomial p = shared own, and its derivative p' = shared change: own has each factor of p once, if p' lacks one of it.
+    """A polynomial p = shared own, and its derivative p' = shared change: own has each factor of p
+    once, if p' lacks one of it.
 
-    So (p/q)' = p.shared (p.change q.own - q.change p.own)/(q q.own), where hardly more than numbers, powers and 1 + tan^2 can
-    cancel: of the quotient rule it would be most of p and q, and the search for it takes minutes where this takes a second.
+    So (p/q)' = p.shared (p.change q.own - q.change p.own)/(q q.own), where hardly more than
+    numbers, powers and 1 + tan^2 can cancel: of the quotient rule it would be most of p and q, and
+    the search for it takes minutes where this takes a second.
     """
 
     axis: Axis
@@ -401,21 +464,29 @@ class _Derived:
 
     @classmethod
     def of(cls, axis: Axis, polynomial: Polynomial, parts: Sequence[Polynomial]) -> _Derived:
-        """``parts`` : of which it is known to be the product, up to a number; a power of one is derived by that one."""
+        """``parts`` : of which it is known to be the product, up to a number; a power of one is
+        derived by that one."""
         one, *others = [x for x in parts if not x.is_constant()] or [polynomial]
         is_power = all(x == one for x in others)
         base, n = (one, 1 + len(others)) if is_power else (polynomial, 1)
         slope = axis.derivative(base).reduced()
         shared = base.gcd(slope.numerator)
         own = base / shared
-        return cls(axis, polynomial / own, own, axis.function(n * slope.numerator / shared, slope.denominator))
+        return cls(
+            axis,
+            polynomial / own,
+            own,
+            axis.function(n * slope.numerator / shared, slope.denominator),
+        )
 
     @property
     def doubtful(self) -> tuple[Polynomial, list[Polynomial]]:
-        """What (p q.own - q p.own)/(q q.own), a derivative over q, may still cancel with, and the factors of all else.
+        """What (p q.own - q p.own)/(q q.own), a derivative over q, may still cancel with, and the
+        factors of all else.
 
-        A factor of q that is not one of q' becomes one power more of the denominator. That leaves factors of q' that q has as
-        often, as powers and 1 + tan^2 are, and powers of omega, of which omega^alpha loses one.
+        A factor of q that is not one of q' becomes one power more of the denominator. That leaves
+        factors of q' that q has as often, as powers and 1 + tan^2 are, and powers of omega, of
+        which omega^alpha loses one.
         """
         special, common = self.shared, self.shared.gcd(self.own)
         while not common.is_constant():

@@ -1,4 +1,5 @@
-"""What can go wrong, by name: every message gives the place, the value, the rule and what to write instead."""
+"""What can go wrong, by name: every message gives the place, the value, the rule and what to write
+instead."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ T = TypeVar("T")
 
 
 class HaptisymError(ValueError):
-    """Base of all errors that haptisym raises on purpose; the command line prints its text and exits with status 2."""
+    """Base of all errors that haptisym raises on purpose; the command line prints its text and
+    exits with status 2."""
 
 
 class SceneError(HaptisymError):
@@ -31,7 +33,8 @@ def within(place: str) -> Iterator[None]:
 
 
 class SignError(SceneError):
-    """A parameter has a sign that its model does not allow; ``bound`` : ``k >= 0 (is -5 N/m)``; ``zero`` : the value is 0."""
+    """A parameter has a sign that its model does not allow; ``bound`` : ``k >= 0 (is -5 N/m)``;
+    ``zero`` : the value is 0."""
 
     bound: str = ""
     zero: bool = False
@@ -46,15 +49,18 @@ class NothingToDrawError(SceneError):
 
 
 class UndecidedError(HaptisymError):
-    """A question is undecided at the precision limit; no guess is returned instead (exit status 3)."""
+    """A question is undecided at the precision limit; no guess is returned instead (exit status
+    3)."""
 
 
 class LimitError(UndecidedError):
-    """A question is undecided at the limit in time; a longer limit may decide it (exit status 3)."""
+    """A question is undecided at the limit in time; a longer limit may decide it (exit status
+    3)."""
 
 
 def meant(given: str, valid: Iterable[str]) -> str:
-    """``did you mean "x"? ``: the valid name that an unknown one is near to, part of or begins; empty if there is none.
+    """``did you mean "x"? ``: the valid name that an unknown one is near to, part of or begins;
+    empty if there is none.
 
     >>> meant("zta", ["zeta", "omega_n"]), meant("zeta", ["effects.filter.zeta"]), meant("K", ["k"]), meant("x", ["zeta"])
     ('did you mean "zeta"? ', 'did you mean "effects.filter.zeta"? ', 'did you mean "k"? ', '')
@@ -64,7 +70,12 @@ def meant(given: str, valid: Iterable[str]) -> str:
     names, small = list(valid), given.lower()
     parts = [x for x in names if f".{small}." in f".{x.lower()}."]
     begun = [x for x in names if len(small) > 2 and x.lower().startswith(small)]
-    close = [*parts, *get_close_matches(given, names, n=1), *begun, *get_close_matches(small, names, n=1)]
+    close = [
+        *parts,
+        *get_close_matches(given, names, n=1),
+        *begun,
+        *get_close_matches(small, names, n=1),
+    ]
     return f'did you mean "{close[0]}"? ' if close else ""
 
 

@@ -1,8 +1,9 @@
 """From real functions to irreducible factors.
 
-A function is factored over Q; denominators are mostly alike, so that factors known from before are tried first. In a ring the
-half-angle tangents of delays and the angle of a power of s are free of each other; where they are not, and a factor vanishes
-everywhere or is a multiple of another one, that is looked at here.
+A function is factored over Q; denominators are mostly alike, so that factors known from before are
+tried first. In a ring the half-angle tangents of delays and the angle of a power of s are free of
+each other; where they are not, and a factor vanishes everywhere or is a multiple of another one,
+that is looked at here.
 """
 
 from __future__ import annotations
@@ -33,9 +34,15 @@ Pieces: TypeAlias = list[tuple[Polynomial, int]]
 
 
 def pieces(
-    parts: Sequence[Polynomial], axis: Axis, known: Sequence[Polynomial], *, longest: float, in_square: bool
+    parts: Sequence[Polynomial],
+    axis: Axis,
+    known: Sequence[Polynomial],
+    *,
+    longest: float,
+    in_square: bool,
 ) -> tuple[int, Pieces]:
-    """The sign of a number and the irreducible factors of a product of polynomials, but for circles 1 + tan^2.
+    """The sign of a number and the irreducible factors of a product of polynomials, but for circles
+    1 + tan^2.
 
     ``known`` : irreducible polynomials that are tried first on parts of at most ``longest`` terms.
     """
@@ -52,7 +59,11 @@ def pieces(
 
 def sign_between(polynomial: Polynomial, parts: Sequence[Polynomial]) -> int:
     """The sign of the number by which a polynomial is the product of others."""
-    return 1 if polynomial.leading_coefficient() * prod(x.leading_coefficient() for x in parts) > 0 else -1
+    return (
+        1
+        if polynomial.leading_coefficient() * prod(x.leading_coefficient() for x in parts) > 0
+        else -1
+    )
 
 
 def _divided(polynomial: Polynomial, known: Sequence[Polynomial]) -> tuple[Pieces, Polynomial]:
@@ -86,7 +97,8 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What has been taken apart for one chart: denominators are mostly alike, or products of others' factors."""
+    """What has been taken apart for one chart: denominators are mostly alike, or products of
+    others' factors."""
 
     polynomials: list[tuple[Polynomial, Factored]] = field(default_factory=list)
     factors: list[tuple[Polynomial, Factor]] = field(default_factory=list)
@@ -95,8 +107,9 @@ class Known:
 def factored_function(function: RealFunction, known: Known, *, in_square: bool = True) -> Product:
     """The function taken apart; ``known`` gathers what was on the way.
 
-    ``in_square`` : whether even polynomials may be taken apart in omega^2. Of functions on one chart that must be the same, and
-    only where all are even or odd: else one frequency might be the zero of two different factors.
+    ``in_square`` : whether even polynomials may be taken apart in omega^2. Of functions on one
+    chart that must be the same, and only where all are even or odd: else one frequency might be the
+    zero of two different factors.
     """
     top, bottom = function.function.numerator, function.function.denominator
     if top.is_zero():
@@ -106,7 +119,12 @@ def factored_function(function: RealFunction, known: Known, *, in_square: bool =
         found = next((taken for other, taken in known.polynomials if other == polynomial), None)
         if found is None:
             found = _factored(
-                polynomial, parts or (polynomial,), function.axis, known, in_square=in_square, is_below=direction < 0
+                polynomial,
+                parts or (polynomial,),
+                function.axis,
+                known,
+                in_square=in_square,
+                is_below=direction < 0,
             )
             known.polynomials.append((polynomial, found))
         own_sign, own_power, factors = found
@@ -127,12 +145,20 @@ def is_even_or_odd(function: RealFunction) -> bool:
 
 
 def _factored(
-    polynomial: Polynomial, parts: Sequence[Polynomial], axis: Axis, known: Known, *, in_square: bool, is_below: bool
+    polynomial: Polynomial,
+    parts: Sequence[Polynomial],
+    axis: Axis,
+    known: Known,
+    *,
+    in_square: bool,
+    is_below: bool,
 ) -> Factored:
-    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine and sine.
+    """Sign, power of omega and irreducible factors; half-angle tangents made homogeneous in cosine
+    and sine.
 
     ``parts`` : polynomials of which it is the product, up to a number; it alone if none are known.
-    The sign is 0 where a factor is zero at every frequency, as cos(2 pi/4) is, or omega^(1/2) omega^(1/2) - omega.
+    The sign is 0 where a factor is zero at every frequency, as cos(2 pi/4) is, or omega^(1/2)
+    omega^(1/2) - omega.
     """
     plain = axis.univariate(polynomial)
     if plain is not None and not axis.functions:
@@ -151,7 +177,9 @@ def _factored(
             continue
         made = next((made for other, made in known.factors if other == factor), None)
         if made is None:
-            made = (_analytic_factor if any(factor.degrees()[axis.size :]) else _polynomial_factor)(factor, axis)
+            made = (_analytic_factor if any(factor.degrees()[axis.size :]) else _polynomial_factor)(
+                factor, axis
+            )
             if _seems_to_vanish(made, axis) and vanishes(factor, axis):
                 return 0, Integer(0), []
             known.factors.append((factor, made))
@@ -164,7 +192,8 @@ def _factored(
 
 
 def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
-    """Whether it may be zero at every frequency, as far as one of them tells: rational powers of omega may cancel."""
+    """Whether it may be zero at every frequency, as far as one of them tells: rational powers of
+    omega may cancel."""
     if not axis.orders or not all(x.is_Rational for x in axis.orders):
         return False
     with flint.ctx.workprec(128):
@@ -178,16 +207,23 @@ def _power_of_omega(factor: Polynomial, axis: Axis) -> Expr | None:
         return None
     if factor == axis.variable:
         return Integer(1)
-    for order, generator in zip(axis.orders, axis.context.gens()[axis.size + len(axis.angles) :], strict=True):
+    for order, generator in zip(
+        axis.orders, axis.context.gens()[axis.size + len(axis.angles) :], strict=True
+    ):
         if factor == generator:
             return order
     return None
 
 
 def _changes(factor: Polynomial, axis: Axis) -> bool:
-    """Whether a factor changes with omega: by omega itself, by an angle of a delay or by a power omega^alpha."""
+    """Whether a factor changes with omega: by omega itself, by an angle of a delay or by a power
+    omega^alpha."""
     degrees = [int(n) for n in factor.degrees()]
-    return bool(degrees[0]) or any(_turning(factor, axis)) or any(degrees[axis.size + len(axis.angles) :])
+    return (
+        bool(degrees[0])
+        or any(_turning(factor, axis))
+        or any(degrees[axis.size + len(axis.angles) :])
+    )
 
 
 def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
@@ -203,7 +239,8 @@ def _polynomial_factor(factor: Polynomial, _: Axis) -> PolynomialFactor:
 
 
 def _rows(terms: Sequence[tuple[int, int, int]]) -> tuple[tuple[int, ...], ...]:
-    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of pi; given are both powers."""
+    """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of
+    pi; given are both powers."""
     rows: list[tuple[int, ...]] = [_NONE] * (max(terms)[0] + 1)
     for power, of_pi, value in terms:
         if of_pi or rows[power] is not _NONE:
@@ -222,7 +259,9 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
     groups: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
     tick()
     for exponents, value in monomials(factor):
-        groups.setdefault(exponents[first:], []).append((index(exponents[0]), index(exponents[1]), index(value.p)))
+        groups.setdefault(exponents[first:], []).append(
+            (index(exponents[0]), index(exponents[1]), index(value.p))
+        )
     sums = sorted([(tuple(map(index, waves)), _rows(found)) for waves, found in groups.items()])
     terms = tuple([WaveTerm(waves[:angles], waves[angles:], rows) for waves, rows in sums])
     return _made(terms, tuple(map(int, factor.degrees()[first : first + angles])), axis)
@@ -231,7 +270,9 @@ def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
 def _cosine(axis: Axis, index: int) -> AnalyticFactor:
     """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
     degrees = tuple(int(i == index) for i in range(len(axis.angles)))
-    return _made((WaveTerm((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis)
+    return _made(
+        (WaveTerm((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis
+    )
 
 
 def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
@@ -239,6 +280,8 @@ def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> 
     angles = list(compress(axis.angles, degrees))
     shorter = terms
     if len(angles) < len(degrees):
-        shorter = tuple([WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms])
+        shorter = tuple(
+            [WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms]
+        )
     rates = tuple([(angle.rate, angle.constant) for angle in angles])
     return AnalyticFactor(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)

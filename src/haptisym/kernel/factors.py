@@ -1,7 +1,9 @@
-"""The irreducible factors of real functions of omega: polynomials, and what delays and powers of omega bring.
+"""The irreducible factors of real functions of omega: polynomials, and what delays and powers of
+omega bring.
 
-A ``PolynomialFactor`` in omega^2 (or omega) has coefficients in Z[pi]; Descartes' rule isolates its roots. An ``AnalyticFactor``
-holds sines, cosines or powers of omega: its zeros are found by subdivision, as it has all Taylor coefficients.
+A ``PolynomialFactor`` in omega^2 (or omega) has coefficients in Z[pi]; Descartes' rule isolates its
+roots. An ``AnalyticFactor`` holds sines, cosines or powers of omega: its zeros are found by
+subdivision, as it has all Taylor coefficients.
 """
 
 from __future__ import annotations
@@ -30,7 +32,14 @@ from haptisym.kernel.delayterms import (
     taylor_coefficients,
 )
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import MOST_BITS, SURE_BITS, Ball, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.reals import (
+    MOST_BITS,
+    SURE_BITS,
+    Ball,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+)
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.zeros import (
     SeriesFactor,
@@ -49,9 +58,11 @@ from haptisym.kernel.zeros import (
 
 @dataclass(frozen=True)
 class PolynomialFactor(SmoothFactor):
-    """An irreducible polynomial in omega^step: its coefficients, ascending, are polynomials in pi over the integers.
+    """An irreducible polynomial in omega^step: its coefficients, ascending, are polynomials in pi
+    over the integers.
 
-    ``step`` is 2 (the variable is then W = omega^2) but for factors of functions in which odd powers meet sines.
+    ``step`` is 2 (the variable is then W = omega^2) but for factors of functions in which odd
+    powers meet sines.
     """
 
     coefficients: tuple[tuple[int, ...], ...]
@@ -75,10 +86,14 @@ class PolynomialFactor(SmoothFactor):
         return _at_precision(self, flint.ctx.prec)[0](x**self.step)
 
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
-        return [(self.value, self._slope)[n](x) for n in range(start, stop)]  # all that a simple zero asks for
+        return [
+            (self.value, self._slope)[n](x) for n in range(start, stop)
+        ]  # all that a simple zero asks for
 
     def _slope(self, x: Ball) -> Ball:
-        return _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
+        return (
+            _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
+        )
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         if not self.is_rational:
@@ -90,13 +105,18 @@ class PolynomialFactor(SmoothFactor):
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         if self.is_rational and self.degree > 1:
-            return [Zero(self, exact(a), exact(b), i) for i, (a, b) in enumerate(self._apart(*around(low, high)))]
+            return [
+                Zero(self, exact(a), exact(b), i)
+                for i, (a, b) in enumerate(self._apart(*around(low, high)))
+            ]
         return list(self.positive_roots())
 
     def _apart(self, low: Ball, high: Ball) -> Iterator[tuple[fmpq, fmpq]]:
-        """Intervals with dyadic ends in ascending order, each with one zero in it: Descartes' bound tells, or half of it does.
+        """Intervals with dyadic ends in ascending order, each with one zero in it: Descartes' bound
+        tells, or half of it does.
 
-        As an irreducible polynomial has none but simple roots, and none that is rational unless it is linear, this ends.
+        As an irreducible polynomial has none but simple roots, and none that is rational unless it
+        is linear, this ends.
         """
         waiting = Waiting([(low.fmpq(), high.fmpq())])
         for a, b in waiting:
@@ -113,26 +133,31 @@ class PolynomialFactor(SmoothFactor):
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
 
     def _moved(self, low: fmpq, high: fmpq) -> list[fmpz]:
-        """Coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), times a number > 0; t > 0 is what is in between."""
+        """Coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), times a number > 0; t >
+        0 is what is in between."""
         start, end = low**self.step, high**self.step
         moved = fmpq_poly([c for (c,) in self.coefficients])(fmpq_poly([start, end - start]))
         turned: fmpz_poly = fmpz_poly(moved.numer().coeffs()[::-1])(_ONE_MORE)
         return [turned[n] for n in range(self.degree + 1)]
 
     def order_at(self, place: Expr) -> int:
-        # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of omega are apart
+        # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of
+        # omega are apart
         if self.degree > 1 or place == 0:
             return 0
         if self.is_rational and place.is_Rational:
             return int(self.coefficients[0][0] + self.coefficients[1][0] * place**self.step == 0)
         ring = PolynomialRing(omega)
         x = ring.generators[pi]
-        low, high = (sum((n * x**i for i, n in enumerate(c)), ring.constant(0)) for c in self.coefficients)
+        low, high = (
+            sum((n * x**i for i, n in enumerate(c)), ring.constant(0)) for c in self.coefficients
+        )
         square = ring.convert(place) ** self.step
         return int((low * square.denominator + high * square.numerator).is_zero())
 
     def isolated(self, bits: int) -> tuple[Ball, ...] | None:
-        """Balls around all positive roots, ascending; None if that takes more precision than the current one."""
+        """Balls around all positive roots, ascending; None if that takes more precision than the
+        current one."""
         if self.degree == 1:
             low, high = (fmpz_poly(list(c))(arb.pi()) for c in self.coefficients)
             return _positive([-low / high])
@@ -155,7 +180,8 @@ class PolynomialFactor(SmoothFactor):
 
 @dataclass(frozen=True, repr=False)
 class Root(RealNumber):
-    """The frequency at which a polynomial factor vanishes, by its ``index``-th positive root in omega^step."""
+    """The frequency at which a polynomial factor vanishes, by its ``index``-th positive root in
+    omega^step."""
 
     factor: PolynomialFactor
     index: int
@@ -169,13 +195,17 @@ class Root(RealNumber):
 def polynomial_factors(
     coefficients: list[fmpq], *, in_square: bool = True
 ) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
-    """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in omega^2 where it is even."""
+    """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in
+    omega^2 where it is even."""
     lowest = next(n for n, c in enumerate(coefficients) if c)
     rest, step = coefficients[lowest:], 1
     if in_square and not any(rest[1::2]):
         rest, step = rest[::2], 2
     number, factors = fmpq_poly(rest).factor()
-    found = [(PolynomialFactor(tuple((int(c),) for c in f.numer().coeffs()), step), n) for f, n in factors]
+    found = [
+        (PolynomialFactor(tuple((int(c),) for c in f.numer().coeffs()), step), n)
+        for f, n in factors
+    ]
     return (1 if number > 0 else -1), lowest, found
 
 
@@ -195,7 +225,8 @@ _ONE_MORE = fmpz_poly([1, 1])
 
 @lru_cache(maxsize=1024)
 def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
-    """Balls around all positive roots in omega^step, ascending, computed with at least that many bits."""
+    """Balls around all positive roots in omega^step, ascending, computed with at least that many
+    bits."""
     tick()
     found = at_rising_precision(factor.isolated, bits, SURE_BITS)
     if found is None:
@@ -204,22 +235,28 @@ def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
 
 
 def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
-    """Of isolated roots of a real polynomial, the real ones: those whose mirror image meets no other root."""
+    """Of isolated roots of a real polynomial, the real ones: those whose mirror image meets no
+    other root."""
     roots = list(isolated)
     alone = [
         z
         for i, z in enumerate(roots)
         if not any(
-            z.real.overlaps(other.real) and (-z.imag).overlaps(other.imag) for j, other in enumerate(roots) if j != i
+            z.real.overlaps(other.real) and (-z.imag).overlaps(other.imag)
+            for j, other in enumerate(roots)
+            if j != i
         )
     ]
     return [z.real for z in alone if z.imag.contains(0)]
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
-    """The positive ones in order; None if two of them, or one and zero, cannot be told apart at this precision."""
+    """The positive ones in order; None if two of them, or one and zero, cannot be told apart at
+    this precision."""
     ordered = sorted(roots, key=lambda ball: ball.mid())
-    if not all(is_clear(ball) for ball in ordered) or any(a.overlaps(b) for a, b in pairwise(ordered)):
+    if not all(is_clear(ball) for ball in ordered) or any(
+        a.overlaps(b) for a, b in pairwise(ordered)
+    ):
         return None
     return tuple(ball for ball in ordered if ball > 0)
 
@@ -254,10 +291,13 @@ class AnalyticFactor(WaveSum, SeriesFactor):
         with flint.ctx.workprec(128):
             ends = around(low, high)
             first = (ends[1] - ends[0]) / (NEARER if self.orders else 16)
-        return isolated(self, self._edge(low, first, above=True), self._edge(high, first, above=False))
+        return isolated(
+            self, self._edge(low, first, above=True), self._edge(high, first, above=False)
+        )
 
     def _edge(self, place: Expr, first: Ball, *, above: bool) -> Ball:
-        """A dyadic number where a search may start or stop, with no zero between it and the place but at the place itself."""
+        """A dyadic number where a search may start or stop, with no zero between it and the place
+        but at the place itself."""
         if place == 0 and self.orders:
             return clear_of_zero(self, first)
         order = self.order_at(place)
@@ -301,7 +341,8 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
 
 
 def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
-    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must not."""
+    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must
+    not."""
     parts = by_powers(factor).values()
     least = min(AnalyticFactor(p.terms, p.rates, p.degrees, ()).order_at(place) for p in parts)
     with flint.ctx.workprec(MOST_BITS):
@@ -311,8 +352,11 @@ def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
 
 
 def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
-    """The order of the zero at a place where the waves are known exactly: the first derivative that is not zero there."""
-    for order, found in zip(range(_HIGHEST_ORDER), taylor_coefficients(factor, place, waves), strict=False):
+    """The order of the zero at a place where the waves are known exactly: the first derivative that
+    is not zero there."""
+    for order, found in zip(
+        range(_HIGHEST_ORDER), taylor_coefficients(factor, place, waves), strict=False
+    ):
         if not found.is_zero:
             return order
     raise UndecidedError(f"the order of a zero at omega = {place} rad/s")

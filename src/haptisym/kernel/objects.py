@@ -1,7 +1,9 @@
-"""What every value can do: show itself in a line, as a formula or as a table, and be copied exactly.
+"""What every value can do: show itself in a line, as a formula or as a table, and be copied
+exactly.
 
-In a session a value is one short line; in a notebook it is the formula, table or sentence that it is. FLINT's numbers have no
-pickles of their own: balls, polynomials and their contexts are packed part by part, so that an answer can go to another process.
+In a session a value is one short line; in a notebook it is the formula, table or sentence that it
+is. FLINT's numbers have no pickles of their own: balls, polynomials and their contexts are packed
+part by part, so that an answer can go to another process.
 """
 
 from __future__ import annotations
@@ -13,7 +15,17 @@ from io import BytesIO
 from textwrap import shorten
 from typing import Any
 
-from flint import Ordering, acb, arb, arb_mat, arb_poly, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+from flint import (
+    Ordering,
+    acb,
+    arb,
+    arb_mat,
+    arb_poly,
+    fmpq_mpoly,
+    fmpq_mpoly_ctx,
+    fmpq_poly,
+    fmpz_poly,
+)
 
 _LINE = 150
 """Characters of a line at most."""
@@ -21,7 +33,8 @@ _NOTEBOOK = "haptisym.pages.notebook"
 
 
 class Viewed:
-    """A value that a notebook shows as LaTeX or HTML; what writes them is loaded where one is shown."""
+    """A value that a notebook shows as LaTeX or HTML; what writes them is loaded where one is
+    shown."""
 
     __slots__ = ()
 
@@ -52,7 +65,9 @@ class Shown(Viewed, ABC):
         from pkgutil import resolve_name
 
         line = shorten(self._line(), _LINE, placeholder=" ...")
-        return f"<{type(self).__name__} {resolve_name('haptisym.writing.characters:printable')(line)}>"
+        return (
+            f"<{type(self).__name__} {resolve_name('haptisym.writing.characters:printable')(line)}>"
+        )
 
 
 def titled(title: str) -> str:
@@ -70,9 +85,11 @@ def counted(number: int, singular: str, plural: str = "") -> str:
 
 
 def packed(thing: object) -> bytes:
-    """An object as bytes, without what was computed from it and kept with it; ``unpacked`` gives its like.
+    """An object as bytes, without what was computed from it and kept with it; ``unpacked`` gives
+    its like.
 
-    Middles of balls are the same to the last bit, radii never smaller, and larger by a billionth at most.
+    Middles of balls are the same to the last bit, radii never smaller, and larger by a billionth at
+    most.
 
     >>> unpacked(packed([arb(1) / 3]))[0].contains(arb(1) / 3)
     True
@@ -88,7 +105,8 @@ def unpacked(found: bytes) -> Any:
 
 
 def copied(thing: Any) -> tuple[Any, ...]:
-    """As ``__reduce__`` of a class: pools of processes and files on disk take its values, and a copy asks nothing again."""
+    """As ``__reduce__`` of a class: pools of processes and files on disk take its values, and a
+    copy asks nothing again."""
     if not hasattr(thing, "__dict__"):  # as of a dataclass with slots
         return object.__new__, (type(thing),), thing.__getstate__()
     items = tuple(thing) if isinstance(thing, tuple) else None
@@ -104,7 +122,9 @@ def _restored(kind: type, content: bytes) -> Any:
 
 def state(thing: object) -> dict[str, Any]:
     """The attributes of an object, but for what it keeps of what was computed from them."""
-    kept = {k for c in type(thing).__mro__ for k, v in vars(c).items() if isinstance(v, cached_property)}
+    kept = {
+        k for c in type(thing).__mro__ for k, v in vars(c).items() if isinstance(v, cached_property)
+    }
     return {name: value for name, value in vars(thing).items() if name not in kept}
 
 
@@ -118,9 +138,15 @@ class _Pickler(pickle.Pickler):
         kind = type(thing)
         if kind in _PARTS:
             return _again, (kind, _PARTS[kind](thing))
-        own = (vars(c).get(name) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__"))
+        own = (
+            vars(c).get(name) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__")
+        )
         is_special = any(x not in (None, copied) for x in own)
-        if not is_special and kind.__module__.startswith("haptisym.") and hasattr(thing, "__dict__"):
+        if (
+            not is_special
+            and kind.__module__.startswith("haptisym.")
+            and hasattr(thing, "__dict__")
+        ):
             return made, (kind, tuple(thing) if isinstance(thing, tuple) else None), state(thing)
         return NotImplemented
 

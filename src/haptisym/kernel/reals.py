@@ -1,7 +1,8 @@
 """Real numbers that know themselves to any precision, and the digits that are known of them.
 
-A question about a number is asked in balls of twice as many bits until it has an answer, up to a limit of bits. From a ball come
-the nearest float, digits of which each is proven, ends that are rounded outward, and the simplest rational number in between.
+A question about a number is asked in balls of twice as many bits until it has an answer, up to a
+limit of bits. From a ball come the nearest float, digits of which each is proven, ends that are
+rounded outward, and the simplest rational number in between.
 """
 
 from __future__ import annotations
@@ -27,8 +28,11 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.objects import Viewed, copied
 
 
-def whole(name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = "") -> int:
-    """A whole number of whatever kind, in its limits; SceneError with its ``name`` and the rule. ``of`` : what it counts.
+def whole(
+    name: str, given: SupportsIndex, least: int = 1, most: int | None = None, *, of: str = ""
+) -> int:
+    """A whole number of whatever kind, in its limits; SceneError with its ``name`` and the rule.
+    ``of`` : what it counts.
 
     >>> from sympy import Integer
     >>> whole("digits", 3), whole("digits", Integer(3))
@@ -54,7 +58,8 @@ def bits_for(count: int) -> int:
 
 
 def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
-    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits; None if that differs.
+    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits;
+    None if that differs.
 
     >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
     (None, None)
@@ -77,7 +82,8 @@ def _decimal(x: Fraction, context: Context) -> Decimal:
 
 
 def _plain(x: Decimal, count: int | None = None) -> str:
-    """Positional notation where that is readable; with ``count``, trailing zeros up to that many digits."""
+    """Positional notation where that is readable; with ``count``, trailing zeros up to that many
+    digits."""
     if x.is_zero():
         return "0"
     if count is not None:
@@ -88,13 +94,18 @@ def _plain(x: Decimal, count: int | None = None) -> str:
 T = TypeVar("T")
 
 MOST_BITS = 1 << 13
-"""Where a question that may have no answer is given up as undecided: whether a number or an analytic function is 0."""
+"""Where a question that may have no answer is given up as undecided: whether a number or an
+analytic function is 0."""
 SURE_BITS = 1 << 20
-"""Where a question that has an answer for certain is: algebraic numbers always show that they differ; it bounds our mistakes."""
+"""Where a question that has an answer for certain is: algebraic numbers always show that they
+differ; it bounds our mistakes."""
 
 
-def at_rising_precision(ask: Callable[[int], T | None], first: int = 128, most: int = MOST_BITS) -> T | None:
-    """The first answer there is, asked at working precisions of ``first``, twice that, ... bits; None if none up to ``most``.
+def at_rising_precision(
+    ask: Callable[[int], T | None], first: int = 128, most: int = MOST_BITS
+) -> T | None:
+    """The first answer there is, asked at working precisions of ``first``, twice that, ... bits;
+    None if none up to ``most``.
 
     >>> at_rising_precision(lambda bits: None if bits < 1000 else bits)
     1024
@@ -117,7 +128,8 @@ _FEW_BITS = 128  # with which a number is shown to lie between others, or is not
 class RealNumber(Viewed, ABC):
     """A real number that can be enclosed as tightly as asked for.
 
-    ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is a proven interval.
+    ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is
+    a proven interval.
     """
 
     __slots__ = ()
@@ -139,7 +151,8 @@ class RealNumber(Viewed, ABC):
             return "[{}, {}]".format(*self.enclosure(5))
 
     def tight_ball(self, bits: int) -> Ball:
-        """A ball that contains the number, with that relative accuracy in bits (or exact, as for zero)."""
+        """A ball that contains the number, with that relative accuracy in bits (or exact, as for
+        zero)."""
 
         def tight(working: int) -> Ball | None:
             ball = self.ball(working)
@@ -147,7 +160,9 @@ class RealNumber(Viewed, ABC):
 
         found = at_rising_precision(tight, bits + 16, SURE_BITS)
         if found is None:
-            raise UndecidedError(f"a number to {bits} bits, with {SURE_BITS} bits of working precision")
+            raise UndecidedError(
+                f"a number to {bits} bits, with {SURE_BITS} bits of working precision"
+            )
         return found
 
     def bounds(self, bits: int) -> tuple[Fraction, Fraction]:
@@ -163,7 +178,9 @@ class RealNumber(Viewed, ABC):
         bits = 240
         while True:
             low, high = self.bounds(bits)
-            if float(low) == float(high) or bits > 2000:  # beyond that a tie between two doubles: any is nearest
+            if (
+                float(low) == float(high) or bits > 2000
+            ):  # beyond that a tie between two doubles: any is nearest
                 return float(low)
             bits *= 4
 
@@ -223,7 +240,13 @@ class SquareRoot(RealNumber):
             return self.square.ball(bits).max(arb(0)).sqrt()
 
 
-_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {cos: arb.cos, sin: arb.sin, tan: arb.tan, sinc: arb.sinc, log: arb.log}
+_FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {
+    cos: arb.cos,
+    sin: arb.sin,
+    tan: arb.tan,
+    sinc: arb.sinc,
+    log: arb.log,
+}
 
 
 def is_in_pi(value: Expr) -> bool:
@@ -236,7 +259,8 @@ def is_in_pi(value: Expr) -> bool:
 
 
 def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({})) -> Ball:
-    """A ball around a number made of rationals, pi, roots, logarithms, sines and tangents, at the current working precision.
+    """A ball around a number made of rationals, pi, roots, logarithms, sines and tangents, at the
+    current working precision.
 
     ``known``: balls that symbols stand for.
     """
@@ -258,7 +282,8 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
     if value.func in _FUNCTIONS:
         return _FUNCTIONS[value.func](expression_ball(value.args[0], known))
     raise TypeError(
-        f"{value} is not a real number made of rational numbers, pi, roots, logarithms, sines, cosines and tangents"
+        f"{value} is not a real number made of rational numbers, pi, roots, logarithms, "
+        f"sines, cosines and tangents"
     )
 
 
@@ -273,7 +298,8 @@ def short(x: RealNumber, digits: int = 5) -> str:
 
 
 class Way(Enum):
-    """How a number is rounded where it is printed: bounds and ranges outward, allowed sets inward, all else to the nearest."""
+    """How a number is rounded where it is printed: bounds and ranges outward, allowed sets inward,
+    all else to the nearest."""
 
     NEAREST = ROUND_HALF_EVEN
     DOWN = ROUND_FLOOR
@@ -284,9 +310,11 @@ Printable: TypeAlias = "RealNumber | Fraction | Expr | float"
 
 
 def printed(x: Printable, digits: int, way: Way) -> str:
-    """A number as it is printed: so many significant digits, rounded once, from all that is known of it.
+    """A number as it is printed: so many significant digits, rounded once, from all that is known
+    of it.
 
-    What needs no more digits is printed as it is. ``DOWN``: not larger than the number, ``UP``: not less; proven.
+    What needs no more digits is printed as it is. ``DOWN``: not larger than the number, ``UP``: not
+    less; proven.
 
     >>> printed(ExactNumber(pi), 4, Way.DOWN), printed(ExactNumber(pi), 4, Way.UP), printed(2.5, 4, Way.UP)
     ('3.141', '3.142', '2.5')
@@ -311,7 +339,9 @@ def printed(x: Printable, digits: int, way: Way) -> str:
         low, high = x.bounds(_SAME)
         if low <= Fraction(nearest) <= high and (high - low) * 2 ** (_SAME - 10) <= abs(low):
             return _readable(nearest, digits, Fraction(nearest))
-    return _readable(_decimal(low if way is Way.DOWN else high, Context(prec=digits, rounding=way.value)), digits)
+    return _readable(
+        _decimal(low if way is Way.DOWN else high, Context(prec=digits, rounding=way.value)), digits
+    )
 
 
 def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
@@ -323,12 +353,15 @@ def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
     x = x.quantize(Decimal(1).scaleb(x.adjusted() - digits + 1), context=Context(prec=digits + 2))
     if _SMALLEST <= x.adjusted() < max(_LARGEST, digits):
         return f"{x:f}"
-    mantissa = x.scaleb(-x.adjusted()).normalize() if exact == Fraction(x) else x.scaleb(-x.adjusted())
+    mantissa = (
+        x.scaleb(-x.adjusted()).normalize() if exact == Fraction(x) else x.scaleb(-x.adjusted())
+    )
     return f"{mantissa:f}e{x.adjusted()}"
 
 
 _SAME = 200
-"""Bits to which a number that lies on a short decimal is taken for it: a maximum at 3.6 is not printed as "above 3.601"."""
+"""Bits to which a number that lies on a short decimal is taken for it: a maximum at 3.6 is not
+printed as "above 3.601"."""
 _SMALLEST, _LARGEST = -4, 7  # powers of ten of numbers that are printed without an exponent
 
 
@@ -393,8 +426,11 @@ class Negative(RealNumber):
             return -self.number.ball(bits)
 
 
-def rational_between(low: RealNumber | None, high: RealNumber | None, own: Expr | None = None) -> Rational:
-    """The simplest rational number strictly between two different numbers; None stands for no bound on that side.
+def rational_between(
+    low: RealNumber | None, high: RealNumber | None, own: Expr | None = None
+) -> Rational:
+    """The simplest rational number strictly between two different numbers; None stands for no bound
+    on that side.
 
     ``own`` : the one that is taken if it lies between.
 
@@ -425,11 +461,15 @@ def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) 
     """Whether a number is shown to lie strictly between."""
     with flint.ctx.workprec(_FEW_BITS):
         here = arb(fmpq(int(own.p), int(own.q)))
-        return bool((low is None or low.ball(_FEW_BITS) < here) and (high is None or here < high.ball(_FEW_BITS)))
+        return bool(
+            (low is None or low.ball(_FEW_BITS) < here)
+            and (high is None or here < high.ball(_FEW_BITS))
+        )
 
 
 def _simplest(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction with the smallest denominator strictly between two others: their continued fractions up to where they part."""
+    """The fraction with the smallest denominator strictly between two others: their continued
+    fractions up to where they part."""
     if low < 0:
         return Fraction(0) if high > 0 else -_simplest(-high, -low)
     whole = floor(low)

@@ -1,8 +1,10 @@
-"""The symbols that every formula shares, and exact quotients of polynomials: the arithmetic under every closed form.
+"""The symbols that every formula shares, and exact quotients of polynomials: the arithmetic under
+every closed form.
 
-A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters and whatever else a
-formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is one more variable. ``pi`` is transcendental
-and exponentials of different delays are algebraically independent, so that tests for zero stay exact.
+A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters
+and whatever else a formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is
+one more variable. ``pi`` is transcendental and exponentials of different delays are algebraically
+independent, so that tests for zero stay exact.
 """
 
 from __future__ import annotations
@@ -21,7 +23,8 @@ from haptisym.kernel.budget import MOST_TERMS, afford, room
 from haptisym.kernel.errors import SceneError, need
 
 s = Symbol("s")
-"""Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same one."""
+"""Laplace variable, rad/s; plain, so that an ordinary ``Symbol("s")`` of the user is the same
+one."""
 
 omega = Symbol("omega", positive=True)
 """Angular frequency, rad/s."""
@@ -48,13 +51,15 @@ def symbols(names: str) -> tuple[Symbol, ...] | Symbol:
 
 
 def finite(total: Expr) -> Expr:
-    """The same sum: once seen to be finite, SymPy does not count the real roots of its terms to raise it to a power."""
+    """The same sum: once seen to be finite, SymPy does not count the real roots of its terms to
+    raise it to a power."""
     all(x.is_finite for x in total.args)
     return total
 
 
 def conflicting(expressions: list[Expr]) -> Symbol | None:
-    """A symbol that shares its name, but not its assumptions, with another one; None if there is none.
+    """A symbol that shares its name, but not its assumptions, with another one; None if there is
+    none.
 
     >>> conflicting([Symbol("m") + Symbol("m", positive=True)]) is None
     False
@@ -67,7 +72,8 @@ def conflicting(expressions: list[Expr]) -> Symbol | None:
 
 
 def monomials(polynomial: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
-    """The exponents of each term, and its coefficient: what ``to_dict().items()`` gives, in less than a third of its time.
+    """The exponents of each term, and its coefficient: what ``to_dict().items()`` gives, in less
+    than a third of its time.
 
     >>> from haptisym.kernel.rings import PolynomialRing
     >>> from haptisym.kernel.rings import s
@@ -81,20 +87,29 @@ Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
 
 
 class PolynomialRing:
-    """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` says what each stands for."""
+    """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` says what
+    each stands for."""
 
-    def __init__(self, variable: Symbol, symbols: Iterable[Symbol] = (), functions: Iterable[Expr] = ()) -> None:
+    def __init__(
+        self, variable: Symbol, symbols: Iterable[Symbol] = (), functions: Iterable[Expr] = ()
+    ) -> None:
         own = sorted(set(symbols) - {variable}, key=str)
         clash = conflicting([*own])
         if clash is not None:
-            raise SceneError(f"two different symbols are both named {clash}: give one of them another name")
+            raise SceneError(
+                f"two different symbols are both named {clash}: give one of them another name"
+            )
         self.symbols = tuple(own)  # a parameter, or a root of one or of a number
         self.functions = tuple(functions)
         self.meanings: tuple[Expr, ...] = (variable, pi, *self.symbols, *self.functions)
-        self.context = fmpq_mpoly_ctx.get(tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex)
+        self.context = fmpq_mpoly_ctx.get(
+            tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex
+        )
         self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
         self.roots = {x.base: x for x in own if x.is_Pow}
-        self._relations = [self.generators[x] ** x.exp.q - int(p) for p, x in self.roots.items() if p.is_Integer]
+        self._relations = [
+            self.generators[x] ** x.exp.q - int(p) for p, x in self.roots.items() if p.is_Integer
+        ]
         self._one = self.context.constant(1)
 
     @property
@@ -109,21 +124,27 @@ class PolynomialRing:
 
     def constant(self, value: int | Rational) -> Polynomial:
         """A rational number as a polynomial."""
-        return self.context.constant(value if isinstance(value, int) else fmpq(int(value.p), int(value.q)))
+        return self.context.constant(
+            value if isinstance(value, int) else fmpq(int(value.p), int(value.q))
+        )
 
-    def function(self, numerator: Polynomial, denominator: Polynomial | None = None) -> RationalFunction:
+    def function(
+        self, numerator: Polynomial, denominator: Polynomial | None = None
+    ) -> RationalFunction:
         """The quotient of two polynomials of this ring."""
         below = self._one if denominator is None else self.short(denominator)
         return RationalFunction(self, self.short(numerator), below)
 
     def short(self, polynomial: Polynomial) -> Polynomial:
-        """The same with powers of roots of numbers as numbers: 0 exactly where it is 0, as these roots are independent."""
+        """The same with powers of roots of numbers as numbers: 0 exactly where it is 0, as these
+        roots are independent."""
         for relation in self._relations:
             polynomial = divmod(polynomial, relation)[1]
         return polynomial
 
     def root_in(self, *polynomials: Polynomial) -> Expr | None:
-        """A root of a number in some polynomials: factors over Q do not tell their zeros apart, as of x^2 - 2 sqrt(2) x + 2."""
+        """A root of a number in some polynomials: factors over Q do not tell their zeros apart, as
+        of x^2 - 2 sqrt(2) x + 2."""
         roots = (x for p, x in self.roots.items() if p.is_Integer)
         return next((x for x in roots if degree_in(polynomials, self.meanings.index(x))), None)
 
@@ -154,7 +175,9 @@ class PolynomialRing:
             return reduce(mul, map(self.convert, expression.args))
         base, power = expression.as_base_exp()
         if base in self.roots and (power * self.roots[base].exp.q).is_Integer:
-            return self.function(self.generators[self.roots[base]]) ** int(power * self.roots[base].exp.q)
+            return self.function(self.generators[self.roots[base]]) ** int(
+                power * self.roots[base].exp.q
+            )
         if base.is_Integer and power.is_Rational and not power.is_Integer and base > 1:
             found, left = self.one, base
             for p in (p for p in self.roots if p.is_Integer):
@@ -165,12 +188,19 @@ class PolynomialRing:
         if expression.is_Pow and power.is_Integer:
             return self.convert(base) ** int(power)
         raise SceneError(
-            f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / and whole powers"
+            f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / "
+            f"and whole powers"
         )
 
     def expression(self, polynomial: Polynomial) -> Expr:
-        """A polynomial as a SymPy sum over the powers of the variable, each with its coefficient collected."""
-        return Add(*(coefficient * self.meanings[0] ** n for n, coefficient in self._powers(polynomial).items()))
+        """A polynomial as a SymPy sum over the powers of the variable, each with its coefficient
+        collected."""
+        return Add(
+            *(
+                coefficient * self.meanings[0] ** n
+                for n, coefficient in self._powers(polynomial).items()
+            )
+        )
 
     def coefficients(self, polynomial: Polynomial) -> list[Expr]:
         """The coefficients of a polynomial, ascending in powers of the variable."""
@@ -178,7 +208,8 @@ class PolynomialRing:
         return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
 
     def ball(self, polynomial: Polynomial, values: Mapping[Expr, Any]) -> Any:
-        """A ball around a polynomial's value where its variables are worth these balls, at the current working precision."""
+        """A ball around a polynomial's value where its variables are worth these balls, at the
+        current working precision."""
         known: list[Any] = [values.get(x) for x in self.meanings]
         powers: dict[tuple[int, int], Any] = {}
         total = arb(0)
@@ -193,7 +224,8 @@ class PolynomialRing:
         return total
 
     def univariate(self, polynomial: Polynomial) -> list[fmpq] | None:
-        """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers; None if they hold more."""
+        """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers;
+        None if they hold more."""
         if any(polynomial.degrees()[1:]):
             return None
         row = [fmpq(0)] * (int(polynomial.degrees()[0]) + 1)
@@ -205,7 +237,9 @@ class PolynomialRing:
         powers: dict[int, list[Expr]] = {}
         for (power, *rest), coefficient in monomials(polynomial):
             factors = [x ** int(n) for x, n in zip(self.meanings[1:], rest, strict=True) if n]
-            powers.setdefault(int(power), []).append(Mul(Rational(int(coefficient.p), int(coefficient.q)), *factors))
+            powers.setdefault(int(power), []).append(
+                Mul(Rational(int(coefficient.p), int(coefficient.q)), *factors)
+            )
         return {power: Add(*terms) for power, terms in powers.items()}
 
     def factored_expression(self, polynomial: Polynomial) -> Expr:
@@ -216,7 +250,8 @@ class PolynomialRing:
     def factors(
         self, polynomial: Polynomial, *, in_square: bool = True
     ) -> tuple[Rational, list[tuple[Polynomial, int]]]:
-        """A number and the factors over Q; of an even polynomial, unless told otherwise, those in the square of the variable.
+        """A number and the factors over Q; of an even polynomial, unless told otherwise, those in
+        the square of the variable.
 
         >>> from haptisym.kernel.rings import s
         >>> ring = PolynomialRing(s)
@@ -232,11 +267,14 @@ class PolynomialRing:
         own = [(x, n) for x, n in zip(self.context.gens(), shared, strict=True) if n]
         rest = polynomial / self.context.from_dict({tuple(shared): 1}) if own else polynomial
         unit, factors = self._split(rest.deflate(squares) if step > 1 else rest)
-        inflated = [(factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors]
+        inflated = [
+            (factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors
+        ]
         return Rational(int(unit.p), int(unit.q)), own + inflated
 
     def _split(self, polynomial: Polynomial) -> tuple[fmpq, list[tuple[Polynomial, int]]]:
-        """A number and the irreducible factors; those of a polynomial in one variable found as such, which is much faster."""
+        """A number and the irreducible factors; those of a polynomial in one variable found as
+        such, which is much faster."""
         degrees = [int(n) for n in polynomial.degrees()]
         used = [i for i, n in enumerate(degrees) if n]
         if len(used) != 1:
@@ -244,23 +282,35 @@ class PolynomialRing:
             return polynomial.factor()  # type: ignore[no-any-return]
         terms = {int(exponents[used[0]]): value for exponents, value in monomials(polynomial)}
         unit, factors = fmpq_poly([terms.get(n, fmpq(0)) for n in range(max(terms) + 1)]).factor()
-        place = [tuple(n if i == used[0] else 0 for i in range(len(degrees))) for n in range(max(terms) + 1)]
-        return unit, [(self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n) for f, n in factors]
+        place = [
+            tuple(n if i == used[0] else 0 for i in range(len(degrees)))
+            for n in range(max(terms) + 1)
+        ]
+        return unit, [
+            (self.context.from_dict(dict(zip(place, f.coeffs(), strict=False))), n)
+            for f, n in factors
+        ]
 
     def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
-        """A polynomial without the further functions that all its terms share, and those in front."""
+        """A polynomial without the further functions that all its terms share, and those in
+        front."""
         terms = list(monomials(polynomial))
         columns = zip(*(e for e, _ in terms), strict=True)
-        shared = [min(map(int, column)) if i >= self.size else 0 for i, column in enumerate(columns)]
+        shared = [
+            min(map(int, column)) if i >= self.size else 0 for i, column in enumerate(columns)
+        ]
         if not any(shared):
             return Integer(1), polynomial
         rest = {tuple(n - m for n, m in zip(map(int, e), shared, strict=True)): c for e, c in terms}
-        return Mul(*(x**n for x, n in zip(self.meanings, shared, strict=True))), self.context.from_dict(rest)
+        return Mul(
+            *(x**n for x, n in zip(self.meanings, shared, strict=True))
+        ), self.context.from_dict(rest)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RationalFunction:
-    """A quotient of two polynomials of one ring. Arithmetic does not cancel: ``reduced`` does, once, where it matters."""
+    """A quotient of two polynomials of one ring. Arithmetic does not cancel: ``reduced`` does,
+    once, where it matters."""
 
     ring: PolynomialRing
     numerator: Polynomial
@@ -279,15 +329,21 @@ class RationalFunction:
         return self + -other
 
     def __mul__(self, other: RationalFunction) -> RationalFunction:
-        return self._new(times(self.numerator, other.numerator), times(self.denominator, other.denominator))
+        return self._new(
+            times(self.numerator, other.numerator), times(self.denominator, other.denominator)
+        )
 
     def __truediv__(self, other: RationalFunction) -> RationalFunction:
         if other.is_zero:
             raise SceneError("division by zero")
-        if other.numerator.is_constant():  # the denominator stays what it was, so that sums have it in common
+        if (
+            other.numerator.is_constant()
+        ):  # the denominator stays what it was, so that sums have it in common
             number = other.numerator.leading_coefficient()
             return self._new(times(self.numerator, other.denominator) / number, self.denominator)
-        return self._new(times(self.numerator, other.denominator), times(self.denominator, other.numerator))
+        return self._new(
+            times(self.numerator, other.denominator), times(self.denominator, other.numerator)
+        )
 
     def __pow__(self, exponent: int) -> RationalFunction:
         if exponent < 0:
@@ -318,10 +374,15 @@ class RationalFunction:
     def monic(self) -> RationalFunction:
         """The same function, the denominator with leading coefficient 1."""
         leading = self.denominator.leading_coefficient()
-        return self if leading == 1 else self._new(self.numerator / leading, self.denominator / leading)
+        return (
+            self
+            if leading == 1
+            else self._new(self.numerator / leading, self.denominator / leading)
+        )
 
     def cleared(self) -> RationalFunction:
-        """The same function with whole coefficients, as small as they can be, in numerator and denominator."""
+        """The same function with whole coefficients, as small as they can be, in numerator and
+        denominator."""
         coefficients = [*self.numerator.coeffs(), *self.denominator.coeffs()]
         below = reduce(lcm, (int(c.q) for c in coefficients), 1)
         above = reduce(gcd, (int(c.p) * (below // int(c.q)) for c in coefficients), 0) or 1
@@ -331,12 +392,16 @@ class RationalFunction:
     def expression(self) -> Expr:
         """A SymPy quotient, in lowest terms, the denominator in factors."""
         reduced = self.reduced().cleared()
-        return self.ring.expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+        return self.ring.expression(reduced.numerator) / self.ring.factored_expression(
+            reduced.denominator
+        )
 
     def factored(self) -> Expr:
         """A SymPy quotient, in lowest terms, both numerator and denominator in factors."""
         reduced = self.reduced().cleared()
-        return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(reduced.denominator)
+        return self.ring.factored_expression(reduced.numerator) / self.ring.factored_expression(
+            reduced.denominator
+        )
 
 
 def times(x: Polynomial, y: Polynomial) -> Polynomial:
@@ -347,7 +412,12 @@ def times(x: Polynomial, y: Polynomial) -> Polynomial:
         return x
     afford(len(x), len(y))
     if len(x) * len(y) > MOST_TERMS:
-        room(min(len(x) * len(y), prod(int(n) + int(m) + 1 for n, m in zip(x.degrees(), y.degrees(), strict=True))))
+        room(
+            min(
+                len(x) * len(y),
+                prod(int(n) + int(m) + 1 for n, m in zip(x.degrees(), y.degrees(), strict=True)),
+            )
+        )
     return x * y
 
 

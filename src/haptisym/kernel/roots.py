@@ -1,11 +1,13 @@
-"""Where real functions vanish and which signs they have in between: proven, none missed, none invented.
+"""Where real functions vanish and which signs they have in between: proven, none missed, none
+invented.
 
-The result is a ``Chart``: all zeros and poles of all functions on a band in order, and the sign of every function
-before, at and after each. Every question about a band (crossings, percepts, activity, stability) is read off a chart. What is
-decided by several signs at once is a ``Lattice``, the largest of the smallest of functions, and is read off the same chart.
+The result is a ``Chart``: all zeros and poles of all functions on a band in order, and the sign of
+every function before, at and after each. Every question about a band (crossings, percepts,
+activity, stability) is read off a chart. What is decided by several signs at once is a ``Lattice``,
+the largest of the smallest of functions, and is read off the same chart.
 
-Zeros are ordered by enclosures as tight as it takes: those of different irreducible polynomials always differ; others count as
-one, or are undecided, where so many bits do not tell them apart.
+Zeros are ordered by enclosures as tight as it takes: those of different irreducible polynomials
+always differ; others count as one, or are undecided, where so many bits do not tell them apart.
 """
 
 from __future__ import annotations
@@ -107,10 +109,14 @@ def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
 
     # zeros of different irreducible polynomials differ
     analytic = (isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor) for x in numbers)
-    most = MOST_BITS if any(analytic) or any(isinstance(x, Undecided) for x in numbers) else SURE_BITS
+    most = (
+        MOST_BITS if any(analytic) or any(isinstance(x, Undecided) for x in numbers) else SURE_BITS
+    )
     found = at_rising_precision(told_apart, 128, most)
     if found is None:
-        raise UndecidedError(f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same")
+        raise UndecidedError(
+            f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same"
+        )
     return found
 
 
@@ -124,7 +130,8 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class Lattice:
-    """max over ``terms`` of the min over each: positive exactly where all functions of one term are."""
+    """max over ``terms`` of the min over each: positive exactly where all functions of one term
+    are."""
 
     terms: tuple[tuple[RealFunction, ...], ...]
 
@@ -135,11 +142,16 @@ class Lattice:
 
     def pieces(self, name: Hashable) -> dict[Piece, RealFunction]:
         """Its functions, by what a chart calls them."""
-        return {Piece(name, i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term)}
+        return {
+            Piece(name, i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term)
+        }
 
     def sign(self, name: Hashable, of: Callable[[Piece], int]) -> int:
         """max of min of the signs of the pieces."""
-        return max(min(of(Piece(name, i, j)) for j in range(len(term))) for i, term in enumerate(self.terms))
+        return max(
+            min(of(Piece(name, i, j)) for j in range(len(term)))
+            for i, term in enumerate(self.terms)
+        )
 
 
 Signed: TypeAlias = RealFunction | Lattice
@@ -147,7 +159,8 @@ Signed: TypeAlias = RealFunction | Lattice
 
 
 class Met(NamedTuple):
-    """What happens to a lattice at a point of a chart: its order, its signs to both sides, whether that is undecided."""
+    """What happens to a lattice at a point of a chart: its order, its signs to both sides, whether
+    that is undecided."""
 
     order: int
     before: int
@@ -166,7 +179,11 @@ def met(
     before, after = (lattice.sign(name, lambda piece, side=side: side[piece]) for side in sides)  # type: ignore[misc]
     low, high = (_at(lattice, name, orders, side, {}) for side in sides)
     unknown = [x for x in lattice.pieces(name) if x in doubtful]
-    found = {_at(lattice, name, orders, sides[1], guess) for guess in _guesses(unknown)} if unknown else set()
+    found = (
+        {_at(lattice, name, orders, sides[1], guess) for guess in _guesses(unknown)}
+        if unknown
+        else set()
+    )
     if _INFINITE in (abs(low), abs(high)):
         order = -1 if before != after else -2
     elif low == 0 and (before > 0 or after > 0 or (before, after) == (-1, -1)):
@@ -180,7 +197,9 @@ _INFINITE = 2
 
 
 def _guesses(unknown: list[Piece]) -> Iterator[dict[Piece, int]]:
-    return (dict(zip(unknown, guess, strict=True)) for guess in product((-1, 0, 1), repeat=len(unknown)))
+    return (
+        dict(zip(unknown, guess, strict=True)) for guess in product((-1, 0, 1), repeat=len(unknown))
+    )
 
 
 def _at(
@@ -194,7 +213,13 @@ def _at(
 
     def sign(piece: Piece) -> int:
         order = orders.get(piece, 0)
-        return guess[piece] if piece in guess else 0 if order > 0 else side[piece] * (_INFINITE if order < 0 else 1)
+        return (
+            guess[piece]
+            if piece in guess
+            else 0
+            if order > 0
+            else side[piece] * (_INFINITE if order < 0 else 1)
+        )
 
     return lattice.sign(name, sign)
 
@@ -209,7 +234,8 @@ def _order(
 ) -> int:
     """The least order of a piece that makes the lattice vanish, odd exactly where the sign changes.
 
-    Seen from the side after the point; from that before it where another piece jumps there over a pole.
+    Seen from the side after the point; from that before it where another piece jumps there over a
+    pole.
     """
 
     def seen(side: Mapping[Hashable, int]) -> Iterator[int]:
@@ -231,9 +257,12 @@ Signs: TypeAlias = Mapping[Key, int]
 class Point(Viewed):
     """A frequency ``omega``, rad/s, where a function vanishes or has a pole, or an end of the band.
 
-    ``orders`` : order of each function there: positive at a zero, negative at a pole, absent at neither.
-    ``before``, ``after`` : the sign of each function just below and just above, -1, 0 or 1; 0 where it vanishes everywhere.
-    ``undecided`` : the functions of which it is not known whether they vanish here, twice nearby, or not at all. Guaranteed:
+    ``orders`` : order of each function there: positive at a zero, negative at a pole, absent at
+    neither.
+    ``before``, ``after`` : the sign of each function just below and just above, -1, 0 or 1; 0 where
+    it vanishes everywhere.
+    ``undecided`` : the functions of which it is not known whether they vanish here, twice nearby,
+    or not at all. Guaranteed:
     between neighbouring points no function changes its sign. ``float(point)`` is omega, rounded.
     """
 
@@ -251,7 +280,8 @@ class Point(Viewed):
 
     @property
     def at(self) -> Signs:
-        """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or 0."""
+        """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or
+        0."""
         found = dict(self.after)
         for name, sign in self.before.items():
             if self.orders.get(name, 0) > 0 or sign != found[name]:
@@ -261,7 +291,8 @@ class Point(Viewed):
 
 @dataclass(frozen=True)
 class Interval(Viewed):
-    """A piece of the band from ``low`` to ``high``, both ``Point``, rad/s; a single frequency if both are the same.
+    """A piece of the band from ``low`` to ``high``, both ``Point``, rad/s; a single frequency if
+    both are the same.
 
     The sign of each function that was asked about is constant between its ends.
     """
@@ -275,9 +306,11 @@ class Interval(Viewed):
 
 @dataclass(frozen=True)
 class Chart:
-    """All zeros and poles of some functions on a band, in order, with the signs of all functions around each.
+    """All zeros and poles of some functions on a band, in order, with the signs of all functions
+    around each.
 
-    The first and the last point are the ends of the band. Between neighbouring points no function vanishes.
+    The first and the last point are the ends of the band. Between neighbouring points no function
+    vanishes.
     """
 
     points: tuple[Point, ...]
@@ -286,7 +319,8 @@ class Chart:
         return f"<Chart of {len(self.points[0].after)} functions, {len(self.points)} points>"
 
     def where(self, test: Callable[[Signs], bool]) -> tuple[Interval, ...]:
-        """The set of frequencies whose signs pass the test, as intervals in order, as few as possible."""
+        """The set of frequencies whose signs pass the test, as intervals in order, as few as
+        possible."""
         found: list[Interval] = []
         start: Point | None = None
         for point, following in zip(self.points, [*self.points[1:], None], strict=True):
@@ -316,12 +350,14 @@ class Chart:
 
 
 def chart(functions: Mapping[Any, Signed], low: Expr, high: Expr) -> Chart:
-    """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high, rational in pi).
+    """The chart of real functions of omega on the band from ``low`` to ``high`` (0 <= low < high,
+    rational in pi).
 
-    Guaranteed: every zero and every pole on the closed band is a point; no other frequency is; all orders and signs are
-    exact. A function that is zero everywhere has sign 0 everywhere. Functions with delays or powers of omega are entire
-    functions, so that tangencies, and nothing else, may stay undecided; their points say so. UndecidedError where even
-    the order of two points, or what happens at an end of the band, stays open.
+    Guaranteed: every zero and every pole on the closed band is a point; no other frequency is; all
+    orders and signs are exact. A function that is zero everywhere has sign 0 everywhere. Functions
+    with delays or powers of omega are entire functions, so that tangencies, and nothing else, may
+    stay undecided; their points say so. UndecidedError where even the order of two points, or what
+    happens at an end of the band, stays open.
 
     >>> from haptisym.kernel.dynamics import Ring
     >>> from sympy import Integer
@@ -338,26 +374,38 @@ def chart(functions: Mapping[Any, Signed], low: Expr, high: Expr) -> Chart:
     for name, lattice in lattices.items():
         single |= lattice.pieces(name)
     found = _charted(single, low, high)
-    return Chart(tuple(_joined(functions, lattices, point) for point in found)) if lattices else Chart(found)
+    return (
+        Chart(tuple(_joined(functions, lattices, point) for point in found))
+        if lattices
+        else Chart(found)
+    )
 
 
 def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point) -> Point:
     """A point with what happens to lattices in place of what happens to their pieces."""
     sides = point.before, point.after
-    found = {name: met(x, name, point.orders, sides, point.undecided) for name, x in lattices.items()}
+    found = {
+        name: met(x, name, point.orders, sides, point.undecided) for name, x in lattices.items()
+    }
     listed = list(names)
     orders = {x: found[x].order if x in found else point.orders.get(x, 0) for x in listed}
-    doubtful = {name for name, x in found.items() if x.undecided} | point.undecided.intersection(listed)
+    doubtful = {name for name, x in found.items() if x.undecided} | point.undecided.intersection(
+        listed
+    )
     before = {x: found[x].before if x in found else point.before[x] for x in listed}
     after = {x: found[x].after if x in found else point.after[x] for x in listed}
-    return Point(point.omega, {x: n for x, n in orders.items() if n}, before, after, frozenset(doubtful))
+    return Point(
+        point.omega, {x: n for x, n in orders.items() if n}, before, after, frozenset(doubtful)
+    )
 
 
 def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tuple[Point, ...]:
     """The points of a chart of single functions."""
     for f in functions.values():
         if root := f.axis.root_in(f.function.numerator, f.function.denominator):
-            raise SceneError(f"{root}: zeros are found of functions with rational numbers: give it as a decimal")
+            raise SceneError(
+                f"{root}: zeros are found of functions with rational numbers: give it as a decimal"
+            )
     even = all(is_even_or_odd(function) for function in functions.values())
     products = _products(functions, in_square=even)
     factors = {factor for product in products.values() for factor in product.exponents}
@@ -379,23 +427,40 @@ def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tu
 
 
 _MOST_TURNS = 10**5
-"""Of a delay's phase on a band: each may bring some crossings, and nobody reads a million of them."""
+"""Of a delay's phase on a band: each may bring some crossings, and nobody reads a million of
+them."""
 
 
 def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
     """SceneError where a delay turns so often on the band that its crossings cannot be listed."""
-    rates = {rate for f in factors if isinstance(f, AnalyticFactor) for rate, constant in f.rates if not constant}
+    rates = {
+        rate
+        for f in factors
+        if isinstance(f, AnalyticFactor)
+        for rate, constant in f.rates
+        if not constant
+    }
     for rate in rates:
         with flint.ctx.workprec(64):
-            turns = abs(expression_ball(rate) * (expression_ball(high) - expression_ball(low)) / (2 * arb.pi()))
+            turns = abs(
+                expression_ball(rate)
+                * (expression_ball(high) - expression_ball(low))
+                / (2 * arb.pi())
+            )
             if turns > _MOST_TURNS:
-                seconds, times = (f"{float(x.mid()):.3g}" for x in (abs(expression_ball(rate)), turns))
+                seconds, times = (
+                    f"{float(x.mid()):.3g}" for x in (abs(expression_ball(rate)), turns)
+                )
                 turned = f"{seconds} s turns its phase {times} times on the band"
-                raise SceneError(f"a delay of {turned}, more than {_MOST_TURNS} times: give a shorter delay or band")
+                raise SceneError(
+                    f"a delay of {turned}, more than {_MOST_TURNS} times: give a shorter "
+                    f"delay or band"
+                )
 
 
 def _products(functions: Mapping[Key, RealFunction], *, in_square: bool) -> dict[Key, Product]:
-    """The functions taken apart, short ones first: their factors are those of others' denominators."""
+    """The functions taken apart, short ones first: their factors are those of others'
+    denominators."""
     known, found = Known(), dict[Key, Product]()
 
     def length(name: Key) -> int:
@@ -406,25 +471,41 @@ def _products(functions: Mapping[Key, RealFunction], *, in_square: bool) -> dict
     return {name: found[name] for name in functions}
 
 
-def _turned(signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place) -> dict[Key, int]:
-    """The signs of the functions on the other side of a place; below omega = 0 functions are mirrored."""
-    odd = [name for name, n in orders.items() if n % 2 and not (place.is_zero and _is_even(products[name]))]
+def _turned(
+    signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place
+) -> dict[Key, int]:
+    """The signs of the functions on the other side of a place; below omega = 0 functions are
+    mirrored."""
+    odd = [
+        name
+        for name, n in orders.items()
+        if n % 2 and not (place.is_zero and _is_even(products[name]))
+    ]
     return {**signs, **{name: -signs[name] for name in odd}}
 
 
 def _is_even(product: Product) -> bool:
-    """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no other side."""
-    return not product.power.is_Integer or any(isinstance(f, AnalyticFactor) and f.orders for f in product.exponents)
+    """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no
+    other side."""
+    return not product.power.is_Integer or any(
+        isinstance(f, AnalyticFactor) and f.orders for f in product.exponents
+    )
 
 
 def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]:
     if not place.undecided:
         return frozenset()
-    return frozenset(name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents))
+    return frozenset(
+        name for name, p in products.items() if not place.undecided.isdisjoint(p.exponents)
+    )
 
 
 def _order_at(product: Product, place: _Place) -> int:
-    order = sum(product.exponents[factor] * n for factor, n in place.orders.items() if factor in product.exponents)
+    order = sum(
+        product.exponents[factor] * n
+        for factor, n in place.orders.items()
+        if factor in product.exponents
+    )
     return _whole(product.power + order) if place.is_zero else int(order)
 
 
@@ -462,17 +543,26 @@ def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
             zeros.setdefault(number, {})[f] = f.multiplicity(number)
     ordered = in_order([*ends, *zeros])
     inside = ordered[ordered.index(ends[0]) + 1 : ordered.index(ends[1])]
-    middle = [_Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ())) for x in inside]
+    middle = [
+        _Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ()))
+        for x in inside
+    ]
     return [_Place(ends[0], at_ends[0], is_zero=low == 0), *middle, _Place(ends[1], at_ends[1])]
 
 
-def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]) -> dict[Key, int]:
+def _first_signs(
+    products: Mapping[Key, Product], places: list[_Place], steady: Mapping[Factor, int]
+) -> dict[Key, int]:
     """The sign of each function between the first two places."""
     first, second = places[0].omega, places[1].omega
     ends = first.rough().upper(), second.rough().lower()
 
     def between(bits: int) -> Ball:
-        return ((ends[0] + ends[1]) / 2).mid() if ends[0] < ends[1] else (first.ball(bits) + second.ball(bits)) / 2
+        return (
+            ((ends[0] + ends[1]) / 2).mid()
+            if ends[0] < ends[1]
+            else (first.ball(bits) + second.ball(bits)) / 2
+        )
 
     signs = dict(steady)
     for factor in {f for p in products.values() for f in p.exponents} - steady.keys():
@@ -481,7 +571,8 @@ def _first_signs(products: Mapping[Key, Product], places: list[_Place], steady: 
         changes = sum(place.orders.get(factor, 0) for place in places[1:-1])
         signs[factor] = known * (-1) ** changes or factor.sign_at(between)
     return {
-        name: p.sign * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
+        name: p.sign
+        * prod(signs[factor] for factor, exponent in p.exponents.items() if exponent % 2)
         for name, p in products.items()
     }
 
@@ -503,6 +594,8 @@ def sign_of_number(value: Expr) -> int:
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
     # a number that is not zero shows it before
-    if sign := at_rising_precision(lambda _: sign_of(expression_ball(value)) or None, most=SURE_BITS):
+    if sign := at_rising_precision(
+        lambda _: sign_of(expression_ball(value)) or None, most=SURE_BITS
+    ):
         return sign
     raise UndecidedError(f"the sign of {value}")

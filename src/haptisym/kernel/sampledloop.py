@@ -1,14 +1,17 @@
-"""A plant between a hold and a sampler, and the loop with a clock that is closed over them: its polynomial, and its roots.
+"""A plant between a hold and a sampler, and the loop with a clock that is closed over them: its
+polynomial, and its roots.
 
-The plant G(s) = sum over i of exp(-s tau_i) N_i(s)/Q(s) is proper. It is driven by a force held for T at a time, and read the
-moment before the force changes. In w = 1/z its samples are w^l (w F_1(w) + w^2 F_2(w))/|1 - w exp(A T)|, with A the companion
-matrix of Q and tau = l T + theta: F_1 belongs to the force held last, F_2 to the one before, which a delay that is no whole
-sample lets in (the modified z-transform).
+The plant G(s) = sum over i of exp(-s tau_i) N_i(s)/Q(s) is proper. It is driven by a force held for
+T at a time, and read the moment before the force changes. In w = 1/z its samples are w^l (w F_1(w)
++ w^2 F_2(w))/|1 - w exp(A T)|, with A the companion matrix of Q and tau = l T + theta: F_1 belongs
+to the force held last, F_2 to the one before, which a delay that is no whole sample lets in (the
+modified z-transform).
 
-Fast clocks put all roots of the loop near z = 1. There exp(A T) - 1 = A int_0^T exp(A t) dt has balls as narrow, relatively, as
-those of the numbers that it is made of; the coefficients of z^n have not. So polynomials are written in z - 1, and then in v,
-z = (1 + v)/(1 - v): roots with |z| < 1 are those with Re v < 0, Routh's array counts the others, and Hurwitz' determinants say
-where one leaves.
+Fast clocks put all roots of the loop near z = 1. There exp(A T) - 1 = A int_0^T exp(A t) dt has
+balls as narrow, relatively, as those of the numbers that it is made of; the coefficients of z^n
+have not. So polynomials are written in z - 1, and then in v, z = (1 + v)/(1 - v): roots with |z| <
+1 are those with Re v < 0, Routh's array counts the others, and Hurwitz' determinants say where one
+leaves.
 """
 
 from __future__ import annotations
@@ -58,8 +61,9 @@ def _are_complex(numbers: Iterable[Any]) -> bool:
 class States:
     """The companion form of a monic denominator Q(s), coefficients ascending, in balls.
 
-    The i-th state is the i-th derivative times rate^(n - 1 - i): with entries of one size a matrix exponential, whose error is
-    one for all of its entries, stays narrow where the numbers it is made of are.
+    The i-th state is the i-th derivative times rate^(n - 1 - i): with entries of one size a matrix
+    exponential, whose error is one for all of its entries, stays narrow where the numbers it is
+    made of are.
     """
 
     Q: Sequence[Ball]
@@ -81,7 +85,10 @@ class States:
         """The companion matrix of Q, its states scaled by the rate."""
         n, rate = self.size, self.rate
         last = [-q / rate ** (n - 1 - j) for j, q in enumerate(self.Q[:n])]
-        return matrix([[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)] + ([last] if n else []))
+        return matrix(
+            [[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)]
+            + ([last] if n else [])
+        )
 
     def row(self, C: Sequence[Ball]) -> Any:
         """What reads c_0 y + c_1 y' + ... off the states."""
@@ -89,7 +96,8 @@ class States:
         return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
 
     def integral(self, time: Ball) -> Any:
-        """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of a small X, which is doubled.
+        """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of
+        a small X, which is doubled.
 
         As S(2 X) = S(X) + X S(X)^2/2, nothing is taken off what is nearly equal to it.
         """
@@ -115,11 +123,15 @@ class States:
 
 @lru_cache(maxsize=16)
 def _series(bits: int) -> tuple[Ball, list[Ball]]:
-    """What terms that are left out of the series add up to at most, of |X| <= 1/4, and 1/n from its last term down to 1/2."""
+    """What terms that are left out of the series add up to at most, of |X| <= 1/4, and 1/n from its
+    last term down to 1/2."""
     with flint.ctx.workprec(bits):
         rest, k = arb(1), 1
         while rest > arb(2) ** -(bits + 8):
-            k, rest = k + 1, rest / (4 * (k + 1))  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
+            k, rest = (
+                k + 1,
+                rest / (4 * (k + 1)),
+            )  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
         return rest, [arb(1) / n for n in range(k, 1, -1)]
 
 
@@ -131,7 +143,9 @@ def column(M: Any, j: int) -> Any:
 def norm(X: Any) -> Ball:
     """The largest sum of sizes in a row."""
     n = X.nrows()
-    return max((sum((abs(X[i, j]).upper() for j in range(n)), arb(0)) for i in range(n)), default=arb(0))
+    return max(
+        (sum((abs(X[i, j]).upper() for j in range(n)), arb(0)) for i in range(n)), default=arb(0)
+    )
 
 
 def widened(M: Any, radius: Ball) -> Any:
@@ -143,10 +157,12 @@ def widened(M: Any, radius: Ball) -> Any:
 
 
 def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
-    """What C reads, just before the force changes, of a force that changes its sign each period: at z = -1.
+    """What C reads, just before the force changes, of a force that changes its sign each period: at
+    z = -1.
 
-    C tanh(X)/A e, X = A T/2, is T/2 C e + T/2 C (tanh(X)/X - 1) e, by Taylor's series: where the plant is slow compared with the
-    clock little of it is left, without a difference of what is nearly equal. None where the series is of no use.
+    C tanh(X)/A e, X = A T/2, is T/2 C e + T/2 C (tanh(X)/X - 1) e, by Taylor's series: where the
+    plant is slow compared with the clock little of it is left, without a difference of what is
+    nearly equal. None where the series is of no use.
     """
     n = states.size
     X = states.A * (period / 2)
@@ -193,7 +209,8 @@ class Plant:
 
 @dataclass(frozen=True)
 class Timed(Plant):
-    """The same of which each delay is known to have so many ``whole`` samples, and up to one more, whatever the numbers are."""
+    """The same of which each delay is known to have so many ``whole`` samples, and up to one more,
+    whatever the numbers are."""
 
     whole: tuple[int, ...] = ()
 
@@ -205,7 +222,9 @@ def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
     """The whole part of a number."""
 
     def whole(_: int) -> int | None:
-        found = acb(expression_ball(ratio, known)).real.floor().unique_fmpz()  # of a disc, that of all within it
+        found = (
+            acb(expression_ball(ratio, known)).real.floor().unique_fmpz()
+        )  # of a disc, that of all within it
         return None if found is None else int(found)
 
     if ratio.is_Rational:
@@ -218,7 +237,8 @@ def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
 
 @dataclass(frozen=True)
 class SampledLoop:
-    """The loop of a plant and a controller D(w) = above/below, w = 1/z, with a clock: 1 + D G = 0, as a polynomial C(w).
+    """The loop of a plant and a controller D(w) = above/below, w = 1/z, with a clock: 1 + D G = 0,
+    as a polynomial C(w).
 
     >>> from sympy import Integer, Rational
     >>> half = Rational(1, 2)
@@ -246,7 +266,10 @@ class SampledLoop:
 
         terms = tuple((lag.xreplace(values), put(N)) for lag, N in self.plant.terms)
         return SampledLoop(
-            Plant(put(self.plant.denominator), terms), self.T.xreplace(values), put(self.above), put(self.below)
+            Plant(put(self.plant.denominator), terms),
+            self.T.xreplace(values),
+            put(self.above),
+            put(self.below),
         )
 
     @cached_property
@@ -257,7 +280,8 @@ class SampledLoop:
         return frozenset[Symbol]().union(*(x.free_symbols for x in numbers))
 
     def unstable(self) -> tuple[int, int]:
-        """How many roots have |z| > 1, and how many lie at z = 1; UndecidedError where any other may lie on the circle."""
+        """How many roots have |z| > 1, and how many lie at z = 1; UndecidedError where any other
+        may lie on the circle."""
         at_1 = self.roots_at_one
         found = at_rising_precision(lambda _: _count_right(self.in_v({}, at_1)), 128, _MOST_BITS)
         if found is None:
@@ -266,10 +290,13 @@ class SampledLoop:
 
     @cached_property
     def roots_at_one(self) -> int:
-        """How many roots of a loop of numbers lie at z = 1: exactly, as long as it is one where the controller does anything."""
+        """How many roots of a loop of numbers lie at z = 1: exactly, as long as it is one where the
+        controller does anything."""
         if self.at_one != 0:
             return 0
-        if not any(self.above) or not any(x for _, N in self.plant.terms for x in N):  # the poles of what moves, alone
+        if not any(self.above) or not any(
+            x for _, N in self.plant.terms for x in N
+        ):  # the poles of what moves, alone
             return next(n for n, x in enumerate(self.plant.denominator) if x != 0)
         with flint.ctx.workprec(256):
             if self.about_one({})[1].contains(0):
@@ -280,14 +307,17 @@ class SampledLoop:
     def at_one(self) -> Expr:
         """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
         above, below = (Add(*row) for row in (self.above, self.below))
-        return (below * self.plant.denominator[0] + above * Add(*(N[0] for _, N in self.plant.terms))).expand()
+        return (
+            below * self.plant.denominator[0] + above * Add(*(N[0] for _, N in self.plant.terms))
+        ).expand()
 
     @cached_property
     def at_minus_one(self) -> tuple[Expr, Expr]:
         """A(-1) and B(-1), by which N(-1) and Q(-1) are multiplied there."""
         size = self._size
         above, below = (
-            Add(*(x * (-1) ** (size - k) for k, x in enumerate(row))).expand() for row in (self.above, self.below)
+            Add(*(x * (-1) ** (size - k) for k, x in enumerate(row))).expand()
+            for row in (self.above, self.below)
         )
         return above, below
 
@@ -296,7 +326,8 @@ class SampledLoop:
         return max(len(self.above), len(self.below)) - 1
 
     def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:
-        """The coefficients of C in w, ascending, at the current working precision; ``known`` : what symbols stand for."""
+        """The coefficients of C in w, ascending, at the current working precision; ``known`` : what
+        symbols stand for."""
         n, degree = len(self.plant.denominator) - 1, len(self.below) - 1
         if any(self.above):
             whole = self.plant.samples(self.T, known)
@@ -324,14 +355,15 @@ class SampledLoop:
         return above * moved.above, below * moved.below
 
     def sides(self, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
-        """N and Q of C = N + Q, polynomials in z - 1: N what the controller makes, Q what moves without it."""
+        """N and Q of C = N + Q, polynomials in z - 1: N what the controller makes, Q what moves
+        without it."""
         return self._both(self._moved(known), known)
 
     def in_v(self, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
         """The coefficients in v, ascending, without so many roots that always lie at 1.
 
-        The highest is told at z = -1 itself: with Tustin's rule the controller has a pole there, and all but little of it
-        cancels.
+        The highest is told at z = -1 itself: with Tustin's rule the controller has a pole there,
+        and all but little of it cancels.
         """
         moved = self._moved(known)
         c = about_axis(self._row(moved, known)[always:])
@@ -341,7 +373,11 @@ class SampledLoop:
 
     @cached_property
     def _is_of_numbers(self) -> bool:
-        numbers = self.T, *self.plant.denominator, *(x for lag, N in self.plant.terms for x in (lag, *N))
+        numbers = (
+            self.T,
+            *self.plant.denominator,
+            *(x for lag, N in self.plant.terms for x in (lag, *N)),
+        )
         return not any(x.free_symbols for x in numbers)
 
     def _moved(self, known: Mapping[Expr, Ball]) -> _Moved:
@@ -351,10 +387,11 @@ class SampledLoop:
 
 
 def _count_right(c: Sequence[Ball]) -> int | None:
-    """How many roots of a polynomial have Re v > 0, none being on the axis; None where balls do not tell.
+    """How many roots of a polynomial have Re v > 0, none being on the axis; None where balls do not
+    tell.
 
-    By Routh's array; where that has a zero, with a further root at -7/5, by which no two roots come to add up to 0; and by the
-    roots themselves where two of them do.
+    By Routh's array; where that has a zero, with a further root at -7/5, by which no two roots come
+    to add up to 0; and by the roots themselves where two of them do.
     """
     further = [7 * x / 5 + y for x, y in zip([*c, arb(0)], [arb(0), *c], strict=True)]
     if (found := routh(c)) is not None or (found := routh(further)) is not None:
@@ -377,7 +414,8 @@ def about_axis(row: Sequence[Ball]) -> list[Ball]:
 
 
 def hurwitz(c: Sequence[Ball]) -> Ball:
-    """The last determinant but one of Hurwitz: 0 where two roots v add up to 0, a pair on the axis among them."""
+    """The last determinant but one of Hurwitz: 0 where two roots v add up to 0, a pair on the axis
+    among them."""
     n = len(c) - 1
     if n < 2:
         return arb(1)
@@ -389,9 +427,10 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
 def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
     """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
 
-    They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2. In wide balls that says more
-    than the determinant, in which their widths are multiplied. ``lines`` : how the coefficients move together. With
-    E = E_0 + E_1 y and O likewise, E_1 O_0 - O_1 E_0 would be zero as well, in which y is not.
+    They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2.
+    In wide balls that says more than the determinant, in which their widths are multiplied.
+    ``lines`` : how the coefficients move together. With E = E_0 + E_1 y and O likewise, E_1 O_0 -
+    O_1 E_0 would be zero as well, in which y is not.
     """
     if len(c) < 3:
         return True
@@ -399,7 +438,9 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
         return False
     halves = _halves(c)
     if lines:
-        (E_0, O_0), (E_1, O_1) = (map(arb_poly, _halves(x)) for x in ([y.at for y in lines], [y.slope for y in lines]))
+        (E_0, O_0), (E_1, O_1) = (
+            map(arb_poly, _halves(x)) for x in ([y.at for y in lines], [y.slope for y in lines])
+        )
         halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
     both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
     waiting = deque((parts, 0.0, 1.0) for parts in both)
@@ -421,8 +462,11 @@ def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
     return [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
 
 
-def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> tuple[Ball, Ball, Ball]:
-    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle.
+def circle_tests(
+    loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0
+) -> tuple[Ball, Ball, Ball]:
+    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is
+    on the circle.
 
     ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
     """
@@ -431,22 +475,30 @@ def circle_tests(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alway
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
-    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up to 0 in v."""
+    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up
+    to 0 in v."""
     return most_on_circle(loop, known, one, always) == 0
 
 
-def most_on_circle(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> int | None:
-    """For how many values in a ball each of the tests is 0 at most, proven: for none (0), for one; None where that is open.
+def most_on_circle(
+    loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0
+) -> int | None:
+    """For how many values in a ball each of the tests is 0 at most, proven: for none (0), for one;
+    None where that is open.
 
-    Of one number also by what tests and coefficients are on circles about it: with a resonance between clock and hand, as behind
-    a compliance, balls are up to a thousand times as wide as what the coefficients do. A test whose derivative has one sign all
-    over is 0 once at most.
+    Of one number also by what tests and coefficients are on circles about it: with a resonance
+    between clock and hand, as behind a compliance, balls are up to a thousand times as wide as what
+    the coefficients do. A test whose derivative has one sign all over is 0 once at most.
     """
 
     def told(numbers: Mapping[Expr, Any]) -> list[Any]:
-        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's period is open."""
+        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's
+        period is open."""
         T, c = expression_ball(loop.T, numbers), loop.in_v(numbers, always)
-        return [c[0] if always else expression_ball(one, numbers), *(x * T**i for i, x in enumerate(c))]
+        return [
+            c[0] if always else expression_ball(one, numbers),
+            *(x * T**i for i, x in enumerate(c)),
+        ]
 
     def tested(numbers: Mapping[Expr, Any]) -> list[Any]:
         found = told(numbers)
@@ -465,7 +517,9 @@ def most_on_circle(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, alw
     is_pair_open = pair.ball.contains(0) and not has_no_pair([x.ball for x in c], c)
     if not is_pair_open and not any(x.ball.contains(0) for x in ends):
         return 0
-    return 1 if all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair)) else None
+    return (
+        1 if all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair)) else None
+    )
 
 
 def _is_clear(told: Sequence[Ball]) -> bool:
@@ -478,7 +532,8 @@ def _is_clear(told: Sequence[Ball]) -> bool:
 
 @dataclass(frozen=True)
 class _Moved:
-    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1; ``opposite`` : the first at z = -1."""
+    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1; ``opposite`` :
+    the first at z = -1."""
 
     above: Any
     below: Any
@@ -487,7 +542,8 @@ class _Moved:
 
 @lru_cache(maxsize=64)
 def _of_numbers(plant: Plant, period: Expr, bits: int) -> _Moved:
-    """Of a plant without symbols, at this working precision: one matrix exponential for all values of a controller."""
+    """Of a plant without symbols, at this working precision: one matrix exponential for all values
+    of a controller."""
     assert bits == flint.ctx.prec
     return _moved(plant, period, {})
 
@@ -499,7 +555,10 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     Q = [expression_ball(x, known) / lead for x in plant.denominator]
     n = len(Q) - 1
     states = States(Q)
-    lates = [expression_ball(lag - ell * period, known) for (lag, _), ell in zip(plant.terms, whole, strict=True)]
+    lates = [
+        expression_ball(lag - ell * period, known)
+        for (lag, _), ell in zip(plant.terms, whole, strict=True)
+    ]
     parts = [None if x.is_zero() else (states.integral(T - x), states.integral(x)) for x in lates]
     integral = states.integral(T)
     M, held = states.A * integral, column(integral, n - 1)
@@ -509,7 +568,9 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
         N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
         C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
-        own = _power(1) * _between(C, adjugate, column(part[0], n - 1) if part else held) + N[n] * den
+        own = (
+            _power(1) * _between(C, adjugate, column(part[0], n - 1) if part else held) + N[n] * den
+        )
         if part:
             early, late = part[0], column(part[1], n - 1)
             own += _between(C, adjugate, late + states.A * (early * late))
@@ -523,7 +584,8 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
 
 
 def _leverrier(M: Any) -> tuple[Any, list[Any]]:
-    """|x - M|, and the coefficients of adj(x - M), ascending in x: without differences of what is nearly equal (Leverrier)."""
+    """|x - M|, and the coefficients of adj(x - M), ascending in x: without differences of what is
+    nearly equal (Leverrier)."""
     n = M.nrows()
     one = matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
     row, N = [arb(1)], one
@@ -546,7 +608,8 @@ def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
 def _turned(n: int) -> list[Any]:
     """(z - 1)^k (1 - v)^n in v, k = 0, ..., n."""
     return [
-        arb_poly([0] * k + [2**k]) * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
+        arb_poly([0] * k + [2**k])
+        * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
         for k in range(n + 1)
     ]
 

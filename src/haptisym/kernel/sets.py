@@ -1,24 +1,29 @@
 """For which values of a number does a verdict hold? Sets of values, and the one way to find them.
 
-A *verdict* on one exact number is yes, no, or undecided. A ``ValueSet`` says for all values of a range which verdict they
-have. It is a line of *points*, each a single value, and of *stretches*, each all values strictly between two neighbouring
-points; both have a verdict, and a reason where it is undecided.
+A *verdict* on one exact number is yes, no, or undecided. A ``ValueSet`` says for all values of a
+range which verdict they have. It is a line of *points*, each a single value, and of *stretches*,
+each all values strictly between two neighbouring points; both have a verdict, and a reason where it
+is undecided.
 
-**Guaranteed** of a ValueSet at any moment, also of one that a limit cut short: every value that was searched lies in a
-point or a stretch; the verdict of each is proven for all values in it, or it is undecided. Nothing is claimed of values
-that were not searched. Union and intersection keep that: what one set leaves open is open unless another one settles it.
+**Guaranteed** of a ValueSet at any moment, also of one that a limit cut short: every value that was
+searched lies in a point or a stretch; the verdict of each is proven for all values in it, or it is
+undecided. Nothing is claimed of values that were not searched. Union and intersection keep that:
+what one set leaves open is open unless another one settles it.
 
-**How it is found** (``solve``). A ``Question`` is a verdict at one number, and what is known beyond that:
+**How it is found** (``solve``). A ``Question`` is a verdict at one number, and what is known beyond
+that:
 
-1. *Critical values* (``changes``): numbers at which alone the verdict may change, all of them but in stretches that are
-   named as open. Between two neighbours one verdict then settles all values, however far apart they are.
-2. *Cells* (``cells``): stretches that are settled as wholes, by bounds that hold for all values in them.
-3. *One end* (``end``): in a narrow cell between values that hold and values that fail, the one value at which that
-   changes, where it is proven that there is just one.
+1. *Critical values* (``changes``): numbers at which alone the verdict may change, all of them but
+   in stretches that are named as open. Between two neighbours one verdict then settles all values,
+   however far apart they are.
+2. *Cells* (``cells``): stretches that are settled as wholes, by bounds that hold for all values in
+   them.
+3. *One end* (``end``): in a narrow cell between values that hold and values that fail, the one
+   value at which that changes, where it is proven that there is just one.
 4. The present value, 0 and the ends of the range are asked by themselves.
 
-What none of these settles is undecided, and stays so in the answer. A limit of time is an exception that ``solve``
-catches once: what is not settled by then is undecided for that reason.
+What none of these settles is undecided, and stays so in the answer. A limit of time is an exception
+that ``solve`` catches once: what is not settled by then is undecided for that reason.
 
 >>> from haptisym.kernel.reals import SquareRoot
 >>> root = Change(SquareRoot(ExactNumber(Integer(2))))
@@ -65,7 +70,8 @@ _ALONE = "whether it holds at this one value is not known"
 
 
 class Verdict(StrEnum):
-    """What is known of values: the verdict is yes for all of them, no for all of them, or not known."""
+    """What is known of values: the verdict is yes for all of them, no for all of them, or not
+    known."""
 
     HOLDS = "holds"
     FAILS = "fails"
@@ -76,13 +82,15 @@ _VERDICTS = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.UNDECIDED}
 
 
 def _is_up_to(high: RealNumber | None, low: RealNumber | None) -> bool:
-    """Whether values that end at ``high`` lie below those that begin at ``low``; None: they have no end there."""
+    """Whether values that end at ``high`` lie below those that begin at ``low``; None: they have no
+    end there."""
     return high is not None and low is not None and ordered(high, low) >= 0
 
 
 @dataclass(frozen=True)
 class Domain:
-    """The values that are asked about: an interval, None where it has no end, and whether its ends belong to it."""
+    """The values that are asked about: an interval, None where it has no end, and whether its ends
+    belong to it."""
 
     low: Expr | None
     high: Expr | None
@@ -120,7 +128,8 @@ class Domain:
 class Point:
     """One value by itself. ``holds`` : the verdict on it; None: undecided, for a ``reason``.
 
-    ``bindings`` : what limits there, where the verdict changes; what they are is the business of whoever asks.
+    ``bindings`` : what limits there, where the verdict changes; what they are is the business of
+    whoever asks.
     """
 
     value: RealNumber
@@ -131,7 +140,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Stretch:
-    """All values strictly between two neighbouring points, or beyond the last one. ``holds`` : as of a ``Point``."""
+    """All values strictly between two neighbouring points, or beyond the last one. ``holds`` : as
+    of a ``Point``."""
 
     holds: bool | None
     reason: str = ""
@@ -141,7 +151,8 @@ class Stretch:
 class Piece(Shown):
     """A run of neighbouring values with one verdict, as long as it is.
 
-    ``first``, ``last`` : the points at its ends, None where it has no end; a single value if both are the same.
+    ``first``, ``last`` : the points at its ends, None where it has no end; a single value if both
+    are the same.
     ``closed`` : whether these belong to it. ``reason`` : of undecided values.
     """
 
@@ -172,9 +183,15 @@ class Piece(Shown):
         return self.first is not None and self.first == self.last
 
     def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
-        """Whether nothing is known of it, and all of it lies beyond a value on a side, without an end there."""
+        """Whether nothing is known of it, and all of it lies beyond a value on a side, without an
+        end there."""
         inner, outer = (self.low, self.high)[::side]
-        if self.verdict is not Verdict.UNDECIDED or outer is not None or inner is None or end is None:
+        if (
+            self.verdict is not Verdict.UNDECIDED
+            or outer is not None
+            or inner is None
+            or end is None
+        ):
             return False
         return ordered(end, inner) * side >= 0
 
@@ -194,15 +211,17 @@ def spanned(piece: Piece) -> str:
 class ValueSet(Shown):
     """For which values of a number a verdict holds: an ordered cover of what was searched.
 
-    ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and ``undecided`` : those of one
-    kind. ``value in found`` is true, false, or an UndecidedError that says why it is not known; ``&`` and ``|`` are the
-    values for which two sets hold, or one of them does; ``about`` is the piece in which a value lies.
+    ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and
+    ``undecided`` : those of one kind. ``value in found`` is true, false, or an UndecidedError that
+    says why it is not known; ``&`` and ``|`` are the values for which two sets hold, or one of them
+    does; ``about`` is the piece in which a value lies.
 
-    ``points`` : single values, in ascending order; ``stretches`` : one more, of the values below the first point, between
-    each two, and above the last one; None where nothing is asked about. ``searched`` : beyond which values nothing is
-    claimed.
+    ``points`` : single values, in ascending order; ``stretches`` : one more, of the values below
+    the first point, between each two, and above the last one; None where nothing is asked about.
+    ``searched`` : beyond which values nothing is claimed.
 
-    Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is proven for all its values.
+    Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is
+    proven for all its values.
 
     >>> import haptisym as hs
     >>> low, high = (hs.require("fu2019", path).values for path in ("omega_n", "zeta"))
@@ -239,15 +258,21 @@ class ValueSet(Shown):
     def pieces(self) -> tuple[Piece, ...]:
         """All that was asked about, in order, as few pieces as possible.
 
-        What is open beyond what was searched is no piece: the last one that is then has no end on that side.
+        What is open beyond what was searched is no piece: the last one that is then has no end on
+        that side.
         """
         found: list[Piece] = []
         for stretch, point in zip(self.stretches, (*self.points, None), strict=True):
             before = found[-1].last if found else None
             if stretch is not None:
-                _append(found, Piece(before, point, (False, False), _VERDICTS[stretch.holds], stretch.reason))
+                _append(
+                    found,
+                    Piece(before, point, (False, False), _VERDICTS[stretch.holds], stretch.reason),
+                )
             if point is not None:
-                _append(found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason))
+                _append(
+                    found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason)
+                )
         low, high = self.searched.ends
         if len(found) > 1 and found[-1].is_open_beyond(high, 1):
             found[-2:] = [replace(found[-2], last=None, closed=(found[-2].closed[0], False))]
@@ -271,13 +296,17 @@ class ValueSet(Shown):
         return tuple(
             x
             for x in self.pieces
-            if x.verdict is Verdict.UNDECIDED and x.reason not in _UNASKED_REASONS and self._is_searched(x)
+            if x.verdict is Verdict.UNDECIDED
+            and x.reason not in _UNASKED_REASONS
+            and self._is_searched(x)
         )
 
     def _is_searched(self, x: Piece) -> bool:
         """Whether one of its values was, if only an end of what was."""
         own = replace(self.searched, holds_low=True, holds_high=True)
-        return own.holds(x.first.value) if x.is_single and x.first else not own.misses(x.low, x.high)
+        return (
+            own.holds(x.first.value) if x.is_single and x.first else not own.misses(x.low, x.high)
+        )
 
     @property
     def reason(self) -> str:
@@ -286,25 +315,29 @@ class ValueSet(Shown):
 
     @property
     def ends(self) -> tuple[Point, ...]:
-        """The points at which what holds ends as something binds, in order; not where the range itself ends."""
+        """The points at which what holds ends as something binds, in order; not where the range
+        itself ends."""
         listed = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in listed if x.bindings)
 
     def end(self, value: RealNumber, side: int) -> Point | None:
-        """Where what is so about a value ends on a side; None where it has no end there, or none that is known."""
+        """Where what is so about a value ends on a side; None where it has no end there, or none
+        that is known."""
         piece = self.about(value)
         found = piece.last if side > 0 else piece.first
         return found if found in self.ends else None
 
     def unknown(self, value: RealNumber, side: int) -> Piece | None:
-        """The first piece on a side of a value of which nothing is known; None where all is, or no more was needed."""
+        """The first piece on a side of a value of which nothing is known; None where all is, or no
+        more was needed."""
         ahead = self.pieces if side > 0 else self.pieces[::-1]
         onward = ahead[ahead.index(self.about(value)) :]
         found = next((x for x in onward if x.verdict is Verdict.UNDECIDED), None)
         return None if found is None or found.reason == NOT_NEEDED else found
 
     def about(self, value: RealNumber) -> Piece:
-        """The piece in which a value lies. UndecidedError where the value is not among those that were asked about."""
+        """The piece in which a value lies. UndecidedError where the value is not among those that
+        were asked about."""
         for piece in self.pieces:
             below = -1 if piece.low is None else ordered(value, piece.low)
             above = -1 if piece.high is None else ordered(piece.high, value)
@@ -314,11 +347,14 @@ class ValueSet(Shown):
         raise UndecidedError(f"the value {value!r}: it is not among those that were asked about")
 
     def __contains__(self, value: object) -> bool:
-        """Whether the verdict on a value is yes. UndecidedError where that is not known, or was not searched."""
+        """Whether the verdict on a value is yes. UndecidedError where that is not known, or was not
+        searched."""
         number = _as_number(value)
         found = self.about(number)
         if found.verdict is Verdict.UNDECIDED:
-            raise UndecidedError(f"the value {number!r}: {found.reason or 'nothing is proven there'}")
+            raise UndecidedError(
+                f"the value {number!r}: {found.reason or 'nothing is proven there'}"
+            )
         if not self.searched.holds(number) and not isinstance(self.at(number), Point):
             raise UndecidedError(f"the value {number!r}: it was not searched")
         return found.verdict is Verdict.HOLDS
@@ -359,13 +395,16 @@ def _place(points: Sequence[Point], value: RealNumber) -> tuple[int, bool]:
 
 
 def _each_once(points: Iterable[Point]) -> list[Point]:
-    """Points in ascending order; those at one value as one, with all that binds there, told exactly where one of them is."""
+    """Points in ascending order; those at one value as one, with all that binds there, told exactly
+    where one of them is."""
     found = list[Point]()
     for x in ascending(points, lambda x: x.value):
         if found and not ordered(found[-1].value, x.value):
             last = found[-1]
             value = x.value if isinstance(x.value, ExactNumber) else last.value
-            found[-1] = replace(last, value=value, bindings=tuple(dict.fromkeys((*last.bindings, *x.bindings))))
+            found[-1] = replace(
+                last, value=value, bindings=tuple(dict.fromkeys((*last.bindings, *x.bindings)))
+            )
         else:
             found.append(x)
     return found
@@ -392,7 +431,9 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
         reason = _joined([last.reason, piece.reason])
     else:
         reason = UNSEARCHED if UNSEARCHED in (last.reason, piece.reason) else NOT_NEEDED
-    pieces[-1] = replace(last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason=reason)
+    pieces[-1] = replace(
+        last, last=piece.last, closed=(last.closed[0], piece.closed[1]), reason=reason
+    )
 
 
 def _joined(reasons: Iterable[str]) -> str:
@@ -413,7 +454,8 @@ def _any(verdicts: Sequence[bool | None]) -> bool | None:
 
 
 def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
-    """Sets of values of one number as one, of the values that all of them ask about: by default, those for which all hold.
+    """Sets of values of one number as one, of the values that all of them ask about: by default,
+    those for which all hold.
 
     It asks no verdicts, and puts known ends in order even where the time is over.
     """
@@ -432,12 +474,15 @@ def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
 
 
 def _together(found: Sequence[Point | Stretch | None], rule: Rule) -> Stretch | None:
-    """What is known of values by what is known of them in several sets; None where one of these does not ask about them."""
+    """What is known of values by what is known of them in several sets; None where one of these
+    does not ask about them."""
     known = [x for x in found if x is not None]
     if len(known) < len(found):
         return None
     holds = rule([x.holds for x in known])
-    return Stretch(holds, _joined(x.reason for x in known if x.holds is None) if holds is None else "")
+    return Stretch(
+        holds, _joined(x.reason for x in known if x.holds is None) if holds is None else ""
+    )
 
 
 @dataclass(frozen=True)
@@ -450,7 +495,8 @@ class Change:
 
 @dataclass(frozen=True)
 class Open:
-    """Values between two (None: without end) among which others may change a verdict, for a ``reason``."""
+    """Values between two (None: without end) among which others may change a verdict, for a
+    ``reason``."""
 
     low: RealNumber | None
     high: RealNumber | None
@@ -472,7 +518,8 @@ class Changes:
 
 @dataclass(frozen=True)
 class Cell:
-    """Values between two, both of them among these, and the verdict that is proven for all of them; None: none is."""
+    """Values between two, both of them among these, and the verdict that is proven for all of them;
+    None: none is."""
 
     low: RealNumber | None
     high: RealNumber | None
@@ -489,15 +536,19 @@ def _nothing_known() -> Iterable[Changes]:
 class Question:
     """A verdict on values of a number, and what is known of it beyond single values.
 
-    ``verdict`` : of a rational number, exact; None, or an UndecidedError with the reason: undecided. ``own`` : the value
-    that the number has now: it is asked first, and what lies near to it before what is far.
-    ``changes`` : gives critical values, again and again with fewer that are open; those that are given last count.
-    ``at`` : the verdict at a critical value that is not rational and lies beside values that hold; None: like them.
-    ``lone`` : the verdict at one between values that fail; None: not known. If not given it fails like them, which is so
-    for strict conditions.
-    ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which one side holds and the
-    other fails, and whether the lower one holds, the one value at which that changes; None where that is not proven to be
-    one. ``alone`` : further values that are asked by themselves.
+    ``verdict`` : of a rational number, exact; None, or an UndecidedError with the reason:
+    undecided. ``own`` : the value that the number has now: it is asked first, and what lies near to
+    it before what is far.
+    ``changes`` : gives critical values, again and again with fewer that are open; those that are
+    given last count.
+    ``at`` : the verdict at a critical value that is not rational and lies beside values that hold;
+    None: like them.
+    ``lone`` : the verdict at one between values that fail; None: not known. If not given it fails
+    like them, which is so for strict conditions.
+    ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which
+    one side holds and the other fails, and whether the lower one holds, the one value at which that
+    changes; None where that is not proven to be one. ``alone`` : further values that are asked by
+    themselves.
 
     An UndecidedError in any of them leaves open what it was asked for, for that reason.
     """
@@ -512,12 +563,14 @@ class Question:
     lone: Callable[[Change], bool | None] | None = None
 
 
-def solve(question: Question, domain: Domain, searched: Domain | None = None, *, near: bool = False) -> ValueSet:
+def solve(
+    question: Question, domain: Domain, searched: Domain | None = None, *, near: bool = False
+) -> ValueSet:
     """The values of a domain for which the verdict is yes, as far as that is found in time.
 
     ``searched`` : outside of which nothing is claimed; the domain if not given.
-    ``near`` : only as far from the question's own value as it takes to know between which values its verdict holds, and
-    where it fails, between which it holds next; the rest is undecided.
+    ``near`` : only as far from the question's own value as it takes to know between which values
+    its verdict holds, and where it fails, between which it holds next; the rest is undecided.
     """
     work = _Solving(question, domain, searched or domain, near=near)
     with suppress(LimitError):
@@ -527,13 +580,15 @@ def solve(question: Question, domain: Domain, searched: Domain | None = None, *,
 
 
 _TO_ASK = Stretch(None, STOPPED)
-"""A stretch of which one verdict tells all, before that is asked for: it is told from what is open by its identity."""
+"""A stretch of which one verdict tells all, before that is asked for: it is told from what is open
+by its identity."""
 
 
 class _Solving:
     """A set that is being found: points and stretches, of which more and more are settled.
 
-    At any moment what is known of each is proven, so that work that is broken off leaves a set as well.
+    At any moment what is known of each is proven, so that work that is broken off leaves a set as
+    well.
     """
 
     def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
@@ -601,20 +656,31 @@ class _Solving:
             self.stretches = [open_ if _is_open(x) else x for x in self.stretches]
 
     def _cut(self, changes: Changes) -> None:
-        """Cut the domain at critical values, and at the ends of what is open, anew; what was asked tells of stretches."""
+        """Cut the domain at critical values, and at the ends of what is open, anew; what was asked
+        tells of stretches."""
         edges = [x for own in changes.open for x in (own.low, own.high) if x is not None]
-        listed = [*(Point(x.value, bindings=x.bindings) for x in changes.values), *map(Point, edges)]
+        listed = [
+            *(Point(x.value, bindings=x.bindings) for x in changes.values),
+            *map(Point, edges),
+        ]
         told = [x for x in listed if is_told(x.value)]
-        open_ = changes.open if len(told) == len(listed) else [*changes.open, Open(None, None, _UNTOLD)]
+        open_ = (
+            changes.open if len(told) == len(listed) else [*changes.open, Open(None, None, _UNTOLD)]
+        )
         whole = replace(self.domain, holds_low=True, holds_high=True)
         points = _each_once(
-            [*(Point(x) for x in self.domain.ends if x is not None), *(x for x in told if whole.holds(x.value))]
+            [
+                *(Point(x) for x in self.domain.ends if x is not None),
+                *(x for x in told if whole.holds(x.value)),
+            ]
         )
         places = [None, *(x.value for x in points), None]
         stretches = [self._known(low, high, open_) for low, high in pairwise(places)]
         self.points, self.stretches = points, [*_bounded(self.domain, stretches)]
 
-    def _known(self, low: RealNumber | None, high: RealNumber | None, open_: Sequence[Open]) -> Stretch:
+    def _known(
+        self, low: RealNumber | None, high: RealNumber | None, open_: Sequence[Open]
+    ) -> Stretch:
         around = next((x for x in open_ if x.covers(low, high)), None)
         if around is not None:
             return Stretch(None, around.reason)
@@ -624,7 +690,8 @@ class _Solving:
         return _TO_ASK
 
     def _ask_between(self) -> bool:
-        """Ask a value of each stretch that is not open, the nearest first; of a near set no more than it takes.
+        """Ask a value of each stretch that is not open, the nearest first; of a near set no more
+        than it takes.
 
         Whether nothing is left to be found, of what is searched.
         """
@@ -642,7 +709,8 @@ class _Solving:
         return is_done
 
     def _home(self) -> int:
-        """The stretch in which the question's own value lies, or which ends there; the first one where it has none."""
+        """The stretch in which the question's own value lies, or which ends there; the first one
+        where it has none."""
         own, i = self.question.own, 0
         if own is not None and own.is_number:
             i, _ = _place(self.points, ExactNumber(own))
@@ -659,7 +727,8 @@ class _Solving:
         return own
 
     def _leave_out(self, i: int, before: int) -> None:
-        """Ask nothing of a stretch that is not needed, nor of the point before it, if that is not the question's own."""
+        """Ask nothing of a stretch that is not needed, nor of the point before it, if that is not
+        the question's own."""
         own = self.stretches[i]
         if own is not None and own.reason != UNSEARCHED:
             self.stretches[i] = Stretch(None, NOT_NEEDED)
@@ -674,7 +743,9 @@ class _Solving:
             if self.question.cells is not None and _is_open(self.stretches[i]):
                 self._fill(i, self.question.cells)
 
-    def _fill(self, i: int, cells_of: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]]) -> None:
+    def _fill(
+        self, i: int, cells_of: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]]
+    ) -> None:
         """Put cells in place of a stretch; those that are found by then where the time is over."""
         cells, (low, high) = list[Cell](), self._ends(i)
         try:
@@ -696,14 +767,18 @@ class _Solving:
         merged = list[Cell]()
         for x in cells:
             if merged and merged[-1].holds is x.holds:
-                merged[-1] = replace(merged[-1], high=x.high, reason=_joined([merged[-1].reason, x.reason]))
+                merged[-1] = replace(
+                    merged[-1], high=x.high, reason=_joined([merged[-1].reason, x.reason])
+                )
             else:
                 merged.append(x)
         for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
                 self.points[j] = replace(self.points[j], holds=x.holds)
         inner = [
-            Point(a.high, b.holds if a.holds is None else a.holds) for a, b in pairwise(merged) if a.high is not None
+            Point(a.high, b.holds if a.holds is None else a.holds)
+            for a, b in pairwise(merged)
+            if a.high is not None
         ]
         self.points[i:i] = inner
         self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in merged]
@@ -730,9 +805,12 @@ class _Solving:
     # Single values
 
     def _settle_points(self, *, ask: bool) -> None:
-        """Tell the verdict of points, as far as that needs no more than their neighbours; or by asking it."""
+        """Tell the verdict of points, as far as that needs no more than their neighbours; or by
+        asking it."""
         for i, x in enumerate(self.points):
-            if not self.domain.holds(x.value):  # nothing is asked about there, so that nothing binds
+            if not self.domain.holds(
+                x.value
+            ):  # nothing is asked about there, so that nothing binds
                 self.points[i] = Point(x.value, holds=False)
             elif x.holds is None and not x.reason:
                 holds, reason = self._told(i, ask=ask)
@@ -744,7 +822,8 @@ class _Solving:
                 self.points[i] = replace(self.points[i], bindings=())
 
     def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:
-        """The verdict on a point: its own where it is rational, else as its neighbours and the question tell; or why none is."""
+        """The verdict on a point: its own where it is rational, else as its neighbours and the
+        question tell; or why none is."""
         point, near = self.points[i], [x for x in self.stretches[i : i + 2] if x is not None]
         value, verdicts = _rational(point), [x.holds for x in near]
         if value is not None:
@@ -771,11 +850,16 @@ def _is_open(x: Stretch | None) -> bool:
 
 
 def _rational(x: Point) -> Rational | None:
-    return x.value.value if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational) else None
+    return (
+        x.value.value
+        if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational)
+        else None
+    )
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
-    """Whether it is known, from a value on to one side, where its verdict ends, and where it fails, what holds next."""
+    """Whether it is known, from a value on to one side, where its verdict ends, and where it fails,
+    what holds next."""
     if None in verdicts:
         return True
     changes = sum(a != b for a, b in pairwise(verdicts))
@@ -783,7 +867,8 @@ def _is_enough(verdicts: Sequence[bool | None]) -> bool:
 
 
 def _reason(error: UndecidedError) -> str:
-    """Why nothing is known of what was asked, such as that it took more than its share; LimitError where the time is over."""
+    """Why nothing is known of what was asked, such as that it took more than its share; LimitError
+    where the time is over."""
     if isinstance(error, LimitError):
         tick()
     return str(error)
@@ -791,10 +876,11 @@ def _reason(error: UndecidedError) -> str:
 
 @dataclass(frozen=True, repr=False)
 class Bisected(RealNumber):
-    """The one value between two at which a verdict changes, closed in on by asking it: ``low_holds`` : of the lower one.
+    """The one value between two at which a verdict changes, closed in on by asking it:
+    ``low_holds`` : of the lower one.
 
-    ``verdict`` : of a rational number, exact. ``excess`` : how far a number fails, if it does, at the working precision: where
-    that, or its root, is about linear, its zero tells where to ask.
+    ``verdict`` : of a rational number, exact. ``excess`` : how far a number fails, if it does, at
+    the working precision: where that, or its root, is about linear, its zero tells where to ask.
     Guaranteed of each ball: the verdict of its ends differs.
     """
 
@@ -848,7 +934,8 @@ class Bisected(RealNumber):
         return self.known[self.low_holds]
 
     def _guess(self, *, is_root: bool) -> Fraction | None:
-        """Where it lies if the excess, or its root, is linear beyond it, by the last two values that fail; None if not known."""
+        """Where it lies if the excess, or its root, is linear beyond it, by the last two values
+        that fail; None if not known."""
         if self.excess is None:
             return None
         last = self._known.get("last")
@@ -878,7 +965,8 @@ def _fraction(x: Fraction) -> Rational:
 
 
 def _short(low: Fraction, high: Fraction) -> tuple[int, int]:
-    """About the middle between two numbers, a dyadic one with as few bits as do, as numerator and denominator."""
+    """About the middle between two numbers, a dyadic one with as few bits as do, as numerator and
+    denominator."""
     middle, width = (low + high) / 2, (high - low) / 8
     places = max(0, -(width.numerator.bit_length() - width.denominator.bit_length()) + 1)
     return round(middle * 2**places), 2**places

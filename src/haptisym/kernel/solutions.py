@@ -1,13 +1,16 @@
-"""Zeros of a real function of omega as formulas, where there are readable ones, and how they move with a parameter.
+"""Zeros of a real function of omega as formulas, where there are readable ones, and how they move
+with a parameter.
 
-Each irreducible factor is solved on its own. One that holds omega only by its square (or only by omega^alpha, or only by
-the angle omega tau of one delay) and is of degree one or two in it is inverted in square roots, powers, asin or acos. All
-others stay what they are: the polynomial is the answer.
+Each irreducible factor is solved on its own. One that holds omega only by its square (or only by
+omega^alpha, or only by the angle omega tau of one delay) and is of degree one or two in it is
+inverted in square roots, powers, asin or acos. All others stay what they are: the polynomial is the
+answer.
 
-Every root is given, each with what must hold for it to be a frequency: that it is real, and that it is not negative. Of the
-two roots x of a x^2 + b x + d the signs are those of Vieta: their product is d/a and their sum -b/a. So where a d < 0 both
-are real, and one is positive; where a d > 0 both have the sign of -b/a. What the assumptions on the symbols settle is not
-asked: a condition that holds is left out, and so is a formula with a condition that cannot hold.
+Every root is given, each with what must hold for it to be a frequency: that it is real, and that it
+is not negative. Of the two roots x of a x^2 + b x + d the signs are those of Vieta: their product
+is d/a and their sum -b/a. So where a d < 0 both are real, and one is positive; where a d > 0 both
+have the sign of -b/a. What the assumptions on the symbols settle is not asked: a condition that
+holds is left out, and so is a formula with a condition that cannot hold.
 
 A zero omega of F(omega, p) = 0 moves with a parameter by d omega/dp = -(dF/dp)/(dF/d omega).
 """
@@ -19,7 +22,23 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
-from sympy import Add, Expr, Integer, Mul, Rational, S, Symbol, acos, asin, atan, cos, factor, factor_terms, pi, sqrt
+from sympy import (
+    Add,
+    Expr,
+    Integer,
+    Mul,
+    Rational,
+    S,
+    Symbol,
+    acos,
+    asin,
+    atan,
+    cos,
+    factor,
+    factor_terms,
+    pi,
+    sqrt,
+)
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction
@@ -32,11 +51,13 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 class Solution(Shown):
     """A zero of a real function as a formula in its parameters.
 
-    ``omega``: the frequency, rad/s; None for a factor with no readable inverse, whose zeros are those of ``equation``.
-    ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single zero. ``order``: of the
-    zero. ``conditions``: what must not be negative; where all of them hold ``omega`` is real and not negative. Of one
-    function the formulas whose conditions hold are all its zeros, unless there is one without ``omega`` beside them, a
-    delay is negative, or the values make the highest coefficient of a factor vanish.
+    ``omega``: the frequency, rad/s; None for a factor with no readable inverse, whose zeros are
+    those of ``equation``.
+    ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single
+    zero. ``order``: of the zero. ``conditions``: what must not be negative; where all of them hold
+    ``omega`` is real and not negative. Of one function the formulas whose conditions hold are all
+    its zeros, unless there is one without ``omega`` beside them, a delay is negative, or the values
+    make the highest coefficient of a factor vanish.
     """
 
     omega: Expr | None
@@ -51,14 +72,16 @@ class Solution(Shown):
     def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
         """The same with values for some symbols; None where a condition does not hold then."""
         omega, equation, period, *conditions = (
-            x and x.xreplace(values) for x in (self.omega, self.equation, self.period, *self.conditions)
+            x and x.xreplace(values)
+            for x in (self.omega, self.equation, self.period, *self.conditions)
         )
         left = left_to_ask(conditions)
         return None if left is None else Solution(omega, equation, period, self.order, left)
 
 
 def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, ...]:
-    """All positive zeros of a real function, as formulas where there are readable ones; ``readable`` : these alone, sooner.
+    """All positive zeros of a real function, as formulas where there are readable ones;
+    ``readable`` : these alone, sooner.
 
     >>> from sympy import symbols
     >>> from haptisym.kernel.dynamics import Ring
@@ -75,19 +98,27 @@ def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, 
 
 
 def _half_turns(function: RealFunction) -> list[Solution]:
-    """The zeros at omega tau = pi, 3 pi, ... of a function that has more half-angle tangents below the line than above."""
+    """The zeros at omega tau = pi, 3 pi, ... of a function that has more half-angle tangents below
+    the line than above."""
     axis, found = function.axis, []
-    above, below = (p.degrees()[axis.size :] for p in (function.function.numerator, function.function.denominator))
+    above, below = (
+        p.degrees()[axis.size :]
+        for p in (function.function.numerator, function.function.denominator)
+    )
     for angle, up, down in zip(axis.angles, above, below, strict=False):
         if not angle.constant and down > up:
             equation, period = cos(angle.value / 2), 2 * pi / angle.rate
-            found += _told([_Zero(pi / angle.rate, (angle.rate,), period)], equation, int(down - up))
+            found += _told(
+                [_Zero(pi / angle.rate, (angle.rate,), period)], equation, int(down - up)
+            )
     return found
 
 
 def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -> list[Solution]:
     degrees = [int(n) for n in polynomial.degrees()]
-    turning = [i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]]
+    turning = [
+        i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]
+    ]
     powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
     own = bool(degrees[0])
     if polynomial == axis.variable or not (own or turning or powers):
@@ -100,8 +131,13 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
         index = axis.size + len(axis.angles) + powers[0]
         roots = _roots(_row(polynomial, axis, index))
         found = _each(roots, lambda x: x ** (1 / axis.orders[powers[0]]))
-        if any(angle.constant and n for angle, n in zip(axis.angles, degrees[axis.size :], strict=False)):
-            found = None  # the sign of the root depends on the constant angle, which stays a name here
+        if any(
+            angle.constant and n
+            for angle, n in zip(axis.angles, degrees[axis.size :], strict=False)
+        ):
+            found = (
+                None  # the sign of the root depends on the constant angle, which stays a name here
+            )
     else:
         found = _frequencies(polynomial, axis)
     if found is None:
@@ -120,11 +156,16 @@ class _Zero(NamedTuple):
 def _told(zeros: Iterable[_Zero], equation: Expr, order: int) -> list[Solution]:
     """The solutions among some zeros, with the conditions that are left to ask."""
     settled = ((x, left_to_ask(x.needs)) for x in zeros)
-    return [Solution(x.omega, equation, x.period, order, left) for x, left in settled if left is not None]
+    return [
+        Solution(x.omega, equation, x.period, order, left)
+        for x, left in settled
+        if left is not None
+    ]
 
 
 def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
-    """Those conditions that may fail or hold, in their order; None where one of them fails for sure.
+    """Those conditions that may fail or hold, in their order; None where one of them fails for
+    sure.
 
     >>> from sympy.abc import x, y
     >>> left_to_ask([Integer(2), 1 + x, y]), left_to_ask([1 + x, Integer(-2)])
@@ -156,7 +197,8 @@ def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
 
 
 def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
-    """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1 + t^2)."""
+    """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1
+    + t^2)."""
     rate = axis.angles[index].rate
     row = _row(polynomial, axis, axis.size + index)
     if not any(row[1::2]):
@@ -169,7 +211,8 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
 
 
 def _by_cosine(squares: list[_Root] | None) -> _Found:
-    """Angles from 0 to 2 pi of the squares of their half's tangent: t^2 >= 0 is cos <= 1, and above -1."""
+    """Angles from 0 to 2 pi of the squares of their half's tangent: t^2 >= 0 is cos <= 1, and above
+    -1."""
     if squares is None:
         return None
     pairs = [(acos(((1 - x.value) / (1 + x.value)).cancel()), x.needs()) for x in squares]
@@ -180,11 +223,16 @@ def _by_sine(sine: Expr) -> list[_Zero]:
     """Angles from 0 to 2 pi of a sine."""
     needs, sign = (1 - sine, 1 + sine), _of_sign(sine)
     angle = asin(sine)
-    return [_Zero(angle, (*needs, sign)), _Zero(angle + 2 * pi, (*needs, -sign)), _Zero(pi - angle, needs)]
+    return [
+        _Zero(angle, (*needs, sign)),
+        _Zero(angle + 2 * pi, (*needs, -sign)),
+        _Zero(pi - angle, needs),
+    ]
 
 
 def _by_tangent(tangents: list[_Root] | None) -> _Found:
-    """Angles from 0 to 2 pi of their half's tangent, which is negative in the second half of the turn."""
+    """Angles from 0 to 2 pi of their half's tangent, which is negative in the second half of the
+    turn."""
     if tangents is None:
         return None
     found = [_Zero(2 * atan(x.value), x.needs()) for x in tangents if x.value != 0]
@@ -195,8 +243,16 @@ def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
     """Coefficients in one variable, ascending; constant angles as cosines and sines."""
     if index and any(angle.constant for angle in axis.angles):
         return _plain_row(polynomial, axis, index)
-    written = axis.trigonometric(axis.function(polynomial)) if index == 0 and axis.angles else axis.function(polynomial)
-    return written.ring.coefficients(written.numerator) if index == 0 else _plain_row(polynomial, axis, index)
+    written = (
+        axis.trigonometric(axis.function(polynomial))
+        if index == 0 and axis.angles
+        else axis.function(polynomial)
+    )
+    return (
+        written.ring.coefficients(written.numerator)
+        if index == 0
+        else _plain_row(polynomial, axis, index)
+    )
 
 
 def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
@@ -205,12 +261,15 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
         own = list(map(int, exponents))
         power, own[index] = own[index], 0
         gathered.setdefault(power, {})[tuple(own)] = value
-    expressions = {n: ring.expression(ring.context.from_dict(terms)) for n, terms in gathered.items()}
+    expressions = {
+        n: ring.expression(ring.context.from_dict(terms)) for n, terms in gathered.items()
+    }
     return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
 
 
 class _Root(NamedTuple):
-    """A root; an expression that has its sign where it is real; and what must not be negative for that."""
+    """A root; an expression that has its sign where it is real; and what must not be negative for
+    that."""
 
     value: Expr
     sign: Expr
@@ -222,7 +281,8 @@ class _Root(NamedTuple):
 
 
 def _roots(row: list[Expr]) -> list[_Root] | None:
-    """The roots of a polynomial of degree 1 or 2, real or not, the lower one first where that is known; None for others."""
+    """The roots of a polynomial of degree 1 or 2, real or not, the lower one first where that is
+    known; None for others."""
     if len(row) == 2:
         return [_Root(_quotient(-row[0], row[1]), _of_sign(-row[0] * row[1]))]
     if len(row) != 3:
@@ -241,7 +301,11 @@ def _roots(row: list[Expr]) -> list[_Root] | None:
         elif product.is_positive:
             found.append(_Root(root, _of_sign(-a * b), real))
         else:
-            found.append(_Root(root, _of_sign(a) * _unsized(factor_terms(-b + side * sqrt(discriminant))), real))
+            found.append(
+                _Root(
+                    root, _of_sign(a) * _unsized(factor_terms(-b + side * sqrt(discriminant))), real
+                )
+            )
     return found
 
 
@@ -267,7 +331,8 @@ def _unsized(x: Expr) -> Expr:
 
 
 def _quotient(above: Expr, below: Expr) -> Expr:
-    """A quotient with common factors gone, and with a minus below only where there is none above."""
+    """A quotient with common factors gone, and with a minus below only where there is none
+    above."""
     above, below = map(_in_factors, (above, below))
     if above.could_extract_minus_sign():
         return -above / _in_factors(-below)
@@ -284,7 +349,8 @@ def _in_factors(x: Expr) -> Expr:
 
 
 def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
-    """The factor as a person would write it: divided by what makes tangents of half angles cosines and sines."""
+    """The factor as a person would write it: divided by what makes tangents of half angles cosines
+    and sines."""
     below = axis.constant(1)
     for i, t in enumerate(axis.context.gens()[axis.size : axis.size + len(axis.angles)], axis.size):
         below *= (t**2 + 1) ** ((int(polynomial.degrees()[i]) + 1) // 2)
@@ -292,12 +358,14 @@ def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
 
 
 FunctionTerms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
-"""A sum of polynomials of a ring, each times an expression: what a derivative of a polynomial in functions is."""
+"""A sum of polynomials of a ring, each times an expression: what a derivative of a polynomial in
+functions is."""
 
 
 @dataclass(frozen=True)
 class Equation:
-    """F = 0 for a frequency; F is a polynomial in omega, the parameters and functions of them (cos(omega tau), omega^alpha).
+    """F = 0 for a frequency; F is a polynomial in omega, the parameters and functions of them
+    (cos(omega tau), omega^alpha).
 
     >>> from haptisym.kernel.rings import symbols
     >>> m, k = symbols("m k")
@@ -314,8 +382,11 @@ class Equation:
         return self.ring.ball(self.F, _meanings(self.ring, known))
 
     def partial(self, x: Symbol) -> FunctionTerms:
-        """dF/dx: a derivative of each variable of the ring that depends on x times dF by that variable; () where it is 0."""
-        chain = [(meaning.diff(x), self.F.derivative(i)) for i, meaning in enumerate(self.ring.meanings)]
+        """dF/dx: a derivative of each variable of the ring that depends on x times dF by that
+        variable; () where it is 0."""
+        chain = [
+            (meaning.diff(x), self.F.derivative(i)) for i, meaning in enumerate(self.ring.meanings)
+        ]
         return tuple((factor, p) for factor, p in chain if factor != 0 and not p.is_zero())
 
     def slope(self, parameter: Symbol) -> ImplicitSlope:
@@ -325,7 +396,8 @@ class Equation:
 
 @dataclass(frozen=True)
 class ImplicitSlope:
-    """``-above/below``, which is d omega/d parameter at every zero at which ``below``, dF/d omega, is not 0."""
+    """``-above/below``, which is d omega/d parameter at every zero at which ``below``, dF/d omega,
+    is not 0."""
 
     ring: PolynomialRing
     above: FunctionTerms
@@ -333,27 +405,40 @@ class ImplicitSlope:
 
     def expression(self) -> Expr:
         """The closed form."""
-        above, below = (Add(*(f * self.ring.expression(p) for f, p in terms)) for terms in (self.above, self.below))
+        above, below = (
+            Add(*(f * self.ring.expression(p) for f, p in terms))
+            for terms in (self.above, self.below)
+        )
         return -above / below
 
     def vanishes(self, known: Mapping[Symbol, Expr]) -> bool:
-        """Whether ``above`` is 0 at every frequency for these values of parameters. (False: not seen to be.)"""
+        """Whether ``above`` is 0 at every frequency for these values of parameters. (False: not
+        seen to be.)"""
         return all(f.xreplace(known) == 0 or self._at(p, known).is_zero() for f, p in self.above)
 
     def _at(self, polynomial: Polynomial, known: Mapping[Symbol, Expr]) -> Polynomial:
-        places = {self.ring.meanings.index(x): v for x, v in known.items() if isinstance(v, Rational)}
+        places = {
+            self.ring.meanings.index(x): v for x, v in known.items() if isinstance(v, Rational)
+        }
         return polynomial.subs({i: fmpq(int(v.p), int(v.q)) for i, v in places.items()})
 
     def balls(self, known: Mapping[Expr, Ball]) -> tuple[Ball, Ball]:
-        """Balls around ``above`` and ``below`` where the symbols have these values, at the current working precision."""
+        """Balls around ``above`` and ``below`` where the symbols have these values, at the current
+        working precision."""
         values = _meanings(self.ring, known)
         return self._ball(self.above, values, known), self._ball(self.below, values, known)
 
-    def _ball(self, terms: FunctionTerms, values: Mapping[Expr, Ball], known: Mapping[Expr, Ball]) -> Ball:
+    def _ball(
+        self, terms: FunctionTerms, values: Mapping[Expr, Ball], known: Mapping[Expr, Ball]
+    ) -> Ball:
         parts = (expression_ball(f, known) * self.ring.ball(p, values) for f, p in terms)
         return sum(parts, expression_ball(Integer(0)))
 
 
 def _meanings(ring: PolynomialRing, known: Mapping[Expr, Ball]) -> dict[Expr, Ball]:
     """What the variables of a ring are worth, as far as the symbols in them are known."""
-    return {x: expression_ball(x, known) for x in ring.meanings if all(y in known for y in x.free_symbols)}
+    return {
+        x: expression_ball(x, known)
+        for x in ring.meanings
+        if all(y in known for y in x.free_symbols)
+    }

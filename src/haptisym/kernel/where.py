@@ -1,42 +1,50 @@
-"""Where, in a box of omega and up to three numbers, is each of some functions positive, negative or unknown: the one search.
+"""Where, in a box of omega and up to three numbers, is each of some functions positive, negative or
+unknown: the one search.
 
-Branch and bound. The sides of the box are of two kinds. *Outer* ones are values of parameters q, which are settled cell
-by cell; *inner* ones stand behind each outer cell: omega first, then what else a cell is to be settled for. For each
-function F_i an outer cell holds *pieces* of the inner sides, those on which the sign of F_i is open.
+Branch and bound. The sides of the box are of two kinds. *Outer* ones are values of parameters q,
+which are settled cell by cell; *inner* ones stand behind each outer cell: omega first, then what
+else a cell is to be settled for. For each function F_i an outer cell holds *pieces* of the inner
+sides, those on which the sign of F_i is open.
 
-**Guaranteed** of every outer cell, at any time, with first(q) the lowest omega from which on some F_i > 0 (infinite if
-there is none)::
+**Guaranteed** of every outer cell, at any time, with first(q) the lowest omega from which on some
+F_i > 0 (infinite if there is none)::
 
     floor <= first(q) <= ceiling  for all q of the cell;
     F_i(omega, q) < 0  for all q of the cell, all omega below the ceiling, and all else, outside of the pieces of F_i.
 
-A cell is *kept* where its floor is infinite (no piece is left, and nothing is positive), *broken* where its ceiling is
-not: F_i, i = ``by``, is positive at that omega for all q of the cell. What is not settled is returned, always: cells
-that are too small to be cut, and those that waited when the budget, or the time, was over. Nothing is claimed about F_i
-itself: what a judge says of it must be proven. Cells are closed, and ends that are rounded are within what the judge
-must allow for (an ulp of the box).
+A cell is *kept* where its floor is infinite (no piece is left, and nothing is positive), *broken*
+where its ceiling is not: F_i, i = ``by``, is positive at that omega for all q of the cell. What is
+not settled is returned, always: cells that are too small to be cut, and those that waited when the
+budget, or the time, was over. Nothing is claimed about F_i itself: what a judge says of it must be
+proven. Cells are closed, and ends that are rounded are within what the judge must allow for (an ulp
+of the box).
 
-**A judge** tells of F_i, over many cells at once, a line along omega and how far F_i may be from it::
+**A judge** tells of F_i, over many cells at once, a line along omega and how far F_i may be from
+it::
 
     |F_i(omega, q) - (middle + slope t)| <= rest,  omega = m + h t,  t in [-1, 1],
 
-and how much it changes along each side; where that is not finite nothing is known (a pole may lie there). From the line
-a piece is *contracted* from both sides, as by Newton's method for intervals but without a second derivative: the part
-on which middle + slope t + rest < 0 goes, which raises floors, and from where on middle + slope t - rest > 0 the
-ceiling lies. A judge need not be smooth: one that cannot be positive (``D(j omega) is on one side of a line through
-0``) settles by pieces alone.
+and how much it changes along each side; where that is not finite nothing is known (a pole may lie
+there). From the line a piece is *contracted* from both sides, as by Newton's method for intervals
+but without a second derivative: the part on which middle + slope t + rest < 0 goes, which raises
+floors, and from where on middle + slope t - rest > 0 the ceiling lies. A judge need not be smooth:
+one that cannot be positive (``D(j omega) is on one side of a line through 0``) settles by pieces
+alone.
 
-**How cells are cut.** The remainder of a Taylor model is of third order, so the share of each side in it is that of the
-cube of F's change along it (``Curve.of``): all of it to omega, and pieces without end are cut that only the parameters
-could settle; to each alike, and the parameters are. A piece along whose inner sides F changes more than half as much as
-along the outer ones is cut there, every other open piece wants its cell cut: along the side with the largest share of
-the change in any piece. A remainder many times larger than all of F's change is one of numbers that cancel in F, and
-says nothing of the side that it is due to: what is cut then is relatively widest. Of pieces about which nothing is
-known 32 of a cell may be cut; then it is the cell that is too large.
+**How cells are cut.** The remainder of a Taylor model is of third order, so the share of each side
+in it is that of the cube of F's change along it (``Curve.of``): all of it to omega, and pieces
+without end are cut that only the parameters could settle; to each alike, and the parameters are. A
+piece along whose inner sides F changes more than half as much as along the outer ones is cut there,
+every other open piece wants its cell cut: along the side with the largest share of the change in
+any piece. A remainder many times larger than all of F's change is one of numbers that cancel in F,
+and says nothing of the side that it is due to: what is cut then is relatively widest. Of pieces
+about which nothing is known 32 of a cell may be cut; then it is the cell that is too large.
 
-**What is asked** is a reading: ``told`` settles a cell that is kept or broken (requirements, maps, planes of hands),
-and a question about the best or the worst value settles what cannot be better than a bound (``no_better``,
-``no_worse``). The order is a rank: all at once if there is none, else the best ones first (``Search``). The queue,
+**What is asked** is a reading: ``told`` settles a cell that is kept or broken (requirements, maps,
+planes of hands), and a question about the best or the worst value settles what cannot be better
+than a bound (``no_better``,
+``no_worse``). The order is a rank: all at once if there is none, else the best ones first
+(``Search``). The queue,
 ``Batches``, serves searches that have no outer cells too.
 
 >>> def parabola(cells):  # q - (omega - 1/2)^2, of which only intervals are known
@@ -61,7 +69,9 @@ from haptisym.kernel.errors import LimitError
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-Array: TypeAlias = Any  # numpy arrays of floats, or of whole numbers and truth values where that is said
+Array: TypeAlias = (
+    Any  # numpy arrays of floats, or of whole numbers and truth values where that is said
+)
 
 _ROUNDING = 1e-13  # of a line, relative to the sizes that it is made of
 _SOLVED = 1e-12  # of a piece: what a place on it that a line shows is rounded outward by
@@ -74,10 +84,12 @@ _MOST, _BATCH = 100_000, 1024
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """What a judge says of a function over n cells: |F - (middle + slope t + bend t^2)| <= rest, t from -1 to 1 along omega.
+    """What a judge says of a function over n cells: |F - (middle + slope t + bend t^2)| <= rest, t
+    from -1 to 1 along omega.
 
-    ``middle``, ``slope``, ``bend``, ``rest`` : (n,); not finite where nothing is known. ``changes`` : (n, sides), how much F
-    changes along each side, in units of F, omega first; what cells are cut by, and no part of what is proven.
+    ``middle``, ``slope``, ``bend``, ``rest`` : (n,); not finite where nothing is known. ``changes``
+    : (n, sides), how much F changes along each side, in units of F, omega first; what cells are cut
+    by, and no part of what is proven.
     """
 
     middle: Array
@@ -88,7 +100,8 @@ class Curve:
 
     @classmethod
     def of(cls, c0: Array, c1: Array, c2: Array, r: Array) -> Curve:
-        """Of a Taylor model c0 + c1.t + t.c2.t +- r over each cell, (n,), (n, sides), (n, sides, sides), (n,)."""
+        """Of a Taylor model c0 + c1.t + t.c2.t +- r over each cell, (n,), (n, sides), (n, sides,
+        sides), (n,)."""
         with np.errstate(all="ignore"):  # what is not finite is unknown
             first, second = np.abs(c1), np.abs(c2).sum(-1)
             own, most = first + second, np.abs(c0) + first.sum(-1) + second.sum(-1)
@@ -109,7 +122,12 @@ class Curve:
     @property
     def known(self) -> Array:
         """Of which cells anything is known."""
-        return np.isfinite(self.middle) & np.isfinite(self.slope) & np.isfinite(self.bend) & np.isfinite(self.rest)
+        return (
+            np.isfinite(self.middle)
+            & np.isfinite(self.slope)
+            & np.isfinite(self.bend)
+            & np.isfinite(self.rest)
+        )
 
     @property
     def negative(self) -> Array:
@@ -126,12 +144,20 @@ class Curve:
 
     def known_negative(self, which: Array) -> Curve:
         """The same of a function that was shown to be negative on some cells in another way."""
-        middle, slope, bend, rest = (x.copy() for x in (self.middle, self.slope, self.bend, self.rest))
+        middle, slope, bend, rest = (
+            x.copy() for x in (self.middle, self.slope, self.bend, self.rest)
+        )
         middle[which], slope[which], bend[which], rest[which] = -1.0, 0.0, 0.0, 0.0
         return Curve(middle, slope, bend, rest, self.changes)
 
     def __getitem__(self, which: Array) -> Curve:
-        return Curve(self.middle[which], self.slope[which], self.bend[which], self.rest[which], self.changes[which])
+        return Curve(
+            self.middle[which],
+            self.slope[which],
+            self.bend[which],
+            self.rest[which],
+            self.changes[which],
+        )
 
     @classmethod
     def together(cls, own: Sequence[Curve]) -> Curve:
@@ -141,9 +167,11 @@ class Curve:
 
 
 def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
-    """The zeros of a t^2 + b t + c in order, by the formula that loses nothing; infinite or nan where there are none.
+    """The zeros of a t^2 + b t + c in order, by the formula that loses nothing; infinite or nan
+    where there are none.
 
-    They are those of a parabola whose coefficients differ from these by some roundings, which ``rest`` allows for.
+    They are those of a parabola whose coefficients differ from these by some roundings, which
+    ``rest`` allows for.
     """
     size = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c))
     a, b, c = a / size, b / size, c / size
@@ -153,17 +181,26 @@ def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
 
 
 def _hull(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
-    """The least interval of [-1, 1] outside of which a t^2 + b t + c < 0; empty, with low > high, where it is so everywhere."""
+    """The least interval of [-1, 1] outside of which a t^2 + b t + c < 0; empty, with low > high,
+    where it is so everywhere."""
     with np.errstate(all="ignore"):
         first, last = _roots(a, b, c)
         none, linear = b * b - 4 * a * c < 0, np.abs(a) <= 0
         at = -c / b
-        low = np.where(linear, np.where(b > 0, at, -1.0), np.where(a < 0, first, np.where(first < -1, last, -1.0)))
-        high = np.where(linear, np.where(b < 0, at, 1.0), np.where(a < 0, last, np.where(last > 1, first, 1.0)))
+        low = np.where(
+            linear,
+            np.where(b > 0, at, -1.0),
+            np.where(a < 0, first, np.where(first < -1, last, -1.0)),
+        )
+        high = np.where(
+            linear, np.where(b < 0, at, 1.0), np.where(a < 0, last, np.where(last > 1, first, 1.0))
+        )
         low, high = np.maximum(low - _SOLVED, -1.0), np.minimum(high + _SOLVED, 1.0)
         empty = np.where(linear & (b == 0), c < 0, np.where(none, c < 0, low > high))
         whole = none | ~(np.isfinite(low) & np.isfinite(high))
-        return np.where(empty, 1.0, np.where(whole, -1.0, low)), np.where(empty, -1.0, np.where(whole, 1.0, high))
+        return np.where(empty, 1.0, np.where(whole, -1.0, low)), np.where(
+            empty, -1.0, np.where(whole, 1.0, high)
+        )
 
 
 def _first(a: Array, b: Array, c: Array) -> Array:
@@ -173,12 +210,17 @@ def _first(a: Array, b: Array, c: Array) -> Array:
         low, high = _roots(a, b, c)
         inside = np.where(np.abs(a) > 0, np.where(a < 0, low, high), -c / b) + _SOLVED
         top = np.clip(-b / (2 * a), -1.0, 1.0)  # where it is largest, if it bends down
-        is_inside = (inside > -1) & (inside < 1) & (at_end | ((a < 0) & (top > inside) & (c + top * (b + top * a) > 0)))
+        is_inside = (
+            (inside > -1)
+            & (inside < 1)
+            & (at_end | ((a < 0) & (top > inside) & (c + top * (b + top * a) > 0)))
+        )
         return np.where(at_start, -1.0, np.where(is_inside, inside, np.where(at_end, 1.0, np.nan)))
 
 
 Judge: TypeAlias = Callable[[Array], Curve]
-"""Of cells (n, sides, 2): from where to where of omega, of each outer side, then of the other inner sides."""
+"""Of cells (n, sides, 2): from where to where of omega, of each outer side, then of the other inner
+sides."""
 
 
 class Rows(Protocol):
@@ -213,13 +255,16 @@ R = TypeVar("R", bound=Rows)
 
 
 class Batches(Generic[R]):
-    """The queue of cells in arrays, many at a time: ``kernel.budget.Waiting`` for what is bounded a thousand at once.
+    """The queue of cells in arrays, many at a time: ``kernel.budget.Waiting`` for what is bounded a
+    thousand at once.
 
-    Iterating gives up to ``size`` cells, ticks the budget, and ends when none waits or ``most`` were given, or more. A loop
-    that goes on has settled them, but for what it put back with ``add``. LimitError out of the iteration when the time is over.
+    Iterating gives up to ``size`` cells, ticks the budget, and ends when none waits or ``most``
+    were given, or more. A loop that goes on has settled them, but for what it put back with
+    ``add``. LimitError out of the iteration when the time is over.
     ``rest`` : all that is not settled, also what a loop was left with.
 
-    ``rank`` : of rows an array, least for those to be given first; if there is none they come as they were added.
+    ``rank`` : of rows an array, least for those to be given first; if there is none they come as
+    they were added.
 
     >>> waiting, settled = Batches(np.array([[0, 8]]), size=2), []
     >>> for cells in waiting:
@@ -231,7 +276,13 @@ class Batches(Generic[R]):
     """
 
     def __init__(
-        self, first: R, *, size: int, rank: Callable[[R], Array] | None = None, most: int | None = None, what: str = ""
+        self,
+        first: R,
+        *,
+        size: int,
+        rank: Callable[[R], Array] | None = None,
+        most: int | None = None,
+        what: str = "",
     ) -> None:
         self.examined = 0
         self._size, self._rank, self._most, self._what = size, rank, most, what
@@ -251,7 +302,9 @@ class Batches(Generic[R]):
         while sum(map(len, self._waiting)) and (self._most is None or self.examined < self._most):
             cells = joined(self._waiting)
             tick(min(self.examined, self._most or self.examined), self._most, self._what)
-            order = slice(None) if self._rank is None else np.argsort(self._rank(cells), kind="stable")
+            order = (
+                slice(None) if self._rank is None else np.argsort(self._rank(cells), kind="stable")
+            )
             cells = cells[order]
             self._given, self._waiting = cells[: self._size], [cells[self._size :]]
             self.examined += len(self._given)
@@ -292,7 +345,9 @@ def touching(cells: Array) -> Array:
         label[first] = first
         while waiting:
             own = waiting.pop()
-            near = (low[:, alone] <= high[:, own, None]).all(0) & (low[:, own, None] <= high[:, alone]).all(0)
+            near = (low[:, alone] <= high[:, own, None]).all(0) & (
+                low[:, own, None] <= high[:, alone]
+            ).all(0)
             label[alone[near]] = first
             waiting += alone[near].tolist()
             alone = alone[~near]
@@ -301,7 +356,8 @@ def touching(cells: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Pieces of the inner sides, (pieces, inner, 2); ``owner`` : behind which outer cell, (pieces,), by number."""
+    """Pieces of the inner sides, (pieces, inner, 2); ``owner`` : behind which outer cell,
+    (pieces,), by number."""
 
     owner: Array
     inner: Array
@@ -324,10 +380,12 @@ class Pieces:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Outer cells (n, outer, 2), for each judge the pieces on which its sign is open, and what is proven of each cell.
+    """Outer cells (n, outer, 2), for each judge the pieces on which its sign is open, and what is
+    proven of each cell.
 
-    ``floor``, ``ceiling`` : (n,), bounds on the lowest omega from which on a judge is positive, as above; ``by`` : (n,),
-    the number of the judge that is positive at the ceiling, for all of the cell; -1 where there is none.
+    ``floor``, ``ceiling`` : (n,), bounds on the lowest omega from which on a judge is positive, as
+    above; ``by`` : (n,), the number of the judge that is positive at the ceiling, for all of the
+    cell; -1 where there is none.
     """
 
     outer: Array
@@ -338,7 +396,8 @@ class Cells:
 
     @classmethod
     def of(cls, outer: ArrayLike, inner: Sequence[ArrayLike]) -> Cells:
-        """Outer cells of which nothing is known; ``inner`` : for each judge the pieces to begin with, (pieces, inner, 2)."""
+        """Outer cells of which nothing is known; ``inner`` : for each judge the pieces to begin
+        with, (pieces, inner, 2)."""
         cells = np.asarray(outer, float)
         n, found = len(cells), list[Pieces]()
         for x in inner:
@@ -356,15 +415,27 @@ class Cells:
         number[chosen] = np.arange(len(chosen))
         owners = [number[x.owner] for x in self.pieces]
         own = (Pieces(n[n >= 0], x.inner[n >= 0]) for n, x in zip(owners, self.pieces, strict=True))
-        return Cells(self.outer[chosen], tuple(own), self.floor[chosen], self.ceiling[chosen], self.by[chosen])
+        return Cells(
+            self.outer[chosen],
+            tuple(own),
+            self.floor[chosen],
+            self.ceiling[chosen],
+            self.by[chosen],
+        )
 
     @classmethod
     def together(cls, rows: Sequence[Cells]) -> Cells:
         """All of several."""
         starts = np.cumsum([0, *map(len, rows)])
-        moved = [[replace(p, owner=p.owner + n) for p in x.pieces] for x, n in zip(rows, starts, strict=False)]
+        moved = [
+            [replace(p, owner=p.owner + n) for p in x.pieces]
+            for x, n in zip(rows, starts, strict=False)
+        ]
         pieces = tuple(map(Pieces.together, zip(*moved, strict=True)))
-        arrays = (np.concatenate([getattr(x, name) for x in rows]) for name in ("outer", "floor", "ceiling", "by"))
+        arrays = (
+            np.concatenate([getattr(x, name) for x in rows])
+            for name in ("outer", "floor", "ceiling", "by")
+        )
         outer, floor, ceiling, by = arrays
         return cls(outer, pieces, floor, ceiling, by)
 
@@ -375,10 +446,13 @@ class Cells:
         return np.bincount(np.concatenate(owners), minlength=len(self)) == 0
 
     def extended(self, inner: Sequence[ArrayLike]) -> Cells:
-        """With more pieces behind each, for each judge; what was proven of frequencies below holds on."""
+        """With more pieces behind each, for each judge; what was proven of frequencies below holds
+        on."""
         more = Cells.of(self.outer, inner).pieces
         pieces = tuple(Pieces.together(pair) for pair in zip(self.pieces, more, strict=True))
-        least = min((np.asarray(x)[:, 0, 0].min() for x in inner if len(np.asarray(x))), default=np.inf)
+        least = min(
+            (np.asarray(x)[:, 0, 0].min() for x in inner if len(np.asarray(x))), default=np.inf
+        )
         return replace(self, pieces=pieces, floor=np.minimum(self.floor, least))
 
     def halves(self, side: Array) -> Cells:
@@ -388,11 +462,13 @@ class Cells:
 
 
 Settled: TypeAlias = Callable[[Array, Array], Array]
-"""Which cells are settled, by floors and ceilings: as truth values. What a ceiling settles, a lower one must too."""
+"""Which cells are settled, by floors and ceilings: as truth values. What a ceiling settles, a lower
+one must too."""
 
 
 def told(floor: Array, ceiling: Array) -> Array:
-    """Which cells are kept, or broken: each function is negative everywhere, or one is positive for all of the cell."""
+    """Which cells are kept, or broken: each function is negative everywhere, or one is positive for
+    all of the cell."""
     return (floor == np.inf) | (ceiling < np.inf)
 
 
@@ -407,27 +483,42 @@ def no_worse(bound: float) -> Settled:
 
 
 class Search:
-    """Cells that are cut until they are settled: iterating gives those that were settled, round by round.
+    """Cells that are cut until they are settled: iterating gives those that were settled, round by
+    round.
 
-    ``wide`` : of outer cells (n, outer, 2) which sides, (n, outer), may be cut: one that is wide along none is left.
-    ``settled`` : which are settled; may be set to a stricter or a looser rule between rounds. ``rank`` : of ``Cells`` an
-    array, least for those to be cut first, at most ``batch`` in a round; all at once if there is none. ``last`` : how often the
-    pieces of cells that cannot be cut are cut once more, if they are few. ``most`` : pieces that are looked at, in all.
+    ``wide`` : of outer cells (n, outer, 2) which sides, (n, outer), may be cut: one that is wide
+    along none is left.
+    ``settled`` : which are settled; may be set to a stricter or a looser rule between rounds.
+    ``rank`` : of ``Cells`` an array, least for those to be cut first, at most ``batch`` in a round;
+    all at once if there is none. ``last`` : how often the pieces of cells that cannot be cut are
+    cut once more, if they are few. ``most`` : pieces that are looked at, in all.
 
-    ``left`` : what is not settled: what was too small, and what waited when it was enough or the time was over. Never
-    a LimitError.
+    ``left`` : what is not settled: what was too small, and what waited when it was enough or the
+    time was over. Never a LimitError.
     """
 
     def __init__(
-        self, judges: Sequence[Judge], first: Cells, *, wide: Callable[[Array], Array], settled: Settled = told,
-        rank: Callable[[Cells], Array] | None = None, batch: int = _BATCH, last: int = 0, most: int = _MOST, what: str = "cells",
-    ) -> None:  # fmt: skip
+        self,
+        judges: Sequence[Judge],
+        first: Cells,
+        *,
+        wide: Callable[[Array], Array],
+        settled: Settled = told,
+        rank: Callable[[Cells], Array] | None = None,
+        batch: int = _BATCH,
+        last: int = 0,
+        most: int = _MOST,
+        what: str = "cells",
+    ) -> None:
         self.judges, self.settled, self.looked = judges, settled, 0
         self._wide, self._last, self._most, self._what = wide, last, most, what
         self._finest = [
-            np.ptp(x.inner.reshape(-1, x.inner.shape[1], 2), (0, 2)) * _FINEST if len(x) else 0.0 for x in first.pieces
+            np.ptp(x.inner.reshape(-1, x.inner.shape[1], 2), (0, 2)) * _FINEST if len(x) else 0.0
+            for x in first.pieces
         ]
-        self.waiting = Batches(first, size=len(first) + most if rank is None else batch, rank=rank, what=what)
+        self.waiting = Batches(
+            first, size=len(first) + most if rank is None else batch, rank=rank, what=what
+        )
         self._small: list[Cells] = [first[:0]]
 
     def __iter__(self) -> Iterator[Cells]:
@@ -466,7 +557,8 @@ class Search:
         return cells
 
     def _judged(self, cells: Cells) -> tuple[Cells, Array]:
-        """What every judge shows of some cells, and how much each changes along their sides where that is open."""
+        """What every judge shows of some cells, and how much each changes along their sides where
+        that is open."""
         found, changes = (
             replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy()),
             np.zeros(cells.outer.shape[:2]),
@@ -483,10 +575,16 @@ class Search:
             np.minimum.at(floor, own.owner, own.inner[:, 0, 0])
         return replace(found, pieces=tuple(pieces), floor=floor), changes
 
-    def _open(self, i: int, n: int, found: Cells, pieces: Pieces, changes: Array) -> tuple[Pieces, Pieces]:
-        """On which pieces the sign of a judge stays open, and what others are cut into; lowers ceilings, and notes changes."""
+    def _open(
+        self, i: int, n: int, found: Cells, pieces: Pieces, changes: Array
+    ) -> tuple[Pieces, Pieces]:
+        """On which pieces the sign of a judge stays open, and what others are cut into; lowers
+        ceilings, and notes changes."""
         done = self.settled(found.floor, found.ceiling)[pieces.owner]
-        idle, pieces = pieces[done], pieces[~done]  # what is settled now may not be under a stricter rule
+        idle, pieces = (
+            pieces[done],
+            pieces[~done],
+        )  # what is settled now may not be under a stricter rule
         pieces = pieces[pieces.inner[:, 0, 0] < found.ceiling[pieces.owner]]
         if not len(pieces):
             return idle, pieces
@@ -496,9 +594,15 @@ class Search:
         own, along = np.delete(rates, range(1, 1 + outer), -1), rates[:, 1 : 1 + outer]
         unknown = np.bincount(pieces.owner[~curve.known], minlength=len(found))[pieces.owner]
         fine = (pieces.inner[..., 1] - pieces.inner[..., 0] <= self._finest[i]).all(-1)
-        wider = (own.max(-1) >= along.max(-1, initial=0.0) / 2) & (curve.known | (unknown <= _UNKNOWN)) & ~fine
+        wider = (
+            (own.max(-1) >= along.max(-1, initial=0.0) / 2)
+            & (curve.known | (unknown <= _UNKNOWN))
+            & ~fine
+        )
         many = np.bincount(pieces.owner, minlength=len(found))[pieces.owner]
-        more = (wider & (n == 0)) | (small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD))
+        more = (wider & (n == 0)) | (
+            small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD)
+        )
         np.maximum.at(changes, pieces.owner[~wider], along[~wider] + 1e-300)
         owner = np.tile(pieces.owner[more], 2)
         still = Pieces.together([idle, pieces[~more]])
@@ -515,13 +619,16 @@ class Search:
 
 
 def _contracted(i: int, found: Cells, pieces: Pieces, curve: Curve) -> tuple[Pieces, Curve]:
-    """Pieces without what a curve shows to be negative; ceilings lowered to where it shows to be positive."""
+    """Pieces without what a curve shows to be negative; ceilings lowered to where it shows to be
+    positive."""
     start, end = pieces.inner[:, 0].T
     radius = (end - start) / 2
     positive = _first(curve.bend, curve.slope, curve.middle - curve.rest)
     shown = curve.known & np.isfinite(positive)
     before = found.ceiling.copy()
-    at = np.where(positive < 1, np.minimum(np.nextafter(start + radius * (1 + positive), np.inf), end), end)
+    at = np.where(
+        positive < 1, np.minimum(np.nextafter(start + radius * (1 + positive), np.inf), end), end
+    )
     at = np.where(positive > -1, at, start)
     np.minimum.at(found.ceiling, pieces.owner[shown], at[shown])
     found.by[found.ceiling < before] = i
@@ -533,7 +640,8 @@ def _contracted(i: int, found: Cells, pieces: Pieces, curve: Curve) -> tuple[Pie
 
 
 def _along(omega: Array, low: Array, high: Array) -> Array:
-    """What t from ``low`` to ``high`` is of cells (n, 2), in which t goes from -1 to 1; rounded outward, but not out of them."""
+    """What t from ``low`` to ``high`` is of cells (n, 2), in which t goes from -1 to 1; rounded
+    outward, but not out of them."""
     start, end = omega.T
     radius = (end - start) / 2
     first = np.nextafter(start + radius * (1 + low), -np.inf)
@@ -542,21 +650,27 @@ def _along(omega: Array, low: Array, high: Array) -> Array:
 
 
 def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) -> Array:
-    """Where along omega F may vanish, within cells that go from where to where (n, 2): Newton's method for intervals, one step.
+    """Where along omega F may vanish, within cells that go from where to where (n, 2): Newton's
+    method for intervals, one step.
 
-    For all else in a cell |F - ``middle``| <= ``rest`` in the middle of omega, and dF/dt lies between the two of ``slope``
-    all over it, t from -1 to 1. Nothing is left out where the slope may be 0, or is not known.
+    For all else in a cell |F - ``middle``| <= ``rest`` in the middle of omega, and dF/dt lies
+    between the two of ``slope`` all over it, t from -1 to 1. Nothing is left out where the slope
+    may be 0, or is not known.
     """
     with np.errstate(all="ignore"):  # what is not finite is unknown
         reach = rest * (1 + _ROUNDING)
         ends = np.stack([(x - middle) / own for x in (-reach, reach) for own in slope])
         told = (slope[0] * slope[1] > 0) & np.isfinite(ends).all(0)
-        low, high = np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0), np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0)
+        low, high = (
+            np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0),
+            np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0),
+        )
         return np.where(told[:, None], _along(omega, low, high), omega)
 
 
 def _rates(pieces: Pieces, curve: Curve, outer: Array) -> Array:
-    """How much of the change of a function is along each side; of one that is unknown how wide each side is."""
+    """How much of the change of a function is along each side; of one that is unknown how wide each
+    side is."""
     cells = pieces.cells(outer)
     with np.errstate(all="ignore"):
         spread = (cells[..., 1] - cells[..., 0]) / np.maximum(np.abs(cells).max(-1), 1e-300)
@@ -580,10 +694,17 @@ class Found:
 
 
 def search(
-    judges: Sequence[Judge], outer: ArrayLike, inner: ArrayLike, *, wide: Callable[[Array], Array],
-    last: int = 0, most: int = _MOST, what: str = "cells",
-) -> Found:  # fmt: skip
-    """Outer cells that fill a domain as they are told: kept, broken, or neither; ``inner`` : the pieces of all judges alike.
+    judges: Sequence[Judge],
+    outer: ArrayLike,
+    inner: ArrayLike,
+    *,
+    wide: Callable[[Array], Array],
+    last: int = 0,
+    most: int = _MOST,
+    what: str = "cells",
+) -> Found:
+    """Outer cells that fill a domain as they are told: kept, broken, or neither; ``inner`` : the
+    pieces of all judges alike.
 
     ``inner`` : (inner, 2), or (pieces, inner, 2). Else as of ``Search``.
     """

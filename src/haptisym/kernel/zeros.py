@@ -1,10 +1,12 @@
 """What irreducible real functions of omega share: certified zeros, exact orders, signs.
 
-A real function is taken apart into irreducible factors. Different factors vanish at different frequencies (for
-polynomials always, for analytic functions except by coincidence) and each has only simple zeros or such tangencies as
-cannot be told from simple pairs. A factor knows all its zeros in an interval, its order at a given number, and its sign.
+A real function is taken apart into irreducible factors. Different factors vanish at different
+frequencies (for polynomials always, for analytic functions except by coincidence) and each has only
+simple zeros or such tangencies as cannot be told from simple pairs. A factor knows all its zeros in
+an interval, its order at a given number, and its sign.
 
-What has Taylor coefficients in balls is cut until each piece of the interval is clear: without a zero, or with one simple zero.
+What has Taylor coefficients in balls is cut until each piece of the interval is clear: without a
+zero, or with one simple zero.
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precisi
 
 
 def rounded_up(bits: int) -> int:
-    """The next power of two, at least 128: so that questions of about the same precision share one isolation."""
+    """The next power of two, at least 128: so that questions of about the same precision share one
+    isolation."""
     return max(128, 1 << (bits - 1).bit_length())
 
 
@@ -46,7 +49,8 @@ def exact(x: fmpq) -> Ball:
 
 
 def sign_of(ball: Ball) -> int:
-    """1 or -1 for a ball on one side of 0; 0 for one that holds it, or is not a number, as a logarithm over 0.
+    """1 or -1 for a ball on one side of 0; 0 for one that holds it, or is not a number, as a
+    logarithm over 0.
 
     >>> sign_of(arb("-1.5")), sign_of(arb(1, 2)), sign_of(arb("nan"))
     (-1, 0, 0)
@@ -64,18 +68,21 @@ class Factor(ABC):
 
     @abstractmethod
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
-        """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays undecided among them."""
+        """All zeros strictly between two numbers, and perhaps others outside; a tangency that stays
+        undecided among them."""
 
     @abstractmethod
     def order_at(self, place: Expr) -> Any:
-        """The order of the zero at an exact number, counted in omega; 0 if it is none; a fraction for powers of omega at 0."""
+        """The order of the zero at an exact number, counted in omega; 0 if it is none; a fraction
+        for powers of omega at 0."""
 
     @abstractmethod
     def value(self, x: Ball) -> Ball:
         """A ball around the value at a ball of frequencies, at the current working precision."""
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
-        """The sign all over a closed interval where a quick look shows that there is no zero on it; 0 where it does not."""
+        """The sign all over a closed interval where a quick look shows that there is no zero on it;
+        0 where it does not."""
         return 0
 
     def shown_sign(self, place: Expr) -> int:
@@ -87,11 +94,16 @@ class Factor(ABC):
         return 2 if isinstance(zero, Undecided) else 1
 
     def sign_at(self, place: Callable[[int], Ball], most: int = MOST_BITS) -> int:
-        """The sign at a number that is no zero, given as a function from bits to a ball; UndecidedError at the limit."""
+        """The sign at a number that is no zero, given as a function from bits to a ball;
+        UndecidedError at the limit."""
         tick()
-        if sign := at_rising_precision(lambda bits: sign_of(self.value(place(bits))) or None, most=most):
+        if sign := at_rising_precision(
+            lambda bits: sign_of(self.value(place(bits))) or None, most=most
+        ):
             return sign
-        raise UndecidedError(f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s")
+        raise UndecidedError(
+            f"the sign of a function at omega = {float(place(64).mid()):.17g} rad/s"
+        )
 
 
 class SmoothFactor(Factor):
@@ -99,10 +111,12 @@ class SmoothFactor(Factor):
 
     @abstractmethod
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
-        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about every point of a ball."""
+        """Balls around the Taylor coefficients of orders from ``start`` to before ``stop`` about
+        every point of a ball."""
 
     def taylor(self, x: Ball, order: int) -> Ball:
-        """A ball around the Taylor coefficient of that order about every point of a ball of frequencies."""
+        """A ball around the Taylor coefficient of that order about every point of a ball of
+        frequencies."""
         return self.series(x, order, order + 1)[0]
 
 
@@ -126,7 +140,8 @@ class Zero(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Undecided(RealNumber):
-    """A frequency near which a function has a double zero, or two, or none: not decided at the precision limit."""
+    """A frequency near which a function has a double zero, or two, or none: not decided at the
+    precision limit."""
 
     factor: Factor
     near: Zero
@@ -137,7 +152,8 @@ class Undecided(RealNumber):
 
 @lru_cache(maxsize=4096)
 def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
-    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the slope is not clear of 0."""
+    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the
+    slope is not clear of 0."""
     k = zero.derivative
 
     def jet(x: Ball, count: int) -> Sequence[Ball]:
@@ -158,10 +174,12 @@ Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
 
 
 def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
-    """The enclosure of the one simple zero between two exact numbers, as tight as that many bits allow.
+    """The enclosure of the one simple zero between two exact numbers, as tight as that many bits
+    allow.
 
     Interval Newton where the slope is clear of 0, bisection elsewhere.
-    The ends stay exact numbers: a ball around them reaches a little beyond, where a twin of the zero may lie.
+    The ends stay exact numbers: a ball around them reaches a little beyond, where a twin of the
+    zero may lie.
     """
     left = sign_of(jet(low, 1)[0])
     while low.union(high).rel_accuracy_bits() < bits - 24:
@@ -184,12 +202,14 @@ class SeriesFactor(SmoothFactor):
 
     @property
     def farthest(self) -> float | None:
-        """How many times the low end of a piece its high end may be for ``over`` to have a chance; None: any number of times."""
+        """How many times the low end of a piece its high end may be for ``over`` to have a chance;
+        None: any number of times."""
         return None
 
 
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
-    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent one way only."""
+    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent
+    one way only."""
     found: list[RealNumber] = []
     waiting = Waiting(_pieces(f, low, high) if low < high else [])
     for a, b in waiting:
@@ -221,17 +241,24 @@ def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | N
     if piece.sign():
         return []
     if piece.sign(1):
-        return [Zero(f, piece.low, piece.high, index)] if _sign(f, piece, 0) != _sign(f, piece, -1) else []
+        return (
+            [Zero(f, piece.low, piece.high, index)]
+            if _sign(f, piece, 0) != _sign(f, piece, -1)
+            else []
+        )
     if bend := piece.sign(2):
         return _on_a_bend(f, piece, bend, index)
     box = piece.low.union(piece.high)
     if box.rel_accuracy_bits() > 60:
-        raise UndecidedError(f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s")
+        raise UndecidedError(
+            f"how often a function vanishes near omega = {float(box.mid()):.17g} rad/s"
+        )
     return None
 
 
 def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int:
-    """The sign of the function, or of its slope, at an end of a piece; UndecidedError if it stays open."""
+    """The sign of the function, or of its slope, at an end of a piece; UndecidedError if it stays
+    open."""
     if shown := piece.sign_at(end, derivative):
         return shown
     x = (piece.low, piece.high)[end]
@@ -241,7 +268,8 @@ def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int
 
 
 def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:
-    """On a piece that bends one way only: the extremum decides between no zero and two, or stays undecided."""
+    """On a piece that bends one way only: the extremum decides between no zero and two, or stays
+    undecided."""
     left, right = _sign(f, piece, 0), _sign(f, piece, -1)
     if left != right:
         return [Zero(f, piece.low, piece.high, index)]
@@ -258,20 +286,27 @@ def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[R
     if found is None:
         return [Undecided(f, extremum)]
     middle, sign = found
-    return [] if sign == left else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
+    return (
+        []
+        if sign == left
+        else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
+    )
 
 
 def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:
-    """A place or one a little beside it, at which the function is not zero; the place itself where none of them shows that."""
+    """A place or one a little beside it, at which the function is not zero; the place itself where
+    none of them shows that."""
     cuts = [(place + step * n).mid() for n in (0, 1, -3.5, 5.5)]
     return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
 
 
 def clear_of(f: SeriesFactor, place: Expr, order: int, first: Ball, *, above: bool) -> Ball:
-    """A dyadic number beside a zero of known order, with no other zero in between; one as far away as ``first`` is tried first.
+    """A dyadic number beside a zero of known order, with no other zero in between; one as far away
+    as ``first`` is tried first.
 
-    f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between, because all lower ones
-    vanish at the place: where the enclosure of f_m over the piece is clear of 0, there is no other zero.
+    f(x) = f_m(xi) (x - place)^m with f_m the m-th Taylor coefficient about some xi in between,
+    because all lower ones vanish at the place: where the enclosure of f_m over the piece is clear
+    of 0, there is no other zero.
     """
     with flint.ctx.workprec(128):
         centre, reach = expression_ball(place), first

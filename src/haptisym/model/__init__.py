@@ -1,1 +1,2 @@
-"""What is evaluated: scenes, their files and catalogue, the chain of effects, the distortion, thresholds."""
+"""What is evaluated: scenes, their files and catalogue, the chain of effects, the distortion,
+thresholds."""

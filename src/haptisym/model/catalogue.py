@@ -1,12 +1,14 @@
 """The catalogue: environments, effects and hands, as values that a scene is made of.
 
-A model is a function from parameters to a dynamics, ``H(s)`` or a chain matrix, entered under its name in scene files by the
-decorator ``environment`` or ``effect``; its signature says what each parameter measures and may be. Numbers, strings with units
-or symbols go in, an ``Environment`` or an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where
-both move together; a shunt of that form, a ``Device``, stands beside it too.
+A model is a function from parameters to a dynamics, ``H(s)`` or a chain matrix, entered under its
+name in scene files by the decorator ``environment`` or ``effect``; its signature says what each
+parameter measures and may be. Numbers, strings with units or symbols go in, an ``Environment`` or
+an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where both move
+together; a shunt of that form, a ``Device``, stands beside it too.
 
-A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics with a difference in place
-of s, and a ``sampled-loop`` is the effect that makes of what would be rendered what is: D - H beside it, then delay and hold.
+A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics
+with a difference in place of s, and a ``sampled-loop`` is the effect that makes of what would be
+rendered what is: D - H beside it, then delay and hold.
 """
 
 from __future__ import annotations
@@ -51,7 +53,8 @@ Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
 @dataclass(frozen=True)
 class Model:
-    """One row of the catalogue: its name in scene files, its parameters and the function that builds it."""
+    """One row of the catalogue: its name in scene files, its parameters and the function that
+    builds it."""
 
     name: str
     slots: Mapping[str, Slot]
@@ -64,7 +67,8 @@ class Environment(Shown):
     """What should be felt: the dynamic stiffness ``H_env(s) = F(s)/X(s)``, N/m or N m/rad, exact.
 
     ``dynamics`` : in s and the symbols of ``parameters``; ``H`` : with their values, SI.
-    Made by the functions of ``haptisym.environments``; SceneError for a value that breaks the rule of its parameter.
+    Made by the functions of ``haptisym.environments``; SceneError for a value that breaks the rule
+    of its parameter.
 
     >>> from haptisym import environments
     >>> environments.kelvin_voigt("100 N/m", "2 N*s/m").H
@@ -84,20 +88,26 @@ class Environment(Shown):
         return in_place(self.dynamics, values(self.parameters))
 
     def with_values(self, given: Mapping[str, Number]) -> Environment:
-        """The same environment with other values for the parameters whose symbols have these names."""
+        """The same environment with other values for the parameters whose symbols have these
+        names."""
         return replace(self, parameters=with_values(self.parameters, given))
 
     def renamed(self, names: Mapping[Symbol, Symbol]) -> Environment:
         """The same environment with other symbols for its parameters."""
-        return replace(self, parameters=renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names))
+        return replace(
+            self, parameters=renamed(self.parameters, names), dynamics=self.dynamics.xreplace(names)
+        )
 
     def seen_by(self, effects: Sequence[Effect]) -> Environment:
-        """The same in s: of a difference equation that the first effect computes, with z = exp(s T)."""
+        """The same in s: of a difference equation that the first effect computes, with z = exp(s
+        T)."""
         if self.model != DIFFERENCE_EQUATION:
             return self
         T = effects[0].parameters[0]
         return replace(
-            self, parameters=(*self.parameters, T), dynamics=self.dynamics.xreplace({BACK: exp(-s * T.symbol)})
+            self,
+            parameters=(*self.parameters, T),
+            dynamics=self.dynamics.xreplace({BACK: exp(-s * T.symbol)}),
         )
 
     @property
@@ -106,7 +116,8 @@ class Environment(Shown):
         return tuple(p for p in self.parameters if not p.tie)
 
     def tied_to(self, environment: Environment) -> Environment:
-        """What is rendered for an environment: where it refers to a parameter of that, it has this very parameter.
+        """What is rendered for an environment: where it refers to a parameter of that, it has this
+        very parameter.
 
         SceneError for a reference to what the environment does not have, or to what does not fit.
 
@@ -117,23 +128,34 @@ class Environment(Shown):
         """
         known = {f"environment.{p.key}": p for p in environment.parameters}
         slots = ENVIRONMENTS[self.model].slots
-        tied = {p.key: tied_to(p, known, slots.get(p.key.partition("[")[0], NAMED)) for p in self.parameters if p.tie}
+        tied = {
+            p.key: tied_to(p, known, slots.get(p.key.partition("[")[0], NAMED))
+            for p in self.parameters
+            if p.tie
+        }
         names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
         taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
         for x in (p.symbol for p in self.own if p.symbol in names.values()):
             names[x] = Symbol(free_name(f"{x.name}_rendered", taken), **x.assumptions0)
             taken.add(names[x].name)
-        parameters = (tied.get(p.key, replace(p, symbol=names.get(p.symbol, p.symbol))) for p in self.parameters)
+        parameters = (
+            tied.get(p.key, replace(p, symbol=names.get(p.symbol, p.symbol)))
+            for p in self.parameters
+        )
         return replace(self, parameters=tuple(parameters), dynamics=self.dynamics.xreplace(names))
 
 
 @dataclass(frozen=True, repr=False)
 class Effect(Shown):
-    """What stands between environment and hand, as a chain matrix: ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``.
+    """What stands between environment and hand, as a chain matrix: ``[F_h; X_h] = [[A, B], [C, D]]
+    [F_e; X_e]``.
 
-    F is force, N or N m, X position, m or rad: of an H behind it the hand feels ``(A H + B)/(C H + D)``. Exact.
-    ``dynamics`` : A, B, C, D in s and the symbols of ``parameters``; ``matrix`` : with their values, SI.
-    Made by the functions of ``haptisym.effects``; SceneError for a value that breaks the rule of its parameter.
+    F is force, N or N m, X position, m or rad: of an H behind it the hand feels ``(A H + B)/(C H +
+    D)``. Exact.
+    ``dynamics`` : A, B, C, D in s and the symbols of ``parameters``; ``matrix`` : with their
+    values, SI.
+    Made by the functions of ``haptisym.effects``; SceneError for a value that breaks the rule of
+    its parameter.
 
     >>> from haptisym import effects
     >>> effects.first_order_lag("80 rad/s").matrix
@@ -152,7 +174,10 @@ class Effect(Shown):
     def _line(self) -> str:
         named = self.name if self.name in ("", self.model) else f"{self.name} "
         model = f"({self.model})" if named and named != self.model else self.model
-        told = [*(p.stated() for p in self.parameters), *(f"{key} = {value}" for key, value in self.settings)]
+        told = [
+            *(p.stated() for p in self.parameters),
+            *(f"{key} = {value}" for key, value in self.settings),
+        ]
         return f"{named if named != self.model else ''}{model}: {'; '.join(told)}".rstrip(": ")
 
     def setting(self, key: str) -> str | int:
@@ -163,7 +188,9 @@ class Effect(Shown):
     def matrix(self) -> Matrix:
         """The chain matrix (A, B, C, D) with the parameters' values in place."""
         known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
-        a, b, c, d = (entry if entry.is_Integer else in_place(entry, known) for entry in self.dynamics)
+        a, b, c, d = (
+            entry if entry.is_Integer else in_place(entry, known) for entry in self.dynamics
+        )
         return a, b, c, d
 
     def with_values(self, given: Mapping[str, Number]) -> Effect:
@@ -181,7 +208,8 @@ EFFECTS: dict[str, Model] = {}
 
 
 def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Environment]]:
-    """Enter a model function, parameters to H(s), in the catalogue under its name in scene files."""
+    """Enter a model function, parameters to H(s), in the catalogue under its name in scene
+    files."""
 
     def decorate(equation: Callable[..., Expr]) -> Callable[..., Environment]:
         slots = _slots(equation)
@@ -204,7 +232,8 @@ def environment(name: str) -> Callable[[Callable[..., Expr]], Callable[..., Envi
 
 
 def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect]]:
-    """Enter a model function, parameters to chain matrix (A, B, C, D), in the catalogue under its name in scene files."""
+    """Enter a model function, parameters to chain matrix (A, B, C, D), in the catalogue under its
+    name in scene files."""
 
     def decorate(equation: Callable[..., Matrix]) -> Callable[..., Effect]:
         slots = _slots(equation)
@@ -225,7 +254,9 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
             bound = inspect.signature(equation).bind(**arguments)
             bound.apply_defaults()
             settings = tuple(
-                (x, bound.arguments[x]) for x, slot in slots.items() if slot.is_setting and bound.arguments[x] != ""
+                (x, bound.arguments[x])
+                for x, slot in slots.items()
+                if slot.is_setting and bound.arguments[x] != ""
             )
             return Effect(model, parameters, (a, b, c, d), name or model, settings)
 
@@ -248,7 +279,11 @@ def _meaning(slot: Slot) -> str:
     """`` (damping)``; empty where the dimension has no name."""
     if slot.formula:
         return " (a formula in z)" if slot.in_z else " (a formula in s)"
-    return "" if slot.dimension in (Dimension.ANY, Dimension.RATIO) else f" ({slot.dimension.name.lower()})"
+    return (
+        ""
+        if slot.dimension in (Dimension.ANY, Dimension.RATIO)
+        else f" ({slot.dimension.name.lower()})"
+    )
 
 
 def _listed(names: Iterable[str]) -> str:
@@ -260,12 +295,16 @@ def _listed(names: Iterable[str]) -> str:
 _PARTS = {"m": "mass", "b": "damper", "k": "spring"}
 
 
-def _signed(equation: Callable[..., Any], slots: Mapping[str, Slot], error: str, given: Mapping[str, Any]) -> str:
+def _signed(
+    equation: Callable[..., Any], slots: Mapping[str, Slot], error: str, given: Mapping[str, Any]
+) -> str:
     """How to write an environment with a negative parameter."""
     key = error.partition(":")[0].partition("[")[0]
     symbols = {x: Symbol(x) for x in slots if x in given or x == key}
     H = "k"
-    if not any(slots[x].several for x in slots) and all(x in symbols for x, slot in slots.items() if slot.required):
+    if not any(slots[x].several for x in slots) and all(
+        x in symbols for x, slot in slots.items() if slot.required
+    ):
         H = _in_powers(equation(**symbols))
     what = slots[key].dimension.name.lower() if key in slots else "value"
     return f'For a negative {what}: model = "expression" with H = "{H}", or an effect shunt.'
@@ -281,10 +320,16 @@ def _in_powers(H: Expr) -> str:
 
 def _instead(slots: Mapping[str, Slot], given: Mapping[str, Any]) -> str:
     """Another model, of those of which this is one, for which the given parameters suffice."""
-    models = next((x for x in (ENVIRONMENTS, EFFECTS) if any(y.slots is slots for y in x.values())), {})
+    models = next(
+        (x for x in (ENVIRONMENTS, EFFECTS) if any(y.slots is slots for y in x.values())), {}
+    )
     for model in models.values():
         needed = {key for key, x in model.slots.items() if x.required}
-        if given and needed <= set(given) <= set(model.slots) and not any(x.formula for x in model.slots.values()):
+        if (
+            given
+            and needed <= set(given) <= set(model.slots)
+            and not any(x.formula for x in model.slots.values())
+        ):
             what = _listed([_PARTS.get(key, key) for key in given])
             return f' For a {what} alone: model = "{model.name}" with {_listed(given)} only.'
     return ""
@@ -295,7 +340,8 @@ def _summary(equation: Callable[..., Any]) -> str:
 
 
 def _slots(equation: Callable[..., Any]) -> dict[str, Slot]:
-    """The parameters of a model, read off its signature: an argument with a default may be absent."""
+    """The parameters of a model, read off its signature: an argument with a default may be
+    absent."""
     hints = get_type_hints(equation, include_extras=True)
     found = {}
     for name, argument in inspect.signature(equation).parameters.items():
@@ -305,14 +351,20 @@ def _slots(equation: Callable[..., Any]) -> dict[str, Slot]:
 
 
 def _bind(
-    equation: Callable[..., Any], slots: Mapping[str, Slot], args: tuple[Any, ...], kwargs: dict[str, Any]
+    equation: Callable[..., Any],
+    slots: Mapping[str, Slot],
+    args: tuple[Any, ...],
+    kwargs: dict[str, Any],
 ) -> tuple[tuple[Parameter, ...], dict[str, Any]]:
-    """The parameters of a call, checked, and the symbols (or formulas) to call the equation with."""
+    """The parameters of a call, checked, and the symbols (or formulas) to call the equation
+    with."""
     formulas = any(slot.formula for slot in slots.values())
     named = kwargs.pop("parameters", {}) if formulas else {}
     given = _given(slots, args, kwargs, formulas=formulas)
     if not isinstance(named, Mapping):
-        raise SceneError(f"parameters: {quoted(named)}: give names and values, as {{ w = '50 Hz' }}")
+        raise SceneError(
+            f"parameters: {quoted(named)}: give names and values, as {{ w = '50 Hz' }}"
+        )
     free = tuple(enter_parameter(key, value, NAMED, key) for key, value in dict(named).items())
     parameters: list[Parameter] = list(free)
     arguments: dict[str, Any] = {}
@@ -320,8 +372,12 @@ def _bind(
         slot = slots[key]
         if slot.formula:
             arguments[key] = _in_z(key, value, free) if slot.in_z else _formula(key, value, free)
-            unknown = sorted(arguments[key].free_symbols - {s, BACK} - {p.symbol for p in parameters}, key=str)
-            parameters += [Parameter(x, x, NAMED.dimension, key=x.name, rule=NAMED.rule) for x in unknown]
+            unknown = sorted(
+                arguments[key].free_symbols - {s, BACK} - {p.symbol for p in parameters}, key=str
+            )
+            parameters += [
+                Parameter(x, x, NAMED.dimension, key=x.name, rule=NAMED.rule) for x in unknown
+            ]
         elif slot.choices:
             arguments[key] = chosen(key, value, slot.choices)
         elif slot.is_setting:
@@ -335,7 +391,9 @@ def _bind(
             parameters += own
             arguments[key] = own[0].symbol
     if twice := [p.key for p in free if p.key in given and not slots[p.key].formula]:
-        raise SceneError(f"parameters: {twice[0]}: the model has a parameter of this name: choose another")
+        raise SceneError(
+            f"parameters: {twice[0]}: the model has a parameter of this name: choose another"
+        )
     return tuple(parameters), arguments
 
 
@@ -349,23 +407,28 @@ def _given(
     for key in given:
         if key not in slots:
             hint = meant(key, valid) or next(
-                (f'did you mean "{x}"? ' for x in slots if slots[x].dimension.name.lower() == key), ""
+                (f'did you mean "{x}"? ' for x in slots if slots[x].dimension.name.lower() == key),
+                "",
             )
             raise SceneError(f'unknown parameter "{key}": {hint}valid are {", ".join(valid)}')
     missing = [key for key, slot in slots.items() if slot.required and key not in given]
     if missing:
         raise _MissingError(
-            f"needs {_listed([f'{key}{_meaning(slots[key])}' for key in missing])}.{_instead(slots, given)}"
+            f"needs "
+            f"{_listed([f'{key}{_meaning(slots[key])}' for key in missing])}.{_instead(slots, given)}"
         )
     return {key: given[key] for key in slots if key in given}
 
 
 def is_system(given: object) -> bool:
-    """Whether something is a number, a transfer function of another package, or a pair of coefficients."""
+    """Whether something is a number, a transfer function of another package, or a pair of
+    coefficients."""
     if isinstance(given, Expr | Real | Decimal) and not isinstance(given, bool):
         return True
     if isinstance(given, tuple | list):
-        return len(given) == 2 and all(isinstance(x, Sequence) and not isinstance(x, str) for x in given)
+        return len(given) == 2 and all(
+            isinstance(x, Sequence) and not isinstance(x, str) for x in given
+        )
     return type(given).__module__.partition(".")[0] in ("sympy", "control", "scipy")
 
 
@@ -373,15 +436,23 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     """A formula as an expression in ``s`` and the parameters' symbols."""
     found = _read(key, given, parameters)
     for x in found.atoms(Pow):
-        is_root = not isinstance(given, str) and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
+        is_root = (
+            not isinstance(given, str)
+            and (x.base.is_Symbol or x.base.is_Integer)
+            and x.base.is_nonnegative
+        )
         if x.exp.is_Rational and not x.exp.is_Integer and x.base != s and not is_root:
             base = str(x.base).replace("**", "^")
             rule = "only s has fractional powers, as in 0.17*s^0.5"
             raise SceneError(f"{key}: ({base})^({x.exp}): {rule}")
     for p in parameters if isinstance(given, str) and found.has(pi) else ():
-        if p.symbol in found.free_symbols and p.value.has(pi):  # a frequency in Hz has its 2 pi in it already
+        if p.symbol in found.free_symbols and p.value.has(
+            pi
+        ):  # a frequency in Hz has its 2 pi in it already
             rule = f"leave pi out of the formula, or give {p.key} in 1/s"
-            raise SceneError(f"{key}: {p.key} in Hz already contains 2 pi ({p.value} rad/s): {rule}")
+            raise SceneError(
+                f"{key}: {p.key} in Hz already contains 2 pi ({p.value} rad/s): {rule}"
+            )
     return found
 
 
@@ -394,7 +465,8 @@ def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     if not isinstance(given, str):
         if not is_system(given):
             raise SceneError(
-                f"{key}: {quoted(given)} is not a formula: write it as a string, or give a transfer function"
+                f"{key}: {quoted(given)} is not a formula: write it as a string, or give a "
+                f"transfer function"
             )
         try:
             return _read(key, resolve_name("haptisym.interop:dynamics")(given), parameters)
@@ -410,7 +482,11 @@ def _in_z(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     text = str(given) if isinstance(given, int | float | Expr) else given
     if not isinstance(text, str):
         raise SceneError(f"{key}: {quoted(given)} is not a formula in z: write it as a string")
-    names: dict[str, Expr] = {"z": 1 / BACK, "pi": pi, **{p.symbol.name: p.symbol for p in parameters}}
+    names: dict[str, Expr] = {
+        "z": 1 / BACK,
+        "pi": pi,
+        **{p.symbol.name: p.symbol for p in parameters},
+    }
     with within(key):
         found = evaluate(text, number=decimal, name=lambda name: _known(name, names))
         try:
@@ -423,7 +499,8 @@ def _in_z(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
     if name not in names:
         raise ValueError(
-            f'unknown name "{name}": {meant(name, names)}valid are {", ".join(names)}; define others in parameters'
+            f'unknown name "{name}": {meant(name, names)}valid are {", ".join(names)}; '
+            f"define others in parameters"
         )
     return names[name]
 
@@ -470,14 +547,16 @@ def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
 
 
 def controller(effect: Effect) -> RationalFunction:
-    """D(z) of a sampled loop that stands in a scene, with its delay, in numbers where its parameters have them."""
+    """D(z) of a sampled loop that stands in a scene, with its delay, in numbers where its
+    parameters have them."""
     assert effect.renders
     D = _difference(effect, effect.renders.H, effect.parameters[0].value)
     return (D * D.ring.function(D.ring.variable) ** samples(effect)).reduced()
 
 
 def _difference(effect: Effect, H: Expr, T: Expr) -> RationalFunction:
-    """D(z) in lowest terms: of dynamics by the method, or as it is written. SceneError where it needs future samples."""
+    """D(z) in lowest terms: of dynamics by the method, or as it is written. SceneError where it
+    needs future samples."""
     if effect.renders is not None and effect.renders.model != DIFFERENCE_EQUATION:
         return discretised(H, T, str(effect.setting("method")))
     found = PolynomialRing(BACK, H.free_symbols - {BACK}).convert(H).reduced()
@@ -494,24 +573,28 @@ def samples(effect: Effect) -> int:
 def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[Effect, ...]:
     """The effects of a scene, a sampled loop among them rendering that environment.
 
-    SceneError where it is not the first effect, where another clock stands behind it, and where it cannot render that.
+    SceneError where it is not the first effect, where another clock stands behind it, and where it
+    cannot render that.
     """
     listed = tuple(effects)
     at = next((i for i, effect in enumerate(listed) if effect.model == SAMPLED_LOOP), None)
     if at is None:
         if rendered.model == DIFFERENCE_EQUATION:
             raise SceneError(
-                f"rendered: {DIFFERENCE_EQUATION} needs {SAMPLED_LOOP} as the first effect: add it, with T"
+                f"rendered: {DIFFERENCE_EQUATION} needs {SAMPLED_LOOP} as the first effect: "
+                f"add it, with T"
             )
         return listed
     first, *others = listed[at:]
     for other in (x for x in (*others, *listed[:at]) if x.model in CLOCKS):
         raise SceneError(
-            f"effects.{other.name}: a second sampler: {SAMPLED_LOOP} is the only one of a scene; leave it out"
+            f"effects.{other.name}: a second sampler: {SAMPLED_LOOP} is the only one of a "
+            f"scene; leave it out"
         )
     if at:
         raise SceneError(
-            f"effects.{first.name}: {SAMPLED_LOOP} must be the first effect, as its controller renders the environment"
+            f"effects.{first.name}: {SAMPLED_LOOP} must be the first effect, as its "
+            f"controller renders the environment"
         )
     with within(f"effects.{first.name}"):
         is_written = rendered.model == DIFFERENCE_EQUATION
@@ -519,7 +602,10 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
             raise SceneError(
                 f"method: leave it out, as [rendered] is a {DIFFERENCE_EQUATION}"
                 if is_written
-                else f"{SAMPLED_LOOP} needs method: {', '.join(METHODS)}; or [rendered] with a {DIFFERENCE_EQUATION}"
+                else (
+                    f"{SAMPLED_LOOP} needs method: {', '.join(METHODS)}; or [rendered] with a "
+                    f"{DIFFERENCE_EQUATION}"
+                )
             )
         first = replace(first, renders=rendered)
         placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
@@ -527,7 +613,8 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
 
 
 def _sampled_matrix(effect: Effect, rendered: Environment) -> Matrix:
-    """Between what would be rendered without a clock and what is: D - H beside it, then delay and hold."""
+    """Between what would be rendered without a clock and what is: D - H beside it, then delay and
+    hold."""
     T = effect.parameters[0].symbol
     D = _difference(effect, rendered.dynamics, T).expression().xreplace({BACK: exp(-s * T)})
     G = exp(-s * T * samples(effect)) * (1 - exp(-s * T)) / (s * T)
@@ -545,9 +632,11 @@ _HAND_SLOTS = {
 
 @dataclass(frozen=True, repr=False)
 class Hand(Shown):
-    """A hand of mass ``m``, damping ``b`` and stiffness ``k``, each >= 0: quantities or ranges; 0 where it is not given.
+    """A hand of mass ``m``, damping ``b`` and stiffness ``k``, each >= 0: quantities or ranges; 0
+    where it is not given.
 
-    Valid by construction: SceneError names what is wrong. ``m``, ``b`` and ``k`` are then parameters, with symbols of their own.
+    Valid by construction: SceneError names what is wrong. ``m``, ``b`` and ``k`` are then
+    parameters, with symbols of their own.
 
     >>> Hand("mine", m="0.5 kg", b=["5 N*s/m", "7 N*s/m"]).dynamics
     b_h*s + k_h + m_h*s**2
@@ -617,7 +706,10 @@ def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
     valid = (*_HAND_SLOTS, "source")
     for key in given:
         if key not in valid:
-            raise SceneError(f'unknown key "{str(key)[:60]}": {meant(str(key), valid)}valid are {", ".join(valid)}')
+            raise SceneError(
+                f'unknown key "{str(key)[:60]}": {meant(str(key), valid)}valid are '
+                f"{', '.join(valid)}"
+            )
     if not isinstance(given.get("source", ""), str):
         raise SceneError(f'source: "{given["source"]}" must be a string')
     return Hand(name, **given)
@@ -632,7 +724,8 @@ _T = TypeVar("_T")
 
 
 class Named(Mapping[str, _T]):
-    """What the package ships of a ``kind``, by name, read when it is asked for. SceneError for a name that there is not."""
+    """What the package ships of a ``kind``, by name, read when it is asked for. SceneError for a
+    name that there is not."""
 
     def __init__(self, kind: str, read: Callable[[], Mapping[str, _T]]) -> None:
         self.kind, self._read = kind, cache(read)
@@ -640,7 +733,9 @@ class Named(Mapping[str, _T]):
     def __getitem__(self, name: str) -> _T:
         if name not in self:
             unknown = f'unknown {self.kind} "{str(name)[:60]}"'
-            raise SceneError(f"{unknown}: {meant(str(name), self)}the package ships {', '.join(self)}")
+            raise SceneError(
+                f"{unknown}: {meant(str(name), self)}the package ships {', '.join(self)}"
+            )
         return self._read()[name]
 
     def __contains__(self, name: object) -> bool:
@@ -683,7 +778,8 @@ class Device(NamedTuple):
 
 
 def device(effect: Effect) -> Device | None:
-    """That of a shunt, its parameters' values in place; None of another effect, and where Z is none of these.
+    """That of a shunt, its parameters' values in place; None of another effect, and where Z is none
+    of these.
 
     >>> from haptisym.effects import compliance, shunt
     >>> device(shunt(Z="b*s^2 + 3*s", parameters={"b": 5}))
@@ -699,25 +795,36 @@ def device(effect: Effect) -> Device | None:
 
 
 _ENVIRONMENT = (
-    "give one of haptisym.environments, as environments.kelvin_voigt(100, 2), or a system, as 3*s + 100 of SymPy"
+    "give one of haptisym.environments, as environments.kelvin_voigt(100, 2), or a system, as "
+    "3*s + 100 of SymPy"
 )
-_EFFECTS = "give effects of haptisym.effects, or systems in series, in a tuple, as (effects.delay(0.01),)"
+_EFFECTS = (
+    "give effects of haptisym.effects, or systems in series, in a tuple, as (effects.delay(0.01),)"
+)
 _HANDS = "give hands in a tuple, as (Hand(...),)"
 _BAND = "give its two ends, as (0, 15)"
 
 
 def given_environment(key: str, given: object) -> Environment:
     """An environment, or any system that ``interop`` takes; SceneError for anything else."""
-    found = given if isinstance(given, Environment) or not is_system(given) else _system_read(key, "environment", given)
+    found = (
+        given
+        if isinstance(given, Environment) or not is_system(given)
+        else _system_read(key, "environment", given)
+    )
     need(key, found, Environment, _ENVIRONMENT)
     assert isinstance(found, Environment)
     return found
 
 
 def given_effects(given: Iterable[Any]) -> tuple[Effect, ...]:
-    """Effects in their order, a system being one in series; SceneError for anything else among them, or for one alone."""
+    """Effects in their order, a system being one in series; SceneError for anything else among
+    them, or for one alone."""
     listed = several("effects", given, _EFFECTS)
-    found = [_system_read(f"effects[{i}]", "series", x) if is_system(x) else x for i, x in enumerate(listed, 1)]
+    found = [
+        _system_read(f"effects[{i}]", "series", x) if is_system(x) else x
+        for i, x in enumerate(listed, 1)
+    ]
     for x in found:
         need("effects", x, Effect, _EFFECTS)
     return tuple(found)

@@ -1,12 +1,14 @@
 """A chain of dynamics between environment and hand, and its closed forms.
 
-A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the environment first; H_perc is one
-Moebius map of what is rendered.
+A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the
+environment first; H_perc is one Moebius map of what is rendered.
 
-Closed forms are the shortest Re and Im, stiffness, mass and damping, crossings, changeovers and leading terms. In lowest terms a
-chain of n devices with parameters of their own has some 2^n terms. Effects in series are factors G_i instead:
-H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each. What is neither short nor in
-series is left as Re or Im of H_perc(j omega) as the chain builds it. Named steps (``Distortion.steps``) are short for all.
+Closed forms are the shortest Re and Im, stiffness, mass and damping, crossings, changeovers and
+leading terms. In lowest terms a chain of n devices with parameters of their own has some 2^n terms.
+Effects in series are factors G_i instead:
+H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each.
+What is neither short nor in series is left as Re or Im of H_perc(j omega) as the chain builds it.
+Named steps (``Distortion.steps``) are short for all.
 """
 
 from __future__ import annotations
@@ -59,13 +61,15 @@ if TYPE_CHECKING:
 
 
 NOTHING_TO_FEEL = (
-    "the environment is zero at every frequency: add mass, damping or stiffness (haptisym stability takes free air)"
+    "the environment is zero at every frequency: add mass, damping or stiffness (haptisym "
+    "stability takes free air)"
 )
 
 
 @dataclass(frozen=True)
 class Chain:
-    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices, nearest the environment first."""
+    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices,
+    nearest the environment first."""
 
     environment: Expr
     rendered: Expr
@@ -74,9 +78,11 @@ class Chain:
     def dynamics(
         self, ring: Ring | None = None, *, free_air: bool = False
     ) -> tuple[RationalFunction, RationalFunction]:
-        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless given).
+        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless
+        given).
 
-        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in ``free_air``.
+        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in
+        ``free_air``.
         """
         ring = ring or self.ring
         environment = ring.convert(self.environment).reduced()
@@ -85,7 +91,8 @@ class Chain:
         return environment, self.perceived(range(len(self.matrices)), ring)
 
     def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
-        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless given another."""
+        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless
+        given another."""
         ring = ring or self.ring
         found = ring.convert(self.rendered)
         for i in places:
@@ -95,7 +102,8 @@ class Chain:
     @cached_property
     def ring(self) -> Ring:
         """The ring that holds them all."""
-        # a threshold comes along so that it may stay a symbol; a variable that does not occur costs nothing
+        # a threshold comes along so that it may stay a symbol; a variable that does not occur costs
+        # nothing
         return Ring.of([*self.entries(), self.stand_in])
 
     @cached_property
@@ -109,21 +117,30 @@ class Chain:
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
-        return self.environment, self.rendered, *(entry for matrix in self.matrices for entry in matrix)
+        return (
+            self.environment,
+            self.rendered,
+            *(entry for matrix in self.matrices for entry in matrix),
+        )
 
     @property
     def parameters(self) -> tuple[Symbol, ...]:
         """The symbols in it, in the order of their names."""
-        return tuple(sorted({x for entry in self.entries() for x in entry.free_symbols} - {s}, key=str))
+        return tuple(
+            sorted({x for entry in self.entries() for x in entry.free_symbols} - {s}, key=str)
+        )
 
     def program(self, fields: Sequence[str]) -> Program:
-        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is written as 0."""
+        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is
+        written as 0."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
 
         write = _writer(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # a value that is not 0 at some point settles that a field is not 0 everywhere
-        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(128)
+        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(
+            128
+        )
         zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
         return write(fields, zero) if zero else program
 
@@ -132,18 +149,26 @@ class Chain:
         kind, _, part = name.rpartition("_")
         env, perc = self.dynamics(free_air=kind == "perceived")
         change = perc - env
-        of = change / env if kind == "relative" else {"environment": env, "perceived": perc}.get(kind, change)
+        of = (
+            change / env
+            if kind == "relative"
+            else {"environment": env, "perceived": perc}.get(kind, change)
+        )
         raw = on_axis(of)
         return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
 
     @cached_property
     def steps(self) -> Steps:
-        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt, H_env + dH."""
+        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt,
+        H_env + dH."""
         from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
         found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
         of = found.results
-        felt = {f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value] for part in Part}
+        felt = {
+            f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value]
+            for part in Part
+        }
         return Steps(found.definitions, {**of, **felt})
 
     @property
@@ -152,7 +177,8 @@ class Chain:
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
-        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and angles."""
+        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and
+        angles."""
         if not self.in_series:
             return _PART[part](self.formula, evaluate=False) - environment
         return self._turned(part, [self.rendered, *self._gains]) - environment
@@ -183,9 +209,11 @@ class Chain:
         return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
-        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is its r_i.
+        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is
+        its r_i.
 
-        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z behind [[A, B/Z], [C Z, D]].
+        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z
+        behind [[A, B/Z], [C Z, D]].
         """
         environment = self.ring.convert(self.environment).reduced()
         Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
@@ -205,7 +233,9 @@ class Chain:
 
     def map(self, change: Callable[[Expr], Expr]) -> Chain:
         """The chain with every dynamics in it changed."""
-        matrices = tuple((change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices)
+        matrices = tuple(
+            (change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices
+        )
         return Chain(change(self.environment), change(self.rendered), matrices)
 
 
@@ -235,24 +265,34 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     top = a * H.numerator + b * H.denominator
     bottom = c * H.numerator + d * H.denominator
     if bottom.is_zero():
-        raise SceneError("the effects make H_perc infinite at every frequency (C H + D = 0): change one of them")
+        raise SceneError(
+            "the effects make H_perc infinite at every frequency (C H + D = 0): change one of them"
+        )
     return RationalFunction(H.ring, top, bottom)
 
 
 _SHORT = 10  # terms of a dynamics up to which lowest terms are it
-_FEW, _MOST = 80, 300  # up to which they are looked at beside factors, and are made where there are none
+_FEW, _MOST = (
+    80,
+    300,
+)  # up to which they are looked at beside factors, and are made where there are none
 _LONGER = 1.3  # lowest terms are kept where they are no longer than this
 _TURN = {Part.REAL: cos, Part.IMAG: sin}
 _PART = {Part.REAL: re, Part.IMAG: im}
 
 
 def shortest(
-    dynamics: RationalFunction, lowest: Callable[[], Expr], others: Callable[[], Expr], *, in_series: bool
+    dynamics: RationalFunction,
+    lowest: Callable[[], Expr],
+    others: Callable[[], Expr],
+    *,
+    in_series: bool,
 ) -> tuple[Expr, bool]:
-    """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest terms.
+    """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest
+    terms.
 
-    ``others`` : in factors, if all effects are ``in_series``, or as Re or Im of H_perc. Lowest terms are preferred where they
-    are short, and not made where that would take long.
+    ``others`` : in factors, if all effects are ``in_series``, or as Re or Im of H_perc. Lowest
+    terms are preferred where they are short, and not made where that would take long.
     """
     terms = len(dynamics.numerator) + len(dynamics.denominator)
     if terms <= _SHORT or (terms <= _MOST and not in_series):
@@ -282,7 +322,10 @@ def _own(x: Expr) -> tuple[Expr, Expr]:
         return Integer(1), omega * power
     if base == s and not power.has(s):
         return omega**power, pi * power / 2
-    for sign, rest in ((1, x + 1), (-1, 1 - x)):  # of a hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2)
+    for sign, rest in (
+        (1, x + 1),
+        (-1, 1 - x),
+    ):  # of a hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2)
         if isinstance(rest, exp) and not (lag := rest.args[0] / s).has(s):
             return 2 * sign * sin(omega * lag / 2), (pi + omega * lag) / 2
     ring = Ring.of([x])
@@ -295,9 +338,10 @@ def _own(x: Expr) -> tuple[Expr, Expr]:
 class Properties:
     """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
 
-    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg; ``damping`` =
-    Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force`` = j X Im H (eq. 6): phasors of
-    the force, N, for a motion of complex amplitude X. For a rotation read N m/rad, kg m^2, N m s/rad and N m.
+    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg;
+    ``damping`` = Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force``
+    = j X Im H (eq. 6): phasors of the force, N, for a motion of complex amplitude X. For a rotation
+    read N m/rad, kg m^2, N m s/rad and N m.
     """
 
     real: Expr
@@ -333,10 +377,11 @@ class Properties:
 
 @dataclass(frozen=True)
 class ParameterJND:
-    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm = c|H|/omega^2.
+    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm =
+    c|H|/omega^2.
 
-    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of one parameter by p moves
-    Re H by dk or -omega^2 dm, or Im H by omega db.
+    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of
+    one parameter by p moves Re H by dk or -omega^2 dm, or Im H by omega db.
     """
 
     stiffness: Expr
@@ -351,7 +396,8 @@ def properties(response: Response, frequency: Symbol = omega) -> Properties:
 
 
 def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-    """The formula among some that is the lowest frequency, for these values if there are any; None where it is not known.
+    """The formula among some that is the lowest frequency, for these values if there are any; None
+    where it is not known.
 
     >>> from haptisym.kernel.rings import symbols
     >>> k, m = symbols("k m")
@@ -362,11 +408,20 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     if any(x.omega is None for x in found):
         return None
     if values is None:
-        return next((x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)), None)
-    put = [(y.omega, y.conditions, x.omega) for x in found if (y := x.put(values)) and y.omega is not None]
+        return next(
+            (x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)),
+            None,
+        )
+    put = [
+        (y.omega, y.conditions, x.omega)
+        for x in found
+        if (y := x.put(values)) and y.omega is not None
+    ]
     if not put or any(conditions or not here.is_real for here, conditions, _ in put):
         return None
-    (low, formula), *others = sorted(((float(here), form) for here, _, form in put), key=itemgetter(0))
+    (low, formula), *others = sorted(
+        ((float(here), form) for here, _, form in put), key=itemgetter(0)
+    )
     # two zeros that meet as doubles may be one that is touched, where no sign changes
     return None if others and others[0][0] - low <= 1e-9 * low else formula
 
@@ -377,8 +432,12 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     assert other.omega is not None
     if not set(one.conditions) <= set(other.conditions):
         return False
-    gap = factor_terms((other.omega**2 - one.omega**2).expand())  # of two roots: the root of a discriminant, over a
-    known = (x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2)))
+    gap = factor_terms(
+        (other.omega**2 - one.omega**2).expand()
+    )  # of two roots: the root of a discriminant, over a
+    known = (
+        x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2))
+    )
     return bool((one.omega - other.omega).is_negative) or all(known)
 
 
@@ -388,7 +447,8 @@ _SOON = 8  # terms of an expansion
 _SHORT_TERM = 16  # terms of a coefficient that is taken apart
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
-"""Formulas, each with the conditions under which it is in force; or, where all are numbers, certified frequencies."""
+"""Formulas, each with the conditions under which it is in force; or, where all are numbers,
+certified frequencies."""
 
 
 class Changeovers(NamedTuple):
@@ -407,7 +467,8 @@ class Asymptote(NamedTuple):
 
 
 class LowFrequency(NamedTuple):
-    """What a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + terms of higher order."""
+    """What a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + terms of higher
+    order."""
 
     stiffness: Expr
     damping: Expr
@@ -424,16 +485,21 @@ def part_named(given: Any) -> Part:
 
 
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
-    """A fraction > 0, as a number or in symbols of its own; ``named`` : what other names mean. SceneError for any other."""
+    """A fraction > 0, as a number or in symbols of its own; ``named`` : what other names mean.
+    SceneError for any other."""
     if isinstance(given, str):
-        raise SceneError(f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)")
+        raise SceneError(
+            f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)"
+        )
     with within("c"):
         value = quantity(given, Dimension.RATIO).value
     if (value.is_number and sign_of_number(value) <= 0) or value.is_positive is False:
         raise SceneError(f"c: {quoted(given)}: give a fraction > 0")
     for x in sorted(value.free_symbols, key=str):
         if x.name in named:
-            raise SceneError(f'c: {x} is {named[x.name]}: give the threshold another symbol, as Symbol("eps")')
+            raise SceneError(
+                f'c: {x} is {named[x.name]}: give the threshold another symbol, as Symbol("eps")'
+            )
     return value
 
 
@@ -446,7 +512,8 @@ def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
 
 
 def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
-    """Where a ratio meets a threshold, as formulas; ``stand_in`` : what the ring has for a threshold."""
+    """Where a ratio meets a threshold, as formulas; ``stand_in`` : what the ring has for a
+    threshold."""
     if not c.free_symbols:
         return solve(excess(squared_ratio, c))
     found = solve(excess(squared_ratio, stand_in))
@@ -455,7 +522,8 @@ def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[S
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
-    """All positive zeros of a function that is known, on a band if one is given: certified numbers."""
+    """All positive zeros of a function that is known, on a band if one is given: certified
+    numbers."""
     return tuple(p.omega for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
 
 
@@ -489,7 +557,9 @@ def _far(f: RealFunction) -> Expr:
     if f.function.is_zero:
         return Integer(1)
     if any(not angle.constant for angle in f.axis.angles):
-        raise SceneError("with a delay there may be infinitely many crossings: give a band, as band=(0, 100)")
+        raise SceneError(
+            "with a delay there may be infinitely many crossings: give a band, as band=(0, 100)"
+        )
     found = asymptotic_sign(f.function)
     if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
@@ -497,7 +567,8 @@ def _far(f: RealFunction) -> Expr:
 
 
 def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
-    """What vanishes where a ratio meets a threshold; ``stand_in`` : what the ring has for a threshold."""
+    """What vanishes where a ratio meets a threshold; ``stand_in`` : what the ring has for a
+    threshold."""
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
     found = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
     if not found.is_polynomial(omega) or any(n % 2 for (n,) in Poly(found, omega).monoms()):
@@ -507,11 +578,15 @@ def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol)
     return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE)
 
 
-def bandwidth(squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None) -> RealNumber | Expr:
+def bandwidth(
+    squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None
+) -> RealNumber | Expr:
     """The end of the interval from 0, or the band's low end, on which no ratio exceeds c."""
     if free := unknown(*squared_ratios.values()) | c.free_symbols:
         named = ", ".join(sorted(map(str, free)))
-        raise SceneError(f"a bandwidth needs values for {named}; crossings(part, c) has the formulas")
+        raise SceneError(
+            f"a bandwidth needs values for {named}; crossings(part, c) has the formulas"
+        )
     functions = {part: excess(f, c) for part, f in squared_ratios.items()}
     low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
     table = chart(functions, low, high)
@@ -551,7 +626,9 @@ def low_frequency(perceived: RationalFunction) -> LowFrequency:
     found = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
     for power, h in _expansion(perceived, 0):
         if power < 0 and h != 0:
-            raise SceneError("H_perc is infinite at rest: it has no stiffness, damping and mass there")
+            raise SceneError(
+                "H_perc is infinite at rest: it has no stiffness, damping and mass there"
+            )
         if power > 2:
             break
         if power >= 0:
@@ -560,7 +637,8 @@ def low_frequency(perceived: RationalFunction) -> LowFrequency:
 
 
 def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]]:
-    """Powers of s and their coefficients, from the leading one on: ascending at 0, descending at oo. Exact.
+    """Powers of s and their coefficients, from the leading one on: ascending at 0, descending at
+    oo. Exact.
 
     SceneError for what is not rational in s but for delays.
     """
@@ -572,7 +650,9 @@ def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]
     if max(starts) == _TERMS:
         raise SceneError(f"no leading term up to order {_TERMS - 1}")
     above, below = (partial(row.from_, n) for row, n in zip(rows, starts, strict=True))
-    degrees = [max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)]
+    degrees = [
+        max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)
+    ]
     first = starts[0] - starts[1]
     divide = _divided if below(0).is_Add else _over_one_term
     for n, h in enumerate(divide(above, below, ring, _TERMS - max(starts))):
@@ -583,12 +663,15 @@ _Row: TypeAlias = Callable[[int], Expr]
 
 
 def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Expr]:
-    """Of a quotient whose denominator begins with one product, as of a chain of lags: nothing is brought to one fraction."""
+    """Of a quotient whose denominator begins with one product, as of a chain of lags: nothing is
+    brought to one fraction."""
     ratios: list[Expr] = []
     found: list[Expr] = []
     for n in range(count):
         ratios.append((below(n) / below(0)).expand())
-        found.append((above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand())
+        found.append(
+            (above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand()
+        )
         yield found[-1].factor() if len(Add.make_args(found[-1])) <= _SHORT_TERM else found[-1]
 
 
@@ -607,7 +690,8 @@ def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]
 
 
 class _Coefficients:
-    """Of s^0, s^1, ... with each delay as its series, or (``down``) of the highest power of s and those below it; expanded."""
+    """Of s^0, s^1, ... with each delay as its series, or (``down``) of the highest power of s and
+    those below it; expanded."""
 
     def __init__(self, polynomial: Polynomial, ring: Ring, down: bool) -> None:  # noqa: FBT001
         self.ring = ring
@@ -631,5 +715,7 @@ class _Coefficients:
                     continue
                 factors = (x**m for x, m in zip(ring.symbols, own[2 : ring.size], strict=True))
                 late = (-lag) ** (n - power) / factorial(n - power)
-                total.append(Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late))
+                total.append(
+                    Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late)
+                )
         return Add(*total).expand()

@@ -1,9 +1,12 @@
-"""What the columns of a measured file mean: their roles, by name or as a scene states them, and their units in SI.
+"""What the columns of a measured file mean: their roles, by name or as a scene states them, and
+their units in SI.
 
-Each column of a table, or variable of MATLAB, has a role: with a frequency it is part of a response, with a time part of a
-record, from which a response is estimated. A role follows from the name and its unit ("Magnitude (dB)", "position [mm]",
-"/joint_states/position[0]"), or a scene states it: ``columns`` (role to header, or number from 1), ``unit`` (of a role), and
-``quantity`` (what the response is). What two columns could be, and what has no unit where several are usual, is refused.
+Each column of a table, or variable of MATLAB, has a role: with a frequency it is part of a
+response, with a time part of a record, from which a response is estimated. A role follows from the
+name and its unit ("Magnitude (dB)", "position [mm]", "/joint_states/position[0]"), or a scene
+states it: ``columns`` (role to header, or number from 1), ``unit`` (of a role), and
+``quantity`` (what the response is). What two columns could be, and what has no unit where several
+are usual, is refused.
 """
 
 from __future__ import annotations
@@ -26,8 +29,9 @@ from haptisym.model.quantities import Dimension, MotionKind, quantity, read_unit
 class Layout:
     """What a scene states about a file. SceneError for what is none.
 
-    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the response. ``sign`` : -1 where
-    the force that was measured is the reaction to the one that is meant.
+    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the
+    response. ``sign`` : -1 where the force that was measured is the reaction to the one that is
+    meant.
     """
 
     columns: Mapping[str, str | int] = field(default_factory=dict)
@@ -38,33 +42,55 @@ class Layout:
     def __post_init__(self) -> None:
         for key, kinds in (("columns", str | int), ("unit", str)):
             given = getattr(self, key)
-            example, kind = ("F", "a header, or a number from 1") if key == "columns" else ("Hz", "a unit")
+            example, kind = (
+                ("F", "a header, or a number from 1") if key == "columns" else ("Hz", "a unit")
+            )
             if not isinstance(given, Mapping):
                 raise SceneError(f'{key}: give a table, as {key} = {{ frequency = "{example}" }}')
             for role, x in given.items():
                 if role not in _ROLES:
                     valid = ", ".join(_ROLES)
-                    raise SceneError(f"{key}: unknown column {quoted(role)}: {meant(role, _ROLES)}valid are {valid}")
-                if not isinstance(x, kinds) or isinstance(x, bool) or (isinstance(x, str) and not x.strip()):
+                    raise SceneError(
+                        f"{key}: unknown column {quoted(role)}: {meant(role, _ROLES)}valid "
+                        f"are {valid}"
+                    )
+                if (
+                    not isinstance(x, kinds)
+                    or isinstance(x, bool)
+                    or (isinstance(x, str) and not x.strip())
+                ):
                     raise SceneError(f"{key}: {role}: {quoted(x)} must be {kind}")
         if self.quantity is not None and self.quantity not in list(QUANTITIES):
             near, valid = meant(str(self.quantity), QUANTITIES), ", ".join(QUANTITIES)
-            raise SceneError(f"quantity: {quoted(self.quantity)} is unknown: {near}valid are {valid}")
+            raise SceneError(
+                f"quantity: {quoted(self.quantity)} is unknown: {near}valid are {valid}"
+            )
         if isinstance(self.sign, bool) or self.sign not in (1, -1):
-            raise SceneError(f"sign: {quoted(self.sign)} must be 1, or -1 for a force that is measured as the reaction")
+            raise SceneError(
+                f"sign: {quoted(self.sign)} must be 1, or -1 for a force that is measured as "
+                f"the reaction"
+            )
 
 
 QUANTITIES = {
-    "stiffness": (0, 1), "impedance": (1, 1), "apparent-mass": (2, 1),
-    "receptance": (0, -1), "mobility": (1, -1), "accelerance": (2, -1),
-}  # fmt: skip
+    "stiffness": (0, 1),
+    "impedance": (1, 1),
+    "apparent-mass": (2, 1),
+    "receptance": (0, -1),
+    "mobility": (1, -1),
+    "accelerance": (2, -1),
+}
 """The order of the derivative of motion, and the power of force over it."""
 RESPONSE = {
     "frequency": "omega w wout frequency freq f hz angular_frequency x_value",
-    "H": "h frf txy tf response responsedata z " + " ".join(QUANTITIES).replace("-", "_"), "real": "real re",
-    "imag": "imag im imaginary", "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
-    "phase": "phase angle arg", "coherence": "coherence coh cxy gamma2", "radius": "radius",
-}  # fmt: skip
+    "H": "h frf txy tf response responsedata z " + " ".join(QUANTITIES).replace("-", "_"),
+    "real": "real re",
+    "imag": "imag im imaginary",
+    "magnitude": "magnitude mag gain amplitude modulus abs spl |h|",
+    "phase": "phase angle arg",
+    "coherence": "coherence coh cxy gamma2",
+    "radius": "radius",
+}
 RECORD = {
     "time": "t time timestamp x_value",
     "position": "position pos x q displacement",
@@ -75,9 +101,19 @@ _PLURAL = {"frequency": "frequencies", "time": "times"}
 _ROLES = (*RESPONSE, *RECORD)
 _TOGETHER = [{"H", "real", "imag", "magnitude", "phase"}, {"coherence", "radius"}]
 _SUFFIXES = {
-    "hz": "Hz", "khz": "kHz", "deg": "deg", "rad": "rad", "db": "dB", "n": "N",
-    "s": "s", "ms": "ms", "us": "us", "ns": "ns", "m": "m", "mm": "mm",
-}  # fmt: skip
+    "hz": "Hz",
+    "khz": "kHz",
+    "deg": "deg",
+    "rad": "rad",
+    "db": "dB",
+    "n": "N",
+    "s": "s",
+    "ms": "ms",
+    "us": "us",
+    "ns": "ns",
+    "m": "m",
+    "mm": "mm",
+}
 
 
 _HERTZ = {"hz": 2 * np.pi, "khz": 2000 * np.pi}
@@ -88,7 +124,8 @@ _RAD = dict.fromkeys(("rad", "radian", "radians"), 1.0)
 
 
 class Column(NamedTuple):
-    """A column as its header has it: ``real [N/m]`` is a name and a unit, and so is ``phase_deg``."""
+    """A column as its header has it: ``real [N/m]`` is a name and a unit, and so is
+    ``phase_deg``."""
 
     text: str
     name: str
@@ -96,7 +133,8 @@ class Column(NamedTuple):
 
     @property
     def bare(self) -> str:
-        """Without topic, namespace and index: ``/joint_states/position[0]`` and ``field.position0`` are positions."""
+        """Without topic, namespace and index: ``/joint_states/position[0]`` and ``field.position0``
+        are positions."""
         last = re.split(r"[/.]", re.sub(r"[\[.]?\d+\]?$", "", self.name))[-1]
         return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
 
@@ -104,7 +142,11 @@ class Column(NamedTuple):
 def column_of(cell: str) -> Column:
     """Name and unit of a header; SceneError where two units contradict each other."""
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
-    name, unit = (match[1].strip(), match[2].strip()) if match and not match[2].strip().isdigit() else (cell, "")
+    name, unit = (
+        (match[1].strip(), match[2].strip())
+        if match and not match[2].strip().isdigit()
+        else (cell, "")
+    )
     suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
     if suffix and suffix[2].lower() in _SUFFIXES:
         return Column(cell, suffix[1], agreed(name, _SUFFIXES[suffix[2].lower()], unit))
@@ -121,7 +163,8 @@ def agreed(name: str, implied: str, unit: str) -> str:
 
 
 def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout) -> dict[str, int]:
-    """The place of each role. SceneError where a role has two columns, or a name may be a slip of the pen."""
+    """The place of each role. SceneError where a role has two columns, or a name may be a slip of
+    the pen."""
     found = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
     if strange := [x for x in layout.columns if x not in names]:
         raise SceneError(f"columns: {strange[0]}: here it is one of {', '.join(names)}")
@@ -132,14 +175,22 @@ def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout
         if i in found.values() or role in layout.columns or role in stated:
             continue
         if role is None:
-            if layout.columns or known_role(x.text) or not (hint := meant(x.bare, [y for y in known if len(y) > 3])):
+            if (
+                layout.columns
+                or known_role(x.text)
+                or not (hint := meant(x.bare, [y for y in known if len(y) > 3]))
+            ):
                 continue
             way = f"columns = {{ {next(iter(names))} = 1 }}"
-            raise SceneError(f"unknown column {quoted(x.text)}: {hint}else name the columns, as {way}")
+            raise SceneError(
+                f"unknown column {quoted(x.text)}: {hint}else name the columns, as {way}"
+            )
         if role in found:
             both = f"{quoted(columns[found[role]].text)} and {quoted(x.text)}"
             way = f"columns = {{ {role} = {quoted(x.text)} }}"
-            raise SceneError(f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write {way}")
+            raise SceneError(
+                f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write {way}"
+            )
         found[role] = i
     return found
 
@@ -147,7 +198,9 @@ def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout
 def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
     if isinstance(wanted, int):
         if not 1 <= wanted <= len(columns):
-            raise SceneError(f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them")
+            raise SceneError(
+                f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them"
+            )
         return wanted - 1
     spelt = [{x.text, x.name} for x in columns]
     for names, name in ((spelt, wanted), ([{y.lower() for y in x} for x in spelt], wanted.lower())):
@@ -156,14 +209,16 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
             return places[0]
         if places:
             raise SceneError(
-                f"columns: {role}: {len(places)} columns have the name {quoted(wanted)}: give a number from 1"
+                f"columns: {role}: {len(places)} columns have the name {quoted(wanted)}: "
+                f"give a number from 1"
             )
     listed = ", ".join(x.text for x in columns)
     raise SceneError(f"columns: {role}: there is no column {quoted(wanted)}: there are {listed}")
 
 
 def _unit(role: str, column: Column, layout: Layout) -> str:
-    """What the header states, or else the scene, which also has the word where the header is not understood."""
+    """What the header states, or else the scene, which also has the word where the header is not
+    understood."""
     if not column.unit and column.text.count("[") != column.text.count("]"):
         name = column.text.partition("[")[0].strip() or role
         raise SceneError(f'{quoted(column.text)}: write the unit in brackets, as in "{name} [mm]"')
@@ -176,7 +231,9 @@ def _unit(role: str, column: Column, layout: Layout) -> str:
         if _scale(role, own, column, layout)._replace(unit=wanted.unit) != wanted:
             own = stated
     if own == stated:
-        raise SceneError(f"unit: {role}: the file has {quoted(column.unit)}: leave out {quoted(stated)}")
+        raise SceneError(
+            f"unit: {role}: the file has {quoted(column.unit)}: leave out {quoted(stated)}"
+        )
     return stated
 
 
@@ -184,7 +241,8 @@ def _unit(role: str, column: Column, layout: Layout) -> str:
 
 
 class Scale(NamedTuple):
-    """What the numbers of a column are multiplied by, their unit as it was understood, and the motion that it implies."""
+    """What the numbers of a column are multiplied by, their unit as it was understood, and the
+    motion that it implies."""
 
     factor: float
     unit: str
@@ -192,8 +250,11 @@ class Scale(NamedTuple):
     decibel: bool = False
 
 
-def scales_of(columns: Sequence[Column], roles: Mapping[str, int], layout: Layout) -> dict[str, Scale]:
-    """The scale of the column of each role. SceneError where a unit is missing, is another quantity's or is unknown."""
+def scales_of(
+    columns: Sequence[Column], roles: Mapping[str, int], layout: Layout
+) -> dict[str, Scale]:
+    """The scale of the column of each role. SceneError where a unit is missing, is another
+    quantity's or is unknown."""
     if strange := [x for x in layout.unit if x not in roles]:
         raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
     units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
@@ -201,7 +262,9 @@ def scales_of(columns: Sequence[Column], roles: Mapping[str, int], layout: Layou
     named, bare = [x for x in size if units[x]], [x for x in size if not units[x]]
     if named and bare:
         unit = units[named[0]]
-        raise SceneError(f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}]")
+        raise SceneError(
+            f"{bare[0]} has no unit, and {named[0]} has {unit}: write {bare[0]} [{unit}]"
+        )
     if named and not units.get("radius", "is not there"):
         units["radius"] = units[named[0]]
     if units.get("radius", "").lower().startswith("db"):
@@ -217,8 +280,13 @@ def _scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
         return _frequency_scale(unit, column)
     if role == "phase":
         if not unit:
-            raise SceneError(f'{column.text}: the phase has no unit: add unit = {{ phase = "deg" }}, or "rad"')
-        return Scale(_listed(column.text, unit, _DEGREES | _RAD), "deg" if unit.lower() in _DEGREES else "rad")
+            raise SceneError(
+                f'{column.text}: the phase has no unit: add unit = {{ phase = "deg" }}, or "rad"'
+            )
+        return Scale(
+            _listed(column.text, unit, _DEGREES | _RAD),
+            "deg" if unit.lower() in _DEGREES else "rad",
+        )
     if role == "coherence":
         return Scale(_listed(column.text, unit or "1", {"1": 1.0, "%": 0.01}), "")
     if role in RECORD:
@@ -228,7 +296,9 @@ def _scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
 
 def _listed(name: str, unit: str, known: Mapping[str, float], hint: str = "") -> float:
     if unit.lower() not in known:
-        raise SceneError(f"{name}: the unit must be {' or '.join(list(known)[:2])}, not {quoted(unit)}{hint}")
+        raise SceneError(
+            f"{name}: the unit must be {' or '.join(list(known)[:2])}, not {quoted(unit)}{hint}"
+        )
     return known[unit.lower()]
 
 
@@ -236,10 +306,17 @@ def _frequency_scale(unit: str, column: Column) -> Scale:
     if column.bare == "omega":
         hint = ": call the column frequency_hz" if unit.lower() in _HERTZ else ""
         return Scale(_listed("omega", unit or "rad/s", _RADIANS, hint), "rad/s")
-    if not unit and column.bare in ("w", "wout", "angular_frequency"):  # as MATLAB and python-control name them
+    if not unit and column.bare in (
+        "w",
+        "wout",
+        "angular_frequency",
+    ):  # as MATLAB and python-control name them
         return Scale(1.0, "rad/s")
     if not unit and column.bare not in ("hz", "x_value"):  # LabVIEW writes spectra over Hz
-        raise SceneError(f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, or "rad/s"')
+        raise SceneError(
+            f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, '
+            f'or "rad/s"'
+        )
     known = _HERTZ | _RADIANS
     if unit and unit.lower() not in known:
         try:
@@ -254,8 +331,15 @@ def _size_scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
     """Of a response and of a radius: to N/m and s, or their turned over."""
     order, power = QUANTITIES[layout.quantity or "stiffness"]
     named = column.bare.replace("_", "-")
-    if role != "radius" and layout.quantity is None and named in QUANTITIES and named != "stiffness":
-        raise SceneError(f'{column.text}: add quantity = "{named}", or "stiffness" if it is force per position')
+    if (
+        role != "radius"
+        and layout.quantity is None
+        and named in QUANTITIES
+        and named != "stiffness"
+    ):
+        raise SceneError(
+            f'{column.text}: add quantity = "{named}", or "stiffness" if it is force per position'
+        )
     decibel = re.fullmatch(r"(?i:db)\s*(?:\(|\[|(?i:re)\b)?\s*1?\s*(.*?)[\])]?", unit)
     if decibel and role not in ("H", "magnitude"):
         raise SceneError(f"{column.text}: {quoted(unit)}: only a magnitude is in dB")
@@ -272,13 +356,17 @@ def _size_scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
     length = power * powers.get("length", 0)
     if not _measures(order, power, powers):
         raise SceneError(
-            f"{column.text}: {quoted(own)} is no unit of {layout.quantity}{_otherwise(own, layout.quantity)}"
+            f"{column.text}: {quoted(own)} is no unit of "
+            f"{layout.quantity}{_otherwise(own, layout.quantity)}"
         )
-    return Scale(float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel))
+    return Scale(
+        float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel)
+    )
 
 
 def _measures(order: int, power: int, powers: Mapping[str, Fraction]) -> bool:
-    """Whether base dimensions are those of force over the derivative of this order, along a line or about an axis."""
+    """Whether base dimensions are those of force over the derivative of this order, along a line or
+    about an axis."""
     mass, length, time = (power * powers.get(x, 0) for x in ("mass", "length", "time"))
     return (mass, time) == (1, order - 2) and length in (0, 2)
 
@@ -294,8 +382,11 @@ def _otherwise(unit: str, own: str | None = "stiffness") -> str:
 
 
 _DIMENSIONS = {
-    "time": Dimension.TIME, "position": Dimension.DISPLACEMENT, "force": Dimension.FORCE, "reference": Dimension.ANY,
-}  # fmt: skip
+    "time": Dimension.TIME,
+    "position": Dimension.DISPLACEMENT,
+    "force": Dimension.FORCE,
+    "reference": Dimension.ANY,
+}
 
 
 def _record_scale(role: str, unit: str) -> Scale:

@@ -1,14 +1,17 @@
-"""Devices by name: what was read of each, every number with its source, and what it puts between environment and hand.
+"""Devices by name: what was read of each, every number with its source, and what it puts between
+environment and hand.
 
-The hand carries a device's mass and damping beside whatever it renders: a shunt, the last effect of the chain. Its dry friction
-F is a describing function at the amplitude A of the motion, j 4 F/(pi A). In a scene file
+The hand carries a device's mass and damping beside whatever it renders: a shunt, the last effect of
+the chain. Its dry friction F is a describing function at the amplitude A of the motion, j 4 F/(pi
+A). In a scene file
 
     [device]
     like = "one-axis"            # m, b and friction, and what is written here goes before them
     amplitude = "5 cm"           # of the motion; without it friction is left out
 
-What the device renders at most (force, stiffness, damping), its resolution and its clock change nothing of a linear chain: a
-clock is written as its first effect, resolution and force limit are options of ``simulate``.
+What the device renders at most (force, stiffness, damping), its resolution and its clock change
+nothing of a linear chain: a clock is written as its first effect, resolution and force limit are
+options of ``simulate``.
 """
 
 from __future__ import annotations
@@ -28,14 +31,21 @@ from haptisym.model.catalogue import Effect, Named
 from haptisym.model.quantities import Dimension, quantity
 
 NUMBERS = {
-    "m": Dimension.MASS, "b": Dimension.DAMPING, "friction": Dimension.FORCE, "resolution": Dimension.DISPLACEMENT,
-    "clock": Dimension.TIME, "force": Dimension.FORCE, "stiffness": Dimension.STIFFNESS, "damping": Dimension.DAMPING,
-}  # fmt: skip
+    "m": Dimension.MASS,
+    "b": Dimension.DAMPING,
+    "friction": Dimension.FORCE,
+    "resolution": Dimension.DISPLACEMENT,
+    "clock": Dimension.TIME,
+    "force": Dimension.FORCE,
+    "stiffness": Dimension.STIFFNESS,
+    "damping": Dimension.DAMPING,
+}
 """What may be known of a device, and what each measures."""
 
 
 class Sourced(NamedTuple):
-    """A number as it is written, its exact value in SI, where it stands, and how much of that was read."""
+    """A number as it is written, its exact value in SI, where it stands, and how much of that was
+    read."""
 
     written: str
     value: Expr
@@ -58,10 +68,13 @@ class Device(Shown, Mapping[str, Sourced]):
     def __getitem__(self, key: str) -> Sourced:
         if key not in NUMBERS:
             raise SceneError(
-                f'unknown number "{key[:60]}" of a device: {meant(key, NUMBERS)}valid are {", ".join(NUMBERS)}'
+                f'unknown number "{key[:60]}" of a device: {meant(key, NUMBERS)}valid are '
+                f"{', '.join(NUMBERS)}"
             )
         if key not in self.numbers:
-            raise SceneError(f"device {self.name}: its {key} was not read; known are {', '.join(self)}")
+            raise SceneError(
+                f"device {self.name}: its {key} was not read; known are {', '.join(self)}"
+            )
         return self.numbers[key]
 
     def __contains__(self, key: object) -> bool:
@@ -74,25 +87,34 @@ class Device(Shown, Mapping[str, Sourced]):
         return len(self.numbers)
 
     def _line(self) -> str:
-        return f"{self.name}: {'; '.join(f'{key} = {x.written}' for key, x in self.numbers.items())}"
+        return (
+            f"{self.name}: {'; '.join(f'{key} = {x.written}' for key, x in self.numbers.items())}"
+        )
 
     def effects(self, amplitude: Any = None, **given: Any) -> tuple[Effect, ...]:
-        """What it puts at the hand: a shunt of its mass and damping, and its friction at an ``amplitude`` of the motion, m.
+        """What it puts at the hand: a shunt of its mass and damping, and its friction at an
+        ``amplitude`` of the motion, m.
 
-        ``given`` : m, b (kg, N s/m) or friction (N) in place of what was read, or where nothing was. SceneError where neither
-        mass nor damping is known.
+        ``given`` : m, b (kg, N s/m) or friction (N) in place of what was read, or where nothing
+        was. SceneError where neither mass nor damping is known.
 
         >>> [x.name for x in devices["one-axis"].effects(amplitude="5 cm")]
         ['device', 'device-friction']
         """
         own = {
-            key: given[key] if key in given else self[key].written for key in _CARRIED if key in given or key in self
+            key: given[key] if key in given else self[key].written
+            for key in _CARRIED
+            if key in given or key in self
         }
         carried = {key: own[key] for key in ("m", "b") if key in own}
         if not carried:
-            raise SceneError(f'device {self.name}: neither mass nor damping was read: give them, as m = "45 g"')
+            raise SceneError(
+                f'device {self.name}: neither mass nor damping was read: give them, as m = "45 g"'
+            )
         if amplitude is not None and "friction" not in own:
-            raise SceneError(f'device {self.name}: its friction was not read: give it, as friction = "0.2 N"')
+            raise SceneError(
+                f'device {self.name}: its friction was not read: give it, as friction = "0.2 N"'
+            )
         found = (shunt(**carried, name="device"),)
         if amplitude is None:
             return found
@@ -103,12 +125,15 @@ _CARRIED = "m", "b", "friction"
 
 
 def _known() -> Mapping[str, Device]:
-    tables = tomllib.loads((files("haptisym") / "data" / "devices.toml").read_text(encoding="utf-8"))
+    tables = tomllib.loads(
+        (files("haptisym") / "data" / "devices.toml").read_text(encoding="utf-8")
+    )
     return {name: Device(name, dict(_numbers(table))) for name, table in tables.items()}
 
 
 devices: Mapping[str, Device] = Named("device", _known)
-"""The devices that the package knows: mass, damping, friction, resolution, clock, and the most that each renders.
+"""The devices that the package knows: mass, damping, friction, resolution, clock, and the most that
+each renders.
 
 >>> devices["touch"]["force"].written, devices["touch"]["force"].read
 ('3.3 N', 'the file')
@@ -120,7 +145,15 @@ def _numbers(table: Mapping[str, Any]) -> Iterator[tuple[str, Sourced]]:
         if key in table:
             own = table[key] if isinstance(table[key], dict) else {"value": table[key]}
             row = {"source": table["source"], "read": table["read"], **own}
-            yield key, Sourced(row["value"], quantity(row["value"], dimension).value, row["source"], row["read"])
+            yield (
+                key,
+                Sourced(
+                    row["value"],
+                    quantity(row["value"], dimension).value,
+                    row["source"],
+                    row["read"],
+                ),
+            )
 
 
 def read_device(given: Mapping[str, Any]) -> tuple[Effect, ...]:
@@ -128,11 +161,16 @@ def read_device(given: Mapping[str, Any]) -> tuple[Effect, ...]:
     valid = ("like", "amplitude", *_CARRIED)
     for key in given:
         if key not in valid:
-            raise SceneError(f'device: unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')
+            raise SceneError(
+                f'device: unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}'
+            )
     if "like" not in given:
         raise SceneError(
-            'device: like is missing: give the name of a device, as like = "one-axis"; a device of your own is an effect: '
+            'device: like is missing: give the name of a device, as like = "one-axis"; a '
+            "device of your own is an effect: "
             f'[[effects]] with model = "shunt", m and b. Known are {", ".join(devices)}'
         )
     with within("device"):
-        return devices[given["like"]].effects(**{key: x for key, x in given.items() if key != "like"})
+        return devices[given["like"]].effects(
+            **{key: x for key, x in given.items() if key != "like"}
+        )

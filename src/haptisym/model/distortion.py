@@ -1,6 +1,7 @@
 """Closed forms: what is felt instead of the environment, and by how much it differs.
 
-A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of them.
+A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of
+them.
 """
 
 from __future__ import annotations
@@ -21,7 +22,13 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.solutions import Solution, solve
-from haptisym.model.catalogue import Effect, Environment, given_effects, given_environment, with_controller
+from haptisym.model.catalogue import (
+    Effect,
+    Environment,
+    given_effects,
+    given_environment,
+    with_controller,
+)
 from haptisym.model.chain import (
     Asymptote,
     Chain,
@@ -50,18 +57,24 @@ from haptisym.programs.accuracy import Accuracy, Engine
 
 if TYPE_CHECKING:
     from haptisym.programs.steps import Steps
-    from haptisym.programs.values import Compiled  # brings NumPy, which a certified answer does not need
+    from haptisym.programs.values import (
+        Compiled,
+    )  # brings NumPy, which a certified answer does not need
 
 
-def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega) -> Distortion:
-    """The distortion of an environment by effects, nearest the environment first; none at all without effects.
+def distort(
+    environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega
+) -> Distortion:
+    """The distortion of an environment by effects, nearest the environment first; none at all
+    without effects.
 
-    ``rendered`` is what the controller renders where that is not the environment itself: H_perc is built on it, while
-    dH and the ratios compare with ``environment``; where it has ``k="environment.k"``, that is the environment's k. Parameters
-    may be numbers or symbols. Each may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
-    function of python-control or SciPy, a pair of coefficients), an effect then one in series. ``omega`` : the symbol of the
-    frequency in closed forms, ``hs.omega`` unless given. Raises SceneError where H_env is zero everywhere or H_perc is not a
-    dynamics.
+    ``rendered`` is what the controller renders where that is not the environment itself: H_perc is
+    built on it, while dH and the ratios compare with ``environment``; where it has
+    ``k="environment.k"``, that is the environment's k. Parameters may be numbers or symbols. Each
+    may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
+    function of python-control or SciPy, a pair of coefficients), an effect then one in series.
+    ``omega`` : the symbol of the frequency in closed forms, ``hs.omega`` unless given. Raises
+    SceneError where H_env is zero everywhere or H_perc is not a dynamics.
 
     >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
@@ -74,12 +87,15 @@ def distort(environment: Any, *effects: Any, rendered: Any = None, omega: Symbol
     need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
     elements = _elements(environment, effects, rendered)
     if omega.name in {s.name, *(x.name for x in _chain_of(*elements).parameters)}:
-        raise SceneError(f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")')
+        raise SceneError(
+            f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")'
+        )
     return replace(Distortion.of(_chain_of(*elements)), frequency=omega, elements=elements)
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
-    """The same, in free air too, where H_env is zero and no ratio is asked for: what a hand holds."""
+    """The same, in free air too, where H_env is zero and no ratio is asked for: what a hand
+    holds."""
     chain = _chain_of(*(elements := _elements(environment, effects, rendered)))
     return Distortion(*chain.dynamics(free_air=True), chain, elements=elements)
 
@@ -94,18 +110,28 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
     return own, tuple(with_controller(given_effects(effects), felt or own)), felt
 
 
-def _chain_of(environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None) -> Chain:
-    return Chain(environment.H, (rendered or environment).seen_by(effects).H, tuple(e.matrix for e in effects))
+def _chain_of(
+    environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None
+) -> Chain:
+    return Chain(
+        environment.H,
+        (rendered or environment).seen_by(effects).H,
+        tuple(e.matrix for e in effects),
+    )
 
 
 @dataclass(frozen=True, repr=False)
 class Distortion(Shown):
-    """The environment H_env, the perceived dynamics H_perc and their difference ``dH = H_perc - H_env`` (eq. 9), exact.
+    """The environment H_env, the perceived dynamics H_perc and their difference ``dH = H_perc -
+    H_env`` (eq. 9), exact.
 
-    Closed forms are SymPy expressions in ``s`` or ``omega`` (rad/s), factored, with common factors cancelled.
-    ``real``, ``imag`` : Re dH and Im dH, N/m or N m/rad. ``ratio_real``, ``ratio_imag`` : ``r_r = |Re dH|/|H_env|`` and
-    ``r_i = |Im dH|/|H_env|`` (eq. 10), which the JND judges. ``relative_real``, ``relative_imag`` : Re and Im of dH/H_env, which
-    are *not* the ratios. ``compile`` makes NumPy functions of them. Made by ``distort``, which raises SceneError.
+    Closed forms are SymPy expressions in ``s`` or ``omega`` (rad/s), factored, with common factors
+    cancelled.
+    ``real``, ``imag`` : Re dH and Im dH, N/m or N m/rad. ``ratio_real``, ``ratio_imag`` : ``r_r =
+    |Re dH|/|H_env|`` and
+    ``r_i = |Im dH|/|H_env|`` (eq. 10), which the JND judges. ``relative_real``, ``relative_imag`` :
+    Re and Im of dH/H_env, which are *not* the ratios. ``compile`` makes NumPy functions of them.
+    Made by ``distort``, which raises SceneError.
     Source: Fu, van Paassen and Mulder (2019); derivation 01_paper_example.
 
     >>> from haptisym import effects, environments, symbols
@@ -167,13 +193,19 @@ class Distortion(Shown):
 
     @cached_property
     def squared_ratios(self) -> dict[Part, RealFunction]:
-        """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free resonances cancel."""
-        return {part: part_of(self.difference_response, part).square_over(self.squared_modulus) for part in Part}
+        """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free
+        resonances cancel."""
+        return {
+            part: part_of(self.difference_response, part).square_over(self.squared_modulus)
+            for part in Part
+        }
 
     @property
     def free_symbols(self) -> frozenset[Symbol]:
         """The parameters that are still symbols."""
-        return frozenset(self.env.expression().free_symbols | self.perc.expression().free_symbols) - {s}
+        return frozenset(
+            self.env.expression().free_symbols | self.perc.expression().free_symbols
+        ) - {s}
 
     # Closed forms for people.
 
@@ -198,7 +230,8 @@ class Distortion(Shown):
 
     @property
     def real(self) -> Expr:
-        """Re dH(j omega), N/m or N m/rad: the shortest form known, in lowest terms or in magnitudes and angles of the chain."""
+        """Re dH(j omega), N/m or N m/rad: the shortest form known, in lowest terms or in magnitudes
+        and angles of the chain."""
         return self._told(self.form(Part.REAL)[0])
 
     @property
@@ -227,7 +260,8 @@ class Distortion(Shown):
         return self._told(self.relative_form(Part.IMAG)[0])
 
     def form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in lowest terms."""
+        """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in
+        lowest terms."""
 
         def others() -> Expr:
             return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
@@ -249,13 +283,20 @@ class Distortion(Shown):
         def lowest() -> Expr:
             return part_of(self.relative_response, part).factored()
 
-        return shortest(change, lowest, lambda: self.chain.part_of_relative(part), in_series=self.chain.in_series)
+        return shortest(
+            change,
+            lowest,
+            lambda: self.chain.part_of_relative(part),
+            in_series=self.chain.in_series,
+        )
 
     def steps(self, *of: str) -> Steps:
-        """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH if none is named.
+        """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH
+        if none is named.
 
-        ``of`` : "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag". They grow by some twenty operations
-        with each effect, and are what code should compute. SceneError for another name.
+        ``of`` : "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag". They
+        grow by some twenty operations with each effect, and are what code should compute.
+        SceneError for another name.
 
         >>> from haptisym import effects, environments
         >>> from haptisym.kernel.rings import symbols
@@ -267,7 +308,8 @@ class Distortion(Shown):
         known = [x for x in self.chain.steps.results if not x.startswith("perceived")]
         for name in (x for x in names if x not in known):
             raise SceneError(
-                f"steps: unknown quantity {quoted(name)}: {meant(str(name), known)}valid are {', '.join(known)}"
+                f"steps: unknown quantity {quoted(name)}: {meant(str(name), known)}valid are "
+                f"{', '.join(known)}"
             )
         found = self.chain.steps.only(names)
         if self.frequency == omega:
@@ -275,7 +317,11 @@ class Distortion(Shown):
         taken = {x for x, _ in found.definitions if x.name == self.frequency.name}
         put = {omega: self.frequency, **{x: Symbol(f"{x.name}x") for x in taken}}
         pairs = tuple((put.get(name, name), x.xreplace(put)) for name, x in found.definitions)
-        return replace(found, definitions=pairs, results={name: x.xreplace(put) for name, x in found.results.items()})
+        return replace(
+            found,
+            definitions=pairs,
+            results={name: x.xreplace(put) for name, x in found.results.items()},
+        )
 
     @property
     def modulus(self) -> Expr:
@@ -298,15 +344,20 @@ class Distortion(Shown):
         of: Sequence[str] | None = None,
         engine: Engine | str = Engine.NUMPY,
     ) -> Compiled:
-        """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that are still symbols (SI).
+        """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that
+        are still symbols (SI).
 
-        It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...) of the broadcast
-        shape of its arguments, constants included. At a zero of H_env the ratios are their limits.
+        It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...)
+        of the broadcast shape of its arguments, constants included. At a zero of H_env the ratios
+        are their limits.
 
-        accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast", "double-double", "certified").
+        accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast",
+        "double-double", "certified").
         of : the fields wanted, all by default; the named tuple has just these.
-        engine : what runs the level fast, an ``Engine`` or its name: "numpy", or "numba" (the extra ``fast``).
-        ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice that there is not.
+        engine : what runs the level fast, an ``Engine`` or its name: "numpy", or "numba" (the extra
+        ``fast``).
+        ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice
+        that there is not.
 
         >>> from haptisym.environments import kelvin_voigt
         >>> from haptisym.effects import first_order_lag
@@ -322,15 +373,18 @@ class Distortion(Shown):
 
     @cached_property
     def needed_chain(self) -> Chain:
-        """The chain with numbers for parameters that cancel: those of effects that undo each other may be any number."""
+        """The chain with numbers for parameters that cancel: those of effects that undo each other
+        may be any number."""
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
         return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
     def at(self, values: Mapping[Symbol | str, Number]) -> Distortion:
-        """The distortion with values for some parameters, by symbol or name; the others stay symbols.
+        """The distortion with values for some parameters, by symbol or name; the others stay
+        symbols.
 
-        A value is a number, read exactly (a float as its decimal), or a string with or without a unit. SceneError for a name
-        that is none of the parameters, and for a value with a sign that its symbol is declared not to have.
+        A value is a number, read exactly (a float as its decimal), or a string with or without a
+        unit. SceneError for a name that is none of the parameters, and for a value with a sign that
+        its symbol is declared not to have.
 
         >>> from haptisym import effects, environments, symbols
         >>> d = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w")))
@@ -347,18 +401,29 @@ class Distortion(Shown):
                 raise SceneError(f"unknown parameter {quoted(name)}: {meant(name, own)}{valid}")
             with within(name):
                 known[own[name]] = _allowed(own[name], quantity(given, Dimension.ANY).value)
-        return replace(Distortion.of(self.chain.at(known)), frequency=self.frequency) if known else self
+        return (
+            replace(Distortion.of(self.chain.at(known)), frequency=self.frequency)
+            if known
+            else self
+        )
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
-        """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the ratios their squares."""
-        responses = {"relative": "relative_response", "environment": "env_response", "perceived": "perc_response"}
+        """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the
+        ratios their squares."""
+        responses = {
+            "relative": "relative_response",
+            "environment": "env_response",
+            "perceived": "perc_response",
+        }
         found = {}
         for name in names:
             kind, _, part = name.rpartition("_")
             if kind == "ratio":
                 found[name] = self.squared_ratios[Part(part)]
             else:
-                found[name] = part_of(getattr(self, responses.get(kind, "difference_response")), Part(part))
+                found[name] = part_of(
+                    getattr(self, responses.get(kind, "difference_response")), Part(part)
+                )
         return found
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
@@ -371,10 +436,12 @@ class Distortion(Shown):
     ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
         """Where a ratio meets a threshold c: all positive zeros of r^2 - c^2.
 
-        ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a ``Solution``: a closed form
-        ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation`` where none is readable; a
-        delay's come again with ``period``. With numbers alone they are certified frequencies (``float(x)``, ``x.digits(50)``),
-        on a ``band`` if one is given, as a display with a delay needs.
+        ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a
+        ``Solution``: a closed form
+        ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation``
+        where none is readable; a delay's come again with ``period``. With numbers alone they are
+        certified frequencies (``float(x)``, ``x.digits(50)``), on a ``band`` if one is given, as a
+        display with a delay needs.
 
         >>> from haptisym import effects, environments
         >>> from haptisym.kernel.rings import symbols
@@ -390,7 +457,10 @@ class Distortion(Shown):
         free = level.free_symbols | unknown(squared)
         if band is not None and free:
             named = ", ".join(sorted(map(str, free)))
-            raise SceneError(f"band: formulas hold on every band: leave it out, or give values for {named} with at()")
+            raise SceneError(
+                f"band: formulas hold on every band: leave it out, or give values for "
+                f"{named} with at()"
+            )
         if band is None and level.free_symbols | self.free_symbols:
             return self._in_own_frequency(crossings(squared, level, self.chain.stand_in))
         return zeros(excess(self.squared_ratios[part_named(part)], level), band)
@@ -403,7 +473,8 @@ class Distortion(Shown):
 
     @cached_property
     def with_one_delay(self) -> Distortion:
-        """The same with one delay where several only act together, as in exp(-s tau_1) exp(-s tau_2): formulas know one."""
+        """The same with one delay where several only act together, as in exp(-s tau_1) exp(-s
+        tau_2): formulas know one."""
         ring = ring_of(self.env)
         first, last = ring.size, ring.size + len(ring.lags)
         parts = [p for f in (self.env, self.perc) for p in (f.numerator, f.denominator)]
@@ -422,9 +493,13 @@ class Distortion(Shown):
 
         def same(p: Polynomial) -> Polynomial:
             terms = ((tuple(map(int, e)), x) for e, x in monomials(p))
-            return other.context.from_dict({(*e[:first], multiples[e[first:last]], *e[last:]): x for e, x in terms})
+            return other.context.from_dict(
+                {(*e[:first], multiples[e[first:last]], *e[last:]): x for e, x in terms}
+            )
 
-        env, perc = (other.function(same(f.numerator), same(f.denominator)) for f in (self.env, self.perc))
+        env, perc = (
+            other.function(same(f.numerator), same(f.denominator)) for f in (self.env, self.perc)
+        )
         return replace(self, env=env, perc=perc)
 
     def _in_own_frequency(self, found: Iterable[Solution]) -> tuple[Solution, ...]:
@@ -432,10 +507,15 @@ class Distortion(Shown):
 
     @property
     def changeovers(self) -> Changeovers:
-        """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified numbers, as ``crossings``."""
+        """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified
+        numbers, as ``crossings``."""
         if not self.free_symbols:
-            return Changeovers(*(sign_changes(x.real) for x in (self.env_response, self.perc_response)))
-        return Changeovers(*(self._in_own_frequency(self._sign_changes(x)) for x in ("env", "perc")))
+            return Changeovers(
+                *(sign_changes(x.real) for x in (self.env_response, self.perc_response))
+            )
+        return Changeovers(
+            *(self._in_own_frequency(self._sign_changes(x)) for x in ("env", "perc"))
+        )
 
     def _sign_changes(self, system: str) -> tuple[Solution, ...]:
         """Formulas of the zeros and poles of odd order of Re H."""
@@ -444,21 +524,26 @@ class Distortion(Shown):
         real = on_axis(H).real
         if real.is_zero:
             return ()
-        # a denominator is a squared modulus, which changes its sign only where the numerator takes part of it away
+        # a denominator is a squared modulus, which changes its sign only where the numerator takes
+        # part of it away
         poles = () if _is_definite(H) else solve(RealFunction(real.axis.one / real.function))
         return tuple(x for x in (*solve(real), *poles) if x.order % 2)
 
     def changeover(self, system: str, values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-        """The lowest frequency at which Re H of "env" or "perc" changes its sign, as a formula; None where it is not known.
+        """The lowest frequency at which Re H of "env" or "perc" changes its sign, as a formula;
+        None where it is not known.
 
         ``values`` : of all parameters; the formula is then the one that is in force for them.
         """
         if ring_of(self.env).orders:
-            return None  # with s^alpha the sign of a root depends on the order, which may be a symbol
+            return (
+                None  # with s^alpha the sign of a root depends on the order, which may be a symbol
+            )
         return lowest(self._sign_changes(system), values)
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
-        """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with delays an expression in omega.
+        """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with
+        delays an expression in omega.
 
         >>> from haptisym import effects, environments
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
@@ -469,7 +554,8 @@ class Distortion(Shown):
         return found if isinstance(found, Poly) else self._told(found)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
-        """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c; 0 for none, oo for all.
+        """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c;
+        0 for none, oo for all.
 
         Certified. SceneError where the ratios depend on symbols.
         """
@@ -487,7 +573,8 @@ class Distortion(Shown):
 
     @property
     def low_frequency(self) -> LowFrequency:
-        """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + ..., exactly.
+        """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s +
+        mass s^2 + ..., exactly.
 
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
 
@@ -500,9 +587,11 @@ class Distortion(Shown):
         return low_frequency(self.perc)
 
     def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
-        """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for NumPy, mpmath, JAX or math.
+        """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for
+        NumPy, mpmath, JAX or math.
 
-        ``quantity`` : any closed form here, by name. A parameter with the name of a function is followed by _ (``sqrt_``).
+        ``quantity`` : any closed form here, by name. A parameter with the name of a function is
+        followed by _ (``sqrt_``).
         ``compile`` is more accurate, and knows the limits at zeros of H_env.
 
         >>> from haptisym import effects, environments
@@ -511,12 +600,25 @@ class Distortion(Shown):
         """
         if quantity not in _QUANTITIES:
             hint = meant(str(quantity), _QUANTITIES)
-            raise SceneError(f"unknown quantity {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}")
+            raise SceneError(
+                f"unknown quantity {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}"
+            )
         form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
         variable = s if form.has(s) else self.frequency
-        if modules == "math" and form.has(re, im):  # of a complex number, for which there are no functions in math
-            modules = [{"re": lambda z: complex(z).real, "im": lambda z: complex(z).imag, "exp": cmath.exp}, "math"]
-        put = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}  # what is called has that name already
+        if modules == "math" and form.has(
+            re, im
+        ):  # of a complex number, for which there are no functions in math
+            modules = [
+                {
+                    "re": lambda z: complex(z).real,
+                    "im": lambda z: complex(z).imag,
+                    "exp": cmath.exp,
+                },
+                "math",
+            ]
+        put = {
+            x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED
+        }  # what is called has that name already
         made: Callable[..., Any] = lambdify(
             [variable, *(put.get(x, x) for x in names)], form.xreplace(put), modules, cse=True
         )
@@ -524,9 +626,11 @@ class Distortion(Shown):
 
     @property
     def changeover_environment(self) -> Expr | None:
-        """The lowest frequency at which Re H_env changes sign, in square roots; None where it has no such form.
+        """The lowest frequency at which Re H_env changes sign, in square roots; None where it has
+        no such form.
 
-        With symbols: where it is known which one is the lowest, while it is real (``changeovers`` has all, with conditions).
+        With symbols: where it is known which one is the lowest, while it is real (``changeovers``
+        has all, with conditions).
 
         >>> from haptisym.environments import mass_spring_damper
         >>> from haptisym.kernel.rings import symbols
@@ -537,21 +641,34 @@ class Distortion(Shown):
 
     @property
     def changeover_perceived(self) -> Expr | None:
-        """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has no such form."""
+        """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has
+        no such form."""
         return self.changeover("perc")
 
 
 _CALLED = frozenset("Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split())  # noqa: SIM905
 _QUANTITIES = (
-    "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag", "modulus",
-    "environment", "perceived", "distortion",
-)  # fmt: skip
+    "real",
+    "imag",
+    "ratio_real",
+    "ratio_imag",
+    "relative_real",
+    "relative_imag",
+    "modulus",
+    "environment",
+    "perceived",
+    "distortion",
+)
 
 
 def _allowed(x: Symbol, value: Expr) -> Expr:
-    """A value for a symbol; SceneError where it has a sign that the symbol is declared not to have."""
+    """A value for a symbol; SceneError where it has a sign that the symbol is declared not to
+    have."""
     if (x.is_nonnegative and value.is_negative) or (x.is_nonpositive and value.is_positive):
-        raise SceneError(f"{quoted(value)} must be {'>=' if x.is_nonnegative else '<='} 0: the symbol is declared so")
+        raise SceneError(
+            f"{quoted(value)} must be {'>=' if x.is_nonnegative else '<='} 0: the symbol is "
+            f"declared so"
+        )
     return value
 
 
@@ -561,7 +678,8 @@ def part_of(response: Response, part: Part) -> RealFunction:
 
 
 def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:
-    """|f| of a form of Re or Im of a dynamics: bars below the line only where the sign changes there.
+    """|f| of a form of Re or Im of a dynamics: bars below the line only where the sign changes
+    there.
 
     ``evaluate`` : whether SymPy may look at what stands above, which takes long for a long form.
 
@@ -574,14 +692,17 @@ def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) 
     if not _is_definite(dynamics):
         return Abs(above, evaluate=evaluate) / Abs(below)
     known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(below.free_symbols, key=str))}
-    return Abs(above, evaluate=evaluate) / (below if below.xreplace(known).evalf(30) >= 0 else -below)
+    return Abs(above, evaluate=evaluate) / (
+        below if below.xreplace(known).evalf(30) >= 0 else -below
+    )
 
 
 def _is_definite(dynamics: RationalFunction) -> bool:
-    """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest terms, can change its sign.
+    """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest
+    terms, can change its sign.
 
-    The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of an even one, part may
-    have been cancelled.
+    The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of
+    an even one, part may have been cancelled.
     """
     axis = on_axis(dynamics).raw_real.ring
     assert isinstance(axis, Axis)

@@ -1,7 +1,8 @@
-"""A frequency response from records in time: SciPy's spectra, the estimators H1, H2 and joint input-output, and their discs.
+"""A frequency response from records in time: SciPy's spectra, the estimators H1, H2 and joint
+input-output, and their discs.
 
-Beside it stands whether the records are those of a linear display, whose force does not follow the cube of what the response
-predicts (``cube``).
+Beside it stands whether the records are those of a linear display, whose force does not follow the
+cube of what the response predicts (``cube``).
 """
 
 from __future__ import annotations
@@ -15,17 +16,28 @@ from sympy import pi
 
 from haptisym.kernel.errors import SceneError, meant
 from haptisym.kernel.reals import whole
-from haptisym.model.measured import CONFIDENCE, Complexes, Estimator, Measurement, Reals, Welch, one_row, spread_of
+from haptisym.model.measured import (
+    CONFIDENCE,
+    Complexes,
+    Estimator,
+    Measurement,
+    Reals,
+    Welch,
+    one_row,
+    spread_of,
+)
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
 _COHERENT = 0.5
 """Coherence of lines by which the force is predicted."""
 _NEW = 1e-9
-"""Share of the cube's power on a line that the motion does not explain: what is less is rounding."""
+"""Share of the cube's power on a line that the motion does not explain: what is less is
+rounding."""
 
 
 class Cube(NamedTuple):
-    """How much of the cube is in the force, and that over its standard error: standard normal where the display is linear.
+    """How much of the cube is in the force, and that over its standard error: standard normal where
+    the display is linear.
 
     ``share`` : below 0 where the display gives less than in proportion, as one that saturates.
     """
@@ -37,8 +49,9 @@ class Cube(NamedTuple):
 def cube(w: Welch, x: Reals, f: Reals) -> Cube | None:
     """Of motion x and force f; None where nothing can be told.
 
-    u = h * x is the predicted force in units of its deviation, h by H1. On every second line the cross spectrum of u^3 - 3 u and
-    f, both less what x explains on that line, tells one real share for all lines (conditioned spectra; Bendat, 1998).
+    u = h * x is the predicted force in units of its deviation, h by H1. On every second line the
+    cross spectrum of u^3 - 3 u and f, both less what x explains on that line, tells one real share
+    for all lines (conditioned spectra; Bendat, 1998).
     """
     xx, xf, ff = (_spectrum(w, *pair) for pair in ((x, x), (x, f), (f, f)))
     with np.errstate(all="ignore"):
@@ -54,13 +67,25 @@ def cube(w: Welch, x: Reals, f: Reals) -> Cube | None:
         kept[[0, -1]] = False
         known = float((own / rest)[kept].sum())
         share = float((both / rest)[kept].sum()) / known if known else 0.0
-    return Cube(share, share * np.sqrt(2 * (w.averages - 1) * known)) if known and np.isfinite(share) else None
+    return (
+        Cube(share, share * np.sqrt(2 * (w.averages - 1) * known))
+        if known and np.isfinite(share)
+        else None
+    )
 
 
 def _spectrum(w: Welch, a: Reals, b: Reals) -> Any:
     from scipy.signal import csd
 
-    return csd(a, b, fs=w.rate, window=w.window, nperseg=w.length, noverlap=w.length - w.shift, detrend="constant")[1]
+    return csd(
+        a,
+        b,
+        fs=w.rate,
+        window=w.window,
+        nperseg=w.length,
+        noverlap=w.length - w.shift,
+        detrend="constant",
+    )[1]
 
 
 def _predicted(w: Welch, x: Reals, H: Complexes, coherence: Reals) -> Reals:
@@ -97,16 +122,20 @@ def estimated(
 ) -> Measurement:
     """The response F/X of records of motion and force, with the discs of its lines. It needs SciPy.
 
-    ``position``, ``force`` : m and N, or rad and N m, at an even ``rate`` (samples a second, or with a unit).
-    ``estimator`` : "H1", for errors in the force; "H2", for errors in the motion; "joint", for loops that are closed through the
-    hand: it takes the ``reference`` that drove the loop, to which errors of both are strange. ``segment`` : its length, s or
-    with a unit; an eighth of the record if not given. ``overlap`` : of segments, a share. ``every`` : with 2, one line of two is
-    left out, as a window makes neighbours alike; 1 keeps all. The line at 0 and the last are left out.
+    ``position``, ``force`` : m and N, or rad and N m, at an even ``rate`` (samples a second, or
+    with a unit).
+    ``estimator`` : "H1", for errors in the force; "H2", for errors in the motion; "joint", for
+    loops that are closed through the hand: it takes the ``reference`` that drove the loop, to which
+    errors of both are strange. ``segment`` : its length, s or with a unit; an eighth of the record
+    if not given. ``overlap`` : of segments, a share. ``every`` : with 2, one line of two is left
+    out, as a window makes neighbours alike; 1 keeps all. The line at 0 and the last are left out.
 
-    Of H1 it is asked whether the force follows the cube of what the response predicts, which that of a linear display does not.
+    Of H1 it is asked whether the force follows the cube of what the response predicts, which that
+    of a linear display does not.
 
-    Errors are taken to be Gaussian and stationary. Of H1 the disc comes from coherence and averages; of the joint estimate it is
-    the exact one of the quotient of two means (Fieller), made a disc around the estimate; of H2 that of X/F, turned over.
+    Errors are taken to be Gaussian and stationary. Of H1 the disc comes from coherence and
+    averages; of the joint estimate it is the exact one of the quotient of two means (Fieller), made
+    a disc around the estimate; of H2 that of X/F, turned over.
 
     >>> rng = np.random.default_rng(1)
     >>> x = rng.normal(size=4000)
@@ -139,7 +168,8 @@ def _estimator(given: str) -> Estimator:
             return x
     valid = [x.value for x in Estimator]
     raise SceneError(
-        f'estimator: "{str(given)[:60]}" is unknown: {meant(str(given), valid)}valid are {", ".join(valid)}'
+        f'estimator: "{str(given)[:60]}" is unknown: {meant(str(given), valid)}valid are '
+        f"{', '.join(valid)}"
     )
 
 
@@ -148,7 +178,9 @@ def _row(key: str, given: ArrayLike) -> Reals:
     if not np.isfinite(row).all():
         raise SceneError(f"{key}: sample {int(np.argmin(np.isfinite(row))) + 1} is not finite")
     if len(row) and np.ptp(row) == 0:
-        raise SceneError(f"{key}: all samples are {row[0]:.6g}: nothing moved, or the sensor was off")
+        raise SceneError(
+            f"{key}: all samples are {row[0]:.6g}: nothing moved, or the sensor was off"
+        )
     return row
 
 
@@ -177,14 +209,21 @@ def _seconds(segment: Number | None) -> float | None:
 
 
 def _welch(
-    way: Estimator, samples: int, rate: float, seconds: float | None, overlap: float, window: str, every: int
+    way: Estimator,
+    samples: int,
+    rate: float,
+    seconds: float | None,
+    overlap: float,
+    window: str,
+    every: int,
 ) -> Welch:
     """The settings. SceneError for what cannot be."""
     from scipy.signal import get_window
 
     if window not in WINDOWS:
         raise SceneError(
-            f'window: "{str(window)[:60]}" is unknown: {meant(str(window), WINDOWS)}valid are {", ".join(WINDOWS)}'
+            f'window: "{str(window)[:60]}" is unknown: {meant(str(window), WINDOWS)}valid '
+            f"are {', '.join(WINDOWS)}"
         )
     every = whole("every", every, 1, 100)
     if isinstance(overlap, bool) or not isinstance(overlap, int | float) or not 0 <= overlap <= 0.9:
@@ -194,7 +233,9 @@ def _welch(
     count = 0 if length > samples else 1 + (samples - length) // shift
     if length < _SAMPLES or count < LEAST_SEGMENTS:
         made = f"{samples} samples make {count} segments of {length}"
-        raise SceneError(f"segment: {made}: at least {LEAST_SEGMENTS} of at least {_SAMPLES} samples are needed")
+        raise SceneError(
+            f"segment: {made}: at least {LEAST_SEGMENTS} of at least {_SAMPLES} samples are needed"
+        )
     averages = _independent(get_window(window, length), shift, count)
     return Welch(way, samples, rate, window, length, shift, count, averages, every)
 
@@ -232,10 +273,19 @@ def _spectra(w: Welch, x: Reals, f: Reals, r: Reals) -> tuple[Reals, _Spectra]:
         return found
 
     hertz, xf = mean(x, f)
-    rows = mean(x, x)[1].real, mean(f, f)[1].real, mean(r, r)[1].real, xf, mean(r, x)[1], mean(r, f)[1]
+    rows = (
+        mean(x, x)[1].real,
+        mean(f, f)[1].real,
+        mean(r, r)[1].real,
+        xf,
+        mean(r, x)[1],
+        mean(r, f)[1],
+    )
     kept = slice(w.every, len(hertz) - 1, w.every)
     if not len(hertz[kept]):
-        raise SceneError("segment: no frequency point is left: make segment longer, or every smaller")
+        raise SceneError(
+            "segment: no frequency point is left: make segment longer, or every smaller"
+        )
     return 2 * np.pi * hertz[kept], _Spectra(*(row[kept] for row in rows))
 
 
@@ -258,15 +308,18 @@ def _known(given: Any) -> Complexes:
     H: Complexes = np.asarray(given, dtype=complex)
     if not np.isfinite(H).all():
         raise SceneError(
-            "the motion, or its part driven by the reference, is 0 at some frequency: excite all frequencies of the band"
+            "the motion, or its part driven by the reference, is 0 at some frequency: excite "
+            "all frequencies of the band"
         )
     return H
 
 
 def _fieller(s: _Spectra, averages: float, confidence: float) -> Reals:
-    """Around S_rf/S_rx a disc that holds all H for which f - H x shows no coherence with r beyond chance.
+    """Around S_rf/S_rx a disc that holds all H for which f - H x shows no coherence with r beyond
+    chance.
 
-    |S_rf - H S_rx|^2 <= c S_rr S_vv(H), v = f - H x, is a disc where |S_rx|^2 > c S_rr S_xx, and unbounded elsewhere.
+    |S_rf - H S_rx|^2 <= c S_rr S_vv(H), v = f - H x, is a disc where |S_rx|^2 > c S_rr S_xx, and
+    unbounded elsewhere.
     """
     q = spread_of(averages, confidence)
     c = q / (1 + q)

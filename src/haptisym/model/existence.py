@@ -1,4 +1,5 @@
-"""For which values of a number there is no scene: where its environment is zero everywhere, or it is divided by 0.
+"""For which values of a number there is no scene: where its environment is zero everywhere, or it
+is divided by 0.
 
 Both are zeros of polynomials in the number and pi, whatever frequency and delays are.
 """
@@ -20,7 +21,8 @@ from haptisym.model.scene import Knob, Scene
 
 
 def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumber]:
-    """All values at which there is none, of either sign; ``in_air`` : but for those with nothing to feel.
+    """All values at which there is none, of either sign; ``in_air`` : but for those with nothing to
+    feel.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.expression("k - 5", parameters={"k": "8 N/m"})
@@ -37,11 +39,14 @@ def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumbe
     for p in _vanishing(chain, ring):
         factors += [f for f in _factors(p, index) if f not in factors]
     found = (x for f in factors for x in real_roots(f, index, negative=True))
-    return [x for x in found if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))]  # type: ignore[attr-defined]
+    return [
+        x for x in found if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))
+    ]  # type: ignore[attr-defined]
 
 
 def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> bool:
-    """Whether the scene exists at a value of the parameter; ``in_air`` : with nothing to feel, too."""
+    """Whether the scene exists at a value of the parameter; ``in_air`` : with nothing to feel,
+    too."""
     try:
         put = free.put(scene, value)
         _ = put.closed if in_air else put.distortion()
@@ -59,7 +64,8 @@ def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:
 
 
 def _factors(polynomial: Polynomial, index: int) -> Iterator[Polynomial]:
-    """Those in one variable, and pi, alone: where they are zero the polynomial is, whatever the other variables are."""
+    """Those in one variable, and pi, alone: where they are zero the polynomial is, whatever the
+    other variables are."""
     rows: dict[tuple[int, ...], dict[tuple[int, ...], object]] = {}
     for exponents, value in monomials(polynomial):
         own = [int(n) for n in exponents]
@@ -78,7 +84,8 @@ def _is_rational(x: RealNumber) -> bool:
 
 
 def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[RealNumber]:
-    """The positive roots, and negative ones if wanted, of an irreducible polynomial in pi and the parameter of that index."""
+    """The positive roots, and negative ones if wanted, of an irreducible polynomial in pi and the
+    parameter of that index."""
     own = [int(n) for n in factor.degrees()]
     if not own[index]:
         return

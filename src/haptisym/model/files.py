@@ -1,4 +1,5 @@
-"""Files that are written whole or not at all: beside their place, by one writer, and put there when they are complete."""
+"""Files that are written whole or not at all: beside their place, by one writer, and put there when
+they are complete."""
 
 from __future__ import annotations
 
@@ -17,16 +18,19 @@ from haptisym.kernel.errors import SceneError
 
 
 def beside(path: Path) -> Path:
-    """A name of its own for what is not yet complete, in the same folder and with the same ending."""
+    """A name of its own for what is not yet complete, in the same folder and with the same
+    ending."""
     return path.with_name(f".{uuid4().hex[:12]}{path.suffix}")
 
 
 @contextmanager
 def replacing(path: str | Path) -> Iterator[Path]:
-    """A name to write to; what is written there takes the place of the file when all of it is there.
+    """A name to write to; what is written there takes the place of the file when all of it is
+    there.
 
-    Where that does not happen (a full disk, Ctrl-C) the old file stays as it was, and nothing is left beside it. What is no
-    file, as a pipe or a device, is written to as it is. A link stays a link, to the new file.
+    Where that does not happen (a full disk, Ctrl-C) the old file stays as it was, and nothing is
+    left beside it. What is no file, as a pipe or a device, is written to as it is. A link stays a
+    link, to the new file.
     """
     given = Path(path)
     if given.exists() and not given.is_file():
@@ -59,13 +63,16 @@ def write_whole(path: str | Path, content: str, encoding: str = "utf-8") -> None
 def claimed(path: Path) -> Iterator[None]:
     """As long as it lasts, nobody else makes this file: SceneError where another process is at it.
 
-    The system drops the claim of a process that was killed. The file that carries it is taken away at the end.
+    The system drops the claim of a process that was killed. The file that carries it is taken away
+    at the end.
     """
     lock = path.with_name(f".{path.name}.lock")
     handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
     try:
         _lock(handle)
-        if lock.stat().st_ino != os.fstat(handle).st_ino:  # whoever had it before is just taking it away
+        if (
+            lock.stat().st_ino != os.fstat(handle).st_ino
+        ):  # whoever had it before is just taking it away
             raise BlockingIOError
     except OSError:
         os.close(handle)

@@ -1,12 +1,15 @@
-"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice it.
+"""The just-noticeable difference: how large a change of the dynamics must be for a person to notice
+it.
 
-A threshold is a region in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|: the paper's square, or an ellipse, a diamond, a
-polygon; each number exact, or a rational formula in omega; read from ``jnd = ...``, a number, a formula or a table.
+A threshold is a region in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|: the paper's square,
+or an ellipse, a diamond, a polygon; each number exact, or a rational formula in omega; read from
+``jnd = ...``, a number, a formula or a table.
 
-Published thresholds go by name, each with the criterion at which it was taken. A change of size x is told with the probability
-Phi(x/sigma), so that the change told with probability p is z(p) sigma, z the inverse of Phi: thresholds at two proportions are to
-each other as their z. The quotient is transcendental; it is rounded to a decimal number of DIGITS digits, each proven, so that
-everything that follows is exact for that number.
+Published thresholds go by name, each with the criterion at which it was taken. A change of size x
+is told with the probability Phi(x/sigma), so that the change told with probability p is z(p) sigma,
+z the inverse of Phi: thresholds at two proportions are to each other as their z. The quotient is
+transcendental; it is rounded to a decimal number of DIGITS digits, each proven, so that everything
+that follows is exact for that number.
 """
 
 from __future__ import annotations
@@ -32,16 +35,26 @@ from haptisym.kernel.reals import Ball, RealNumber, expression_ball
 from haptisym.kernel.rings import omega
 from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.parameters import ExactRange, ranged, read_confidence
-from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, evaluate, number, require_number
+from haptisym.model.quantities import (
+    Dimension,
+    MotionKind,
+    Number,
+    decimal,
+    evaluate,
+    number,
+    require_number,
+)
 
 
 @dataclass(frozen=True, repr=False)
 class Published(Shown):
-    """A just-noticeable difference as its source gives it: a fraction from ``low`` to ``high``, dimensionless (1/10 is 10 %).
+    """A just-noticeable difference as its source gives it: a fraction from ``low`` to ``high``,
+    dimensionless (1/10 is 10 %).
 
-    ``criterion`` : the proportion of correct answers at which it was taken, None where that is not known. ``quantity`` : of
-    what; ``reference`` : at which levels, with whom. ``read`` : how much of ``source`` was read. ``apart`` : why it is no
-    threshold for a scene; empty where it may be one. Measured by its authors, not proven.
+    ``criterion`` : the proportion of correct answers at which it was taken, None where that is not
+    known. ``quantity`` : of what; ``reference`` : at which levels, with whom. ``read`` : how much
+    of ``source`` was read. ``apart`` : why it is no threshold for a scene; empty where it may be
+    one. Measured by its authors, not proven.
 
     >>> like("weight").written, like("weight").low
     ('22 to 44 %', 11/50)
@@ -76,7 +89,9 @@ class Published(Shown):
 @cache
 def published_by_name() -> Mapping[str, Published]:
     """All of them, in the order of the shipped table."""
-    table = tomllib.loads((files("haptisym") / "data" / "published.toml").read_text(encoding="utf-8"))
+    table = tomllib.loads(
+        (files("haptisym") / "data" / "published.toml").read_text(encoding="utf-8")
+    )
     return {name: _read_published(name, row) for name, row in table.items()}
 
 
@@ -84,18 +99,28 @@ def _read_published(name: str, row: Mapping[str, Any]) -> Published:
     value, criterion = row["value"], row.get("criterion")
     low, high = map(decimal, (value, value) if isinstance(value, str) else value)
     return Published(
-        name, row["quantity"], low, high, None if criterion is None else decimal(criterion), row["reference"], row["source"],
-        row.get("doi", ""), row["read"], row.get("apart", ""),
-    )  # fmt: skip
+        name,
+        row["quantity"],
+        low,
+        high,
+        None if criterion is None else decimal(criterion),
+        row["reference"],
+        row["source"],
+        row.get("doi", ""),
+        row["read"],
+        row.get("apart", ""),
+    )
 
 
 def like(name: object) -> Published:
-    """The one of that name, fit for a scene; SceneError for any other name, and where it is not one."""
+    """The one of that name, fit for a scene; SceneError for any other name, and where it is not
+    one."""
     known = published_by_name()
     if not isinstance(name, str) or name not in known:
         shown = str(name)[:60]
         raise SceneError(
-            f'like: unknown published threshold "{shown}": {meant(shown, known)}valid are {", ".join(known)}'
+            f'like: unknown published threshold "{shown}": {meant(shown, known)}valid are '
+            f"{', '.join(known)}"
         )
     found = known[name]
     if found.apart:
@@ -125,7 +150,8 @@ class Quotient(RealNumber):
 
 @dataclass(frozen=True)
 class Conversion:
-    """From one proportion of right answers to another: times ``factor``, which is ``exact`` rounded to DIGITS digits."""
+    """From one proportion of right answers to another: times ``factor``, which is ``exact`` rounded
+    to DIGITS digits."""
 
     start: Expr
     end: Expr
@@ -142,7 +168,10 @@ class Conversion:
 
     def row(self) -> dict[str, object]:
         """As documents have it."""
-        shown = {"factor": self.exact.digits(DIGITS), "enclosure": list(self.exact.enclosure(DIGITS))}
+        shown = {
+            "factor": self.exact.digits(DIGITS),
+            "enclosure": list(self.exact.enclosure(DIGITS)),
+        }
         return {"from": float(self.start), "to": float(self.end), **shown}
 
 
@@ -160,7 +189,8 @@ MOST_CORNERS = 24
 
 
 class Shape(Enum):
-    """Of the region. A further one that has corners is a row here and in ``_KEYS`` and ``_CORNERS``: nothing else names it."""
+    """Of the region. A further one that has corners is a row here and in ``_KEYS`` and
+    ``_CORNERS``: nothing else names it."""
 
     SQUARE = "square"
     ELLIPSE = "ellipse"
@@ -187,11 +217,12 @@ _CORNERS: Mapping[Shape, tuple[Corner, ...]] = {
 class Region:
     """What a region is besides its half widths; each number exact, or a rational formula in omega.
 
-    ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square, the limits of Re and Im for
-    changes that make the part smaller; None where they are those for changes that make it larger. ``floor`` : of a square, N/m or
-    N m/rad, the least change that is noticed; ``motion`` : as its unit tells. ``ranges`` : where numbers of it may lie, by name:
-    ``real.lower``, ``imag.lower``, ``floor``, and ``scale``, how many times all of it is as large as was given; ``size`` : that,
-    nominal.
+    ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square,
+    the limits of Re and Im for changes that make the part smaller; None where they are those for
+    changes that make it larger. ``floor`` : of a square, N/m or N m/rad, the least change that is
+    noticed; ``motion`` : as its unit tells. ``ranges`` : where numbers of it may lie, by name:
+    ``real.lower``, ``imag.lower``, ``floor``, and ``scale``, how many times all of it is as large
+    as was given; ``size`` : that, nominal.
     """
 
     shape: Shape = Shape.SQUARE
@@ -214,13 +245,17 @@ class Region:
         corners = tuple((x * c, y * c) for x, y in self.corners)
         one, other = (None if x is None else x * c for x in self.lower)
         floor = None if self.floor is None else self.floor * c
-        ranges = tuple((key, x if key == "scale" else (x[0] * c, x[1] * c)) for key, x in self.ranges)
+        ranges = tuple(
+            (key, x if key == "scale" else (x[0] * c, x[1] * c)) for key, x in self.ranges
+        )
         return replace(self, corners=corners, lower=(one, other), floor=floor, ranges=ranges)
 
     def check(self, low: Expr, high: Expr) -> None:
         """SceneError unless the region has 0 inside and is convex at every frequency of a band."""
         if self.shape is Shape.ELLIPSE and not positive(1 - self.tilt**2, low, high):
-            raise SceneError(f"tilt: {self.tilt} must lie strictly between -1 and 1{_everywhere([self.tilt])}")
+            raise SceneError(
+                f"tilt: {self.tilt} must lie strictly between -1 and 1{_everywhere([self.tilt])}"
+            )
         if self.shape is Shape.POLYGON:
             _check_polygon(self.corners, low, high)
 
@@ -229,7 +264,8 @@ SQUARE = Region()
 
 
 def positive(value: Expr, low: Expr, high: Expr) -> bool:
-    """Whether a number, or a rational formula in omega, is positive (and finite) on a whole band: exact.
+    """Whether a number, or a rational formula in omega, is positive (and finite) on a whole band:
+    exact.
 
     >>> positive(1 - omega / 10, Integer(0), Integer(9)), positive(1 - omega / 10, Integer(0), Integer(10))
     (True, False)
@@ -241,7 +277,8 @@ def positive(value: Expr, low: Expr, high: Expr) -> bool:
 
 
 def turning(corners: Sequence[Corner], at: Expr) -> Expr:
-    """Twice the area of a polygon at a frequency: positive where its corners go counterclockwise."""
+    """Twice the area of a polygon at a frequency: positive where its corners go
+    counterclockwise."""
     area = sum((_cross(p, q) for p, q in _edges(corners)), Integer(0))
     found: Expr = area.subs(omega, at)
     return found
@@ -254,7 +291,10 @@ def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
         if not positive((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2, low, high):
             where = " at some frequency" if everywhere else ""
             raise SceneError(f"corners: {i} and {j} are the same point, [{p[0]}, {p[1]}]{where}")
-    if not all(positive(_cross(p, q), low, high) for p, q in _edges(corners)) or _turns(corners, low, high) != 1:
+    if (
+        not all(positive(_cross(p, q), low, high) for p, q in _edges(corners))
+        or _turns(corners, low, high) != 1
+    ):
         order = "0 must be inside, not on an edge, and the corners in order around it"
         raise SceneError(f"corners: {_written(corners)}: {order}{everywhere}")
     steps = [(q[0] - p[0], q[1] - p[1]) for p, q in _edges(corners)]
@@ -285,7 +325,8 @@ def _cross(p: Corner, q: Corner) -> Expr:
 
 
 def _turns(corners: Sequence[Corner], low: Expr, high: Expr) -> int:
-    """How often corners, each to the left of the one before, go around 0: how often they come up over the axis of x."""
+    """How often corners, each to the left of the one before, go around 0: how often they come up
+    over the axis of x."""
     heights = [sign_of_number(y.subs(omega, (low + high) / 2)) for _, y in corners]
     return sum(a < 0 <= b for a, b in zip(heights, [*heights[1:], heights[0]], strict=True))
 
@@ -293,7 +334,9 @@ def _turns(corners: Sequence[Corner], low: Expr, high: Expr) -> int:
 class Part(Enum):
     """Real part (stiffness and mass) or imaginary part (damping) of a dynamics."""
 
-    __hash__ = object.__hash__  # members are singletons; the hash by name is slow, and charts look up much
+    __hash__ = (
+        object.__hash__
+    )  # members are singletons; the hash by name is slow, and charts look up much
 
     REAL = "real"
     IMAG = "imag"
@@ -301,10 +344,12 @@ class Part(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Threshold(Viewed):
-    """The JND c of eq. (4): a change is noticed where ``|Re dH| > real |H_env|`` or ``|Im dH| > imag |H_env|``.
+    """The JND c of eq. (4): a change is noticed where ``|Re dH| > real |H_env|`` or ``|Im dH| >
+    imag |H_env|``.
 
-    Each a number > 0, dimensionless: rational or rational in pi; a range (``"0.1 +- 20 %"`` or a pair); or a rational formula in
-    omega, as a string. ``region`` : what it is besides, where it is not the paper's square. SceneError for anything else.
+    Each a number > 0, dimensionless: rational or rational in pi; a range (``"0.1 +- 20 %"`` or a
+    pair); or a rational formula in omega, as a string. ``region`` : what it is besides, where it is
+    not the paper's square. SceneError for anything else.
     Source: Fu, van Paassen and Mulder (2019), eq. (4); 10 % for the impedances of manual control.
 
     >>> Threshold.of(0.1)
@@ -321,18 +366,21 @@ class Threshold(Viewed):
     region: Region = SQUARE
     proportion: Expr | None = field(default=None, repr=False)
     conversion: Conversion | None = field(default=None, repr=False)
-    """At which proportion of right answers it holds, if that is told, and how it was brought there, if it was."""
+    """At which proportion of right answers it holds, if that is told, and how it was brought there,
+    if it was."""
     confidence: Expr | None = field(default=None, repr=False)
     """Of the interval that its ranges are, where they were estimated."""
 
     @classmethod
     def of(cls, real: Number, imag: Number | None = None) -> Threshold:
-        """A threshold from numbers; the imaginary part's is the real part's unless given. SceneError unless > 0."""
+        """A threshold from numbers; the imaginary part's is the real part's unless given.
+        SceneError unless > 0."""
         return cls(real, real if imag is None else imag)
 
     @classmethod
     def like(cls, name: str) -> Threshold:
-        """A published one, by its name, with its range where the source gives one. SceneError for a name that there is not.
+        """A published one, by its name, with its range where the source gives one. SceneError for a
+        name that there is not.
 
         >>> Threshold.like("weight").real_interval
         (11/50, 11/25)
@@ -366,14 +414,23 @@ class Threshold(Viewed):
 
     @property
     def corners(self) -> tuple[Corner, ...]:
-        """Of a region that has corners and judges both parts at once, counterclockwise; of any other none."""
-        return self.region.corners or tuple((x * self.real, y * self.imag) for x, y in self.region.shape.corners)
+        """Of a region that has corners and judges both parts at once, counterclockwise; of any
+        other none."""
+        return self.region.corners or tuple(
+            (x * self.real, y * self.imag) for x, y in self.region.shape.corners
+        )
 
     @property
     def is_constant(self) -> bool:
         """Whether no number depends on the frequency."""
         region = self.region
-        numbers = (self.real, self.imag, region.tilt, *region.numbers.values(), *(x for p in region.corners for x in p))
+        numbers = (
+            self.real,
+            self.imag,
+            region.tilt,
+            *region.numbers.values(),
+            *(x for p in region.corners for x in p),
+        )
         return not any(x.has(omega) for x in numbers)
 
     @property
@@ -383,7 +440,8 @@ class Threshold(Viewed):
 
     @property
     def is_scaled(self) -> bool:
-        """Whether its half widths are one number, in a region that holds all smaller ones of its kind."""
+        """Whether its half widths are one number, in a region that holds all smaller ones of its
+        kind."""
         alike = self.real == self.imag and self.real_interval == self.imag_interval
         judges_both = self.region.shape is not Shape.SQUARE and not self.region.corners
         return alike and judges_both and not self.region.ranges
@@ -396,7 +454,8 @@ class Threshold(Viewed):
 
     @property
     def is_box(self) -> bool:
-        """Whether its ranges, if it has any, are those of numbers that a box of parameters can hold."""
+        """Whether its ranges, if it has any, are those of numbers that a box of parameters can
+        hold."""
         return not self.ranges or self.is_plain or self.is_scaled
 
     @property
@@ -412,33 +471,49 @@ class Threshold(Viewed):
         return "a square" if self.real == self.imag else "a rectangle"
 
     def need_plain(self, question: str) -> None:
-        """SceneError, in a sentence, unless it is the paper's: for what is defined, or answered, for that alone."""
+        """SceneError, in a sentence, unless it is the paper's: for what is defined, or answered,
+        for that alone."""
         if not self.is_plain:
             own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
-            raise SceneError(f"{question}: the JND is {own}; give one number for each part, as jnd = 0.1")
+            raise SceneError(
+                f"{question}: the JND is {own}; give one number for each part, as jnd = 0.1"
+            )
 
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
-        """SceneError unless it makes a region at every frequency of a band, for a scene of that motion."""
+        """SceneError unless it makes a region at every frequency of a band, for a scene of that
+        motion."""
         with within("jnd"):
             self.region.check(low, high)
             for key, x in {"real": self.real, "imag": self.imag, **self.region.numbers}.items():
                 if x.has(omega) and not positive(x, low, high):
                     raise SceneError(f"{key}: {x} must be > 0 on the whole band")
         if self.region.motion and motion and self.region.motion is not motion:
-            raise SceneError(f"jnd: floor: the unit is {self.region.motion.value}, the scene {motion.value}")
+            raise SceneError(
+                f"jnd: floor: the unit is {self.region.motion.value}, the scene {motion.value}"
+            )
 
     def with_limits(self, limits: Mapping[Part, Number]) -> Threshold:
-        """The same with other thresholds (in place of ranges, formulas and limits for each way, too) for some parts."""
+        """The same with other thresholds (in place of ranges, formulas and limits for each way,
+        too) for some parts."""
         if limits and self.region.shape is Shape.POLYGON:
             raise SceneError("jnd: a polygon has no limit for one part: change its corners")
-        given = {part: (limits[part], None) if part in limits else (self[part], self.interval(part)) for part in Part}
+        given = {
+            part: (limits[part], None) if part in limits else (self[part], self.interval(part))
+            for part in Part
+        }
         (real, real_interval), (imag, imag_interval) = given.values()
         below = [None if part in limits else self.lower(part) for part in Part]
         gone = {f"{part.value}.lower" for part in limits}
         ranges = tuple((name, x) for name, x in self.region.ranges if name not in gone)
         region = replace(self.region, lower=(below[0], below[1]), ranges=ranges)
         return Threshold(
-            real, imag, real_interval, imag_interval, "" if limits else self.source, region, self.proportion
+            real,
+            imag,
+            real_interval,
+            imag_interval,
+            "" if limits else self.source,
+            region,
+            self.proportion,
         )
 
     def scaled(self, c: Expr) -> Threshold:
@@ -448,20 +523,30 @@ class Threshold(Viewed):
         return Threshold(*widths, region=region, proportion=self.proportion)
 
     def at_end(self, end: int) -> Threshold:
-        """The smallest (0) or the largest (1) one of its ranges: the region grows with each of them."""
+        """The smallest (0) or the largest (1) one of its ranges: the region grows with each of
+        them."""
         at = {name: interval[end] for name, interval in self.ranges.items()}
         if "scale" in at:
             return self.scaled(at["scale"] / self.region.size)
         below = [at.get(f"{part.value}.lower", self.lower(part)) for part in Part]
-        region = replace(self.region, lower=(below[0], below[1]), floor=at.get("floor", self.region.floor), ranges=())
+        region = replace(
+            self.region,
+            lower=(below[0], below[1]),
+            floor=at.get("floor", self.region.floor),
+            ranges=(),
+        )
         return Threshold(at.get("real", self.real), at.get("imag", self.imag), region=region)
 
     def at_proportion(self, end: Number) -> Threshold:
-        """The same at another proportion of right answers, by a cumulative Gaussian; SceneError where its own is not told."""
+        """The same at another proportion of right answers, by a cumulative Gaussian; SceneError
+        where its own is not told."""
         to = read_proportion("proportion", end)
         start = self.proportion or (like(self.source).criterion if self.source else None)
         if start is None:
-            raise SceneError("proportion: the JND has none of its own: add one to its table, as proportion = 0.75")
+            raise SceneError(
+                "proportion: the JND has none of its own: add one to its table, as "
+                "proportion = 0.75"
+            )
         found = Conversion(read_proportion("proportion", start), to)
         c = found.factor
         real, imag = (x and (x[0] * c, x[1] * c) for x in (self.real_interval, self.imag_interval))
@@ -472,15 +557,25 @@ class Threshold(Viewed):
     def row(self) -> dict[str, Any]:
         """As documents have it: the half widths, and what else the region is."""
         found = self.region
-        taken: dict[str, Any] = {} if self.proportion is None else {"proportion": float(self.proportion)}
+        taken: dict[str, Any] = (
+            {} if self.proportion is None else {"proportion": float(self.proportion)}
+        )
         taken |= {"conversion": self.conversion.row()} if self.conversion else {}
         if found.shape is Shape.POLYGON:
-            return {"shape": found.shape.value, "corners": [[str(x), str(y)] for x, y in found.corners]} | taken
+            return {
+                "shape": found.shape.value,
+                "corners": [[str(x), str(y)] for x, y in found.corners],
+            } | taken
         row: dict[str, Any] = {"real": str(self.real), "imag": str(self.imag)}
         row |= {} if found.shape is Shape.SQUARE else {"shape": found.shape.value}
         row |= {"tilt": str(found.tilt)} if found.tilt else {}
         lower = {part.value: str(x) for part in Part if (x := self.lower(part)) is not None}
-        return row | ({"lower": lower} if lower else {}) | ({"floor": str(found.floor)} if found.floor else {}) | taken
+        return (
+            row
+            | ({"lower": lower} if lower else {})
+            | ({"floor": str(found.floor)} if found.floor else {})
+            | taken
+        )
 
     def interval(self, part: Part) -> ExactRange | None:
         """The range of a part's threshold, if it has one."""
@@ -515,7 +610,8 @@ _NAMES_SOMETHING = re.compile(r"[A-Za-z_ω]\w*\s*[-+*/^(]|[-+*/^(]\s*[A-Za-z_ω]
 
 
 def formula(key: str, given: object) -> Expr | None:
-    """A rational formula in omega; None for what does not name it. SceneError, with the key, where it is not rational.
+    """A rational formula in omega; None for what does not name it. SceneError, with the key, where
+    it is not rational.
 
     >>> formula("real", "0.08 + 0.004*omega"), formula("real", "10 %")
     (omega/250 + 2/25, None)
@@ -531,7 +627,8 @@ def formula(key: str, given: object) -> Expr | None:
         Ring().axis.convert(value)
     except SceneError:
         raise SceneError(
-            f'{key}: "{given}" is not a rational formula: use numbers, pi, omega, + - * / and whole powers'
+            f'{key}: "{given}" is not a rational formula: use numbers, pi, omega, + - * / '
+            f"and whole powers"
         ) from None
     return value
 
@@ -562,7 +659,9 @@ def read_threshold(given: Any) -> Threshold:
     if "like" in given:
         for key in given:
             if key != "like":
-                raise SceneError(f'unknown key "{str(key)[:60]}": "like" takes no other key: leave it out')
+                raise SceneError(
+                    f'unknown key "{str(key)[:60]}": "like" takes no other key: leave it out'
+                )
         return Threshold.like(given["like"])
     if "scale" in given:
         scale, interval = threshold_value("scale", given["scale"])
@@ -572,7 +671,9 @@ def read_threshold(given: Any) -> Threshold:
         if found.ranges:
             raise SceneError("scale: leave out the other ranges of the JND")
         large = found.scaled(scale)
-        return replace(large, region=replace(large.region, ranges=(("scale", interval),), size=scale))
+        return replace(
+            large, region=replace(large.region, ranges=(("scale", interval),), size=scale)
+        )
     return _table(given)
 
 
@@ -582,10 +683,15 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     for key in given:
         if key not in (*keys, *_ANY):
             owners = [x.value for x, own in _KEYS.items() if key in own]
-            hint = f"it is for shape = {' or '.join(map(quoted, owners))}; " if owners else meant(str(key), keys)
+            hint = (
+                f"it is for shape = {' or '.join(map(quoted, owners))}; "
+                if owners
+                else meant(str(key), keys)
+            )
             what = "" if shape is Shape.SQUARE else f" of a {shape.value}"
             raise SceneError(
-                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are {", ".join(("shape", *keys, *_ANY[1:]))}'
+                f'unknown key "{str(key)[:60]}"{what}: {hint}valid are '
+                f"{', '.join(('shape', *keys, *_ANY[1:]))}"
             )
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:
@@ -594,7 +700,9 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     if shape is Shape.POLYGON:
         region = Region(shape, corners=_corners(given["corners"]))
         return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
-    real, imag = (_sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag"))
+    real, imag = (
+        _sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag")
+    )
     floor, motion, lowest = _floor(given["floor"]) if "floor" in given else (None, None, None)
     tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
     named = {"real.lower": real[2], "imag.lower": imag[2], "floor": lowest}
@@ -607,12 +715,15 @@ def _shape(given: Any) -> Shape:
     valid = [x.value for x in Shape]
     if given not in valid:
         shown = str(given)[:60]
-        raise SceneError(f'shape: unknown shape "{shown}": {meant(shown, valid)}valid are {", ".join(valid)}')
+        raise SceneError(
+            f'shape: unknown shape "{shown}": {meant(shown, valid)}valid are {", ".join(valid)}'
+        )
     return Shape(given)
 
 
 def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None, ExactRange | None]:
-    """A limit, and that for changes which make the part smaller where it is given apart, with its range."""
+    """A limit, and that for changes which make the part smaller where it is given apart, with its
+    range."""
     if not isinstance(given, Mapping):
         return given, None, None
     if not allowed:
@@ -647,7 +758,11 @@ def _number(key: str, given: Any) -> Expr:
 
 def _corners(given: Any) -> tuple[Corner, ...]:
     """The corners, counterclockwise at the middle of the paper's band."""
-    if not isinstance(given, Sequence) or isinstance(given, str) or not 3 <= len(given) <= MOST_CORNERS:
+    if (
+        not isinstance(given, Sequence)
+        or isinstance(given, str)
+        or not 3 <= len(given) <= MOST_CORNERS
+    ):
         raise SceneError(f"corners: give a list of 3 to {MOST_CORNERS} pairs [x, y]")
     found: list[Corner] = []
     for i, pair in enumerate(given, 1):

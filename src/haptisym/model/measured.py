@@ -1,8 +1,10 @@
-"""A frequency response that was measured: lines at frequencies, and the disc around each in which the truth lies.
+"""A frequency response that was measured: lines at frequencies, and the disc around each in which
+the truth lies.
 
-A disc comes from coherence and averages (``disc_radius``), from a radius that is given, or from nothing. How the response was
-estimated, where it comes from records in time, stands beside it (``Welch``), and so does a bound on its slope between the lines
-(``Slope``), which whoever measured it states, and nothing tests.
+A disc comes from coherence and averages (``disc_radius``), from a radius that is given, or from
+nothing. How the response was estimated, where it comes from records in time, stands beside it
+(``Welch``), and so does a bound on its slope between the lines (``Slope``), which whoever measured
+it states, and nothing tests.
 """
 
 from __future__ import annotations
@@ -24,7 +26,10 @@ from haptisym.kernel.objects import Shown, counted
 from haptisym.model.files import write_whole
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
 
-_WAYS = 'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as in "20 ms"'
+_WAYS = (
+    'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as '
+    'in "20 ms"'
+)
 _UP = 1 + 2e-15  # more than some roundings
 
 
@@ -46,13 +51,16 @@ class Slope:
     @property
     def unit(self) -> str:
         """Of the bound, in SI."""
-        return "s" if self.relative else Dimension.DAMPING.unit(self.motion or MotionKind.TRANSLATION)
+        return (
+            "s" if self.relative else Dimension.DAMPING.unit(self.motion or MotionKind.TRANSLATION)
+        )
 
     def grown(self, size: Any, radius: Any, apart: Any) -> Any:
-        """The radius of a disc around H, ``size`` = ``|H|``, that holds the truth so many rad/s beside the line.
+        """The radius of a disc around H, ``size`` = ``|H|``, that holds the truth so many rad/s
+        beside the line.
 
-        radius + bound apart; or radius + (size + radius) (exp(bound apart) - 1), as ``|H|`` itself may grow on the way. Rounded
-        up.
+        radius + bound apart; or radius + (size + radius) (exp(bound apart) - 1), as ``|H|`` itself
+        may grow on the way. Rounded up.
         """
         way = self.bound * apart * _UP
         if not self.relative:
@@ -61,7 +69,8 @@ class Slope:
             return (radius + (size + radius) * np.expm1(way)) * _UP
 
     def nearest(self, sizes: tuple[Any, Any], apart: Any) -> Any:
-        """How far after the first of two lines, ``sizes`` = ``|H|`` + radius, both grown radii together are least."""
+        """How far after the first of two lines, ``sizes`` = ``|H|`` + radius, both grown radii
+        together are least."""
         if not self.relative or not self.bound:
             return np.zeros_like(apart)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -94,8 +103,9 @@ CONFIDENCE = 0.95
 def disc_radius(coherence: ArrayLike, averages: float, confidence: float = CONFIDENCE) -> Reals:
     """The radius of the confidence disc of an estimate H1, relative to ``|H|``.
 
-    sqrt(2/(n-2) F(2, n-2; confidence) (1-g2)/g2), n = 2 averages; F with 2 and n - 2 degrees of freedom has the closed quantile
-    (n-2)/2 ((1-confidence)^(-2/(n-2)) - 1). ``coherence`` : g2, 0 to 1; at 0 the disc is the whole plane.
+    sqrt(2/(n-2) F(2, n-2; confidence) (1-g2)/g2), n = 2 averages; F with 2 and n - 2 degrees of
+    freedom has the closed quantile (n-2)/2 ((1-confidence)^(-2/(n-2)) - 1). ``coherence`` : g2, 0
+    to 1; at 0 the disc is the whole plane.
     Source: Bendat and Piersol, Random Data, on the errors of frequency response estimates.
 
     >>> print(f"{disc_radius(0.95, 10):.7f} {disc_radius(0.99, 10):.8f} {disc_radius(0.95, 20):.8f}")
@@ -120,7 +130,8 @@ def coherence_for(radius: ArrayLike, averages: ArrayLike, confidence: float = CO
 
 
 def averages_for(radius: ArrayLike, coherence: ArrayLike, confidence: float = CONFIDENCE) -> Reals:
-    """The least whole number of averages with which a disc is no larger than ``radius``, relative to ``|H|``.
+    """The least whole number of averages with which a disc is no larger than ``radius``, relative
+    to ``|H|``.
 
     >>> int(averages_for(0.1, 0.95)), float(disc_radius(0.95, 18)) > 0.1 >= float(disc_radius(0.95, 19))
     (19, True)
@@ -140,8 +151,9 @@ def spread_of(averages: ArrayLike, confidence: float) -> Any:
 class Estimator(Enum):
     """What a response is estimated by.
 
-    H1: the cross spectrum of motion and force over that of motion; H2: the spectrum of force over the cross spectrum of force and
-    motion; joint: the cross spectrum of a reference with force over that with motion.
+    H1: the cross spectrum of motion and force over that of motion; H2: the spectrum of force over
+    the cross spectrum of force and motion; joint: the cross spectrum of a reference with force over
+    that with motion.
     """
 
     H1 = "H1"
@@ -153,9 +165,10 @@ class Estimator(Enum):
 class Welch:
     """How spectra were estimated.
 
-    ``rate`` : samples a second. ``length``, ``shift`` : samples of a segment, and from one to the next. ``averages`` : of how
-    many independent segments the mean has the variance. ``every`` : which lines are kept. ``cube`` : by how many standard errors
-    the force follows the cube of what the response predicts, below 0 where it stays behind; None where that is not asked.
+    ``rate`` : samples a second. ``length``, ``shift`` : samples of a segment, and from one to the
+    next. ``averages`` : of how many independent segments the mean has the variance. ``every`` :
+    which lines are kept. ``cube`` : by how many standard errors the force follows the cube of what
+    the response predicts, below 0 where it stays behind; None where that is not asked.
     """
 
     estimator: Estimator
@@ -180,29 +193,40 @@ class Welch:
         kept = "every frequency" if self.every == 1 else f"one frequency of {self.every}"
         overlap = f"{100 * (1 - self.shift / self.length):.3g} %"
         return (
-            f"{self.estimator.value} by Welch's method: {self.samples} samples at {self.rate:.6g} Hz, {self.segments} "
-            f"segments of {self.length} samples ({self.length / self.rate:.4g} s), window {self.window}, overlap "
+            f"{self.estimator.value} by Welch's method: {self.samples} samples at "
+            f"{self.rate:.6g} Hz, {self.segments} "
+            f"segments of {self.length} samples ({self.length / self.rate:.4g} s), window "
+            f"{self.window}, overlap "
             f"{overlap}, mean removed; {self.averages:.4g} effective averages; {kept}"
         )
 
     def row(self) -> dict[str, Any]:
         """As documents have it."""
         return {
-            "estimator": self.estimator.value, "samples": self.samples, "rate_hz": self.rate, "window": self.window,
-            "segment": self.length, "shift": self.shift, "segments": self.segments, "averages": self.averages,
-            "every": self.every, "cube": self.cube,
+            "estimator": self.estimator.value,
+            "samples": self.samples,
+            "rate_hz": self.rate,
+            "window": self.window,
+            "segment": self.length,
+            "shift": self.shift,
+            "segments": self.segments,
+            "averages": self.averages,
+            "every": self.every,
+            "cube": self.cube,
             "cube_probability": self.cube_chance,
-        }  # fmt: skip
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Measurement(Shown):
     """A measured frequency response H: force per position, N/m or N m/rad. Valid by construction.
 
-    ``omega`` : rad/s, rising. ``H`` : complex. What is known of its certainty: ``coherence`` with the number of ``averages``, or
-    ``radius``, of discs that hold the truth with that ``confidence``, in the unit of H; or nothing. ``motion`` : as its units
-    tell. ``name`` : what error messages and pages call it. ``path`` : of its file. ``slope`` : a bound on that of H between the
-    lines, as a Slope or as ``read_slope`` takes it; without it nothing is known there.
+    ``omega`` : rad/s, rising. ``H`` : complex. What is known of its certainty: ``coherence`` with
+    the number of ``averages``, or
+    ``radius``, of discs that hold the truth with that ``confidence``, in the unit of H; or nothing.
+    ``motion`` : as its units tell. ``name`` : what error messages and pages call it. ``path`` : of
+    its file. ``slope`` : a bound on that of H between the lines, as a Slope or as ``read_slope``
+    takes it; without it nothing is known there.
     """
 
     omega: Any
@@ -227,23 +251,36 @@ class Measurement(Shown):
             raise error.within(self.name) from None
 
     def _check(self) -> None:
-        for key, kind in (("omega", float), ("H", complex), ("coherence", float), ("radius", float)):
+        for key, kind in (
+            ("omega", float),
+            ("H", complex),
+            ("coherence", float),
+            ("radius", float),
+        ):
             given = getattr(self, key)
             if given is not None or key in ("omega", "H"):
                 object.__setattr__(self, key, one_row(key, given, kind))
         for key in ("H", "coherence", "radius"):
             if (row := getattr(self, key)) is not None and len(row) != len(self.omega):
-                raise SceneError(f"{key} has {len(row)} values, and omega {len(self.omega)}: give as many")
+                raise SceneError(
+                    f"{key} has {len(row)} values, and omega {len(self.omega)}: give as many"
+                )
         if not len(self.omega):
             raise SceneError("there are no frequency points")
-        check_certainty(self.coherence is not None, self.radius is not None, self.averages, self.confidence)
+        check_certainty(
+            self.coherence is not None, self.radius is not None, self.averages, self.confidence
+        )
         check_lines(self.omega, self.H, self.coherence, self.radius, lambda i: f"line {i + 1}")
-        if self.coherence is not None and (self.coherence > 1).any():  # by a rounding, or it would have been refused
+        if (
+            self.coherence is not None and (self.coherence > 1).any()
+        ):  # by a rounding, or it would have been refused
             object.__setattr__(self, "coherence", np.minimum(self.coherence, 1.0))
         if self.slope is not None and not isinstance(self.slope, Slope):
             object.__setattr__(self, "slope", read_slope(self.slope))
         if self.slope and self.motion and self.slope.motion not in (None, self.motion):
-            raise SceneError("slope: translation and rotation cannot be mixed: use the unit of the response")
+            raise SceneError(
+                "slope: translation and rotation cannot be mixed: use the unit of the response"
+            )
 
     def _line(self) -> str:
         low, high = float(self.omega[0]), float(self.omega[-1])
@@ -270,14 +307,20 @@ class Measurement(Shown):
             return np.where(np.isinf(relative), np.inf, size * relative)
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write the lines as a file that ``measured`` and a scene's ``file`` read back, every digit of every float.
+        """Write the lines as a file that ``measured`` and a scene's ``file`` read back, every digit
+        of every float.
 
-        Averages and confidence of the discs, and the slope, are comments before the header, and are read back too.
+        Averages and confidence of the discs, and the slope, are comments before the header, and are
+        read back too.
         """
-        discs = {} if self.discs is None else {"averages": self.averages, "confidence": self.confidence}
+        discs = (
+            {} if self.discs is None else {"averages": self.averages, "confidence": self.confidence}
+        )
         stated = discs | {"slope": self.slope and self.slope.text}
         columns = {"omega": self.omega, "real": self.H.real, "imag": self.H.imag}
-        columns |= {key: x for key in ("coherence", "radius") if (x := getattr(self, key)) is not None}
+        columns |= {
+            key: x for key in ("coherence", "radius") if (x := getattr(self, key)) is not None
+        }
         unit = "" if self.motion is None else Dimension.STIFFNESS.unit(self.motion)
         units = {"omega": "rad/s", "coherence": "1"}
         rows = zip(*(x.tolist() for x in columns.values()), strict=True)
@@ -291,33 +334,53 @@ class Measurement(Shown):
         return Path(path)
 
     def on_band(self, low: float, high: float) -> Measurement:
-        """The lines on a band, rad/s; a share of 1e-9 beyond its ends is on it, as files round. SceneError if there are none."""
+        """The lines on a band, rad/s; a share of 1e-9 beyond its ends is on it, as files round.
+        SceneError if there are none."""
         if high <= low:
-            raise SceneError(f"band: the high end, {high:.6g} rad/s, must be above the low end, {low:.6g} rad/s")
+            raise SceneError(
+                f"band: the high end, {high:.6g} rad/s, must be above the low end, {low:.6g} rad/s"
+            )
         inside = (self.omega >= low * (1 - 1e-9)) & (self.omega <= high * (1 + 1e-9))
         if not inside.any():
-            raise SceneError(f"band: {self.name} has no frequency point from {low:.6g} to {high:.6g} rad/s")
+            raise SceneError(
+                f"band: {self.name} has no frequency point from {low:.6g} to {high:.6g} rad/s"
+            )
         return self.at(inside)
 
     def at(self, lines: NDArray[Any]) -> Measurement:
         """Some of its lines."""
         coherence, radius = (None if x is None else x[lines] for x in (self.coherence, self.radius))
-        return replace(self, omega=self.omega[lines], H=self.H[lines], coherence=coherence, radius=radius)
+        return replace(
+            self, omega=self.omega[lines], H=self.H[lines], coherence=coherence, radius=radius
+        )
 
 
-def check_certainty(coherence: bool, radius: bool, averages: float | None, confidence: float) -> None:  # noqa: FBT001
+def check_certainty(
+    coherence: bool,  # noqa: FBT001
+    radius: bool,  # noqa: FBT001
+    averages: float | None,
+    confidence: float,
+) -> None:
     """SceneError unless what is given tells the radius of a disc in one way, or in none."""
     if not isinstance(confidence, Real) or isinstance(confidence, bool) or not 0 < confidence < 1:
         raise SceneError(f"confidence: {confidence} must lie between 0 and 1")
     if coherence and radius:
-        raise SceneError("coherence and radius both give the size of the discs: leave out one of them")
+        raise SceneError(
+            "coherence and radius both give the size of the discs: leave out one of them"
+        )
     if averages is None:
         if coherence:
-            raise SceneError("averages is missing: with coherence write the number of averages, as averages = 10")
+            raise SceneError(
+                "averages is missing: with coherence write the number of averages, as averages = 10"
+            )
         return
     if not coherence:
         raise SceneError("averages needs the column coherence: add it, or leave averages out")
-    if not isinstance(averages, Real) or isinstance(averages, bool) or not (isfinite(averages) and averages >= 2):
+    if (
+        not isinstance(averages, Real)
+        or isinstance(averages, bool)
+        or not (isfinite(averages) and averages >= 2)
+    ):
         raise SceneError(f"averages: {averages} must be a number, at least 2")
 
 
@@ -325,10 +388,18 @@ _ROUNDING = 2.0**-40
 """How far above 1 a coherence may lie: it is a quotient of sums, and floats round."""
 
 
-def check_lines(omega: Reals, H: Complexes, coherence: Reals | None, radius: Reals | None, place: Named) -> None:
-    """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in rising order."""
+def check_lines(
+    omega: Reals, H: Complexes, coherence: Reals | None, radius: Reals | None, place: Named
+) -> None:
+    """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in
+    rising order."""
     rules: list[tuple[str, Any, Callable[[Any], Any], str]] = [
-        ("omega", omega, lambda x: np.isfinite(x) & (x >= 0), "must be a finite frequency, 0 or above"),
+        (
+            "omega",
+            omega,
+            lambda x: np.isfinite(x) & (x >= 0),
+            "must be a finite frequency, 0 or above",
+        ),
         ("H", H, np.isfinite, "must be finite"),
         ("coherence", coherence, lambda x: (x >= 0) & (x <= 1 + _ROUNDING), "must lie from 0 to 1"),
         ("radius", radius, lambda x: x >= 0, "must be 0 or above"),
@@ -341,7 +412,9 @@ def check_lines(omega: Reals, H: Complexes, coherence: Reals | None, radius: Rea
     if not rising.all():
         i = int(np.argmin(rising)) + 1
         low, high = omega[i - 1], omega[i]
-        what = "is there twice: keep one" if low == high else f"follows {low:.10g}: sort by frequency"
+        what = (
+            "is there twice: keep one" if low == high else f"follows {low:.10g}: sort by frequency"
+        )
         raise SceneError(f"{place(i)}: the frequency {high:.10g} rad/s {what}")
 
 

@@ -1,4 +1,5 @@
-"""A scene whose perceived dynamics was measured: what it is compared with, line by line, on which band, by which threshold."""
+"""A scene whose perceived dynamics was measured: what it is compared with, line by line, on which
+band, by which threshold."""
 
 from __future__ import annotations
 
@@ -27,10 +28,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredScene(Shown):
-    """What is to be evaluated at measured frequencies alone. Valid by construction: SceneError names what is wrong.
+    """What is to be evaluated at measured frequencies alone. Valid by construction: SceneError
+    names what is wrong.
 
-    ``environment`` : what should be felt, a model or measured too. ``perceived`` : what is felt, measured. ``band`` : only lines
-    from the one to the other frequency; all lines if None. ``threshold`` : as a Scene takes it.
+    ``environment`` : what should be felt, a model or measured too. ``perceived`` : what is felt,
+    measured. ``band`` : only lines from the one to the other frequency; all lines if None.
+    ``threshold`` : as a Scene takes it.
 
     >>> from haptisym.model.measuring import measured
     >>> felt = measured([2, 8], [92.8 + 30j, -10 + 120j], radius=[2, 2])
@@ -59,14 +62,28 @@ class MeasuredScene(Shown):
         if self.band is not None:
             object.__setattr__(self, "band", frame.band)
         slope = self.perceived.slope
-        if not isinstance(self.environment, Environment) and (slope is None) != (self.environment.slope is None):
+        if not isinstance(self.environment, Environment) and (slope is None) != (
+            self.environment.slope is None
+        ):
             other = "perceived" if slope is None else "environment"
-            raise SceneError(f"{other}: slope is missing: give it for both measured responses, or for none")
+            raise SceneError(
+                f"{other}: slope is missing: give it for both measured responses, or for none"
+            )
         motions = {
-            motion for motion in (frame.motion, self.perceived.motion, self._motion, slope and slope.motion) if motion
+            motion
+            for motion in (
+                frame.motion,
+                self.perceived.motion,
+                self._motion,
+                slope and slope.motion,
+            )
+            if motion
         }
         if len(motions) > 1:
-            raise SceneError("translation and rotation cannot be mixed: environment and perceived have units of both")
+            raise SceneError(
+                "translation and rotation cannot be mixed: environment and perceived have "
+                "units of both"
+            )
 
     @property
     def frequency(self) -> Unit:
@@ -76,11 +93,15 @@ class MeasuredScene(Shown):
     def _line(self) -> str:
         own = self.environment
         what = own.model if isinstance(own, Environment) else own.name
-        return f"{titled(self.title)}: {what}, felt as measured at {counted(len(self.perceived), 'line')}"
+        return (
+            f"{titled(self.title)}: {what}, felt as measured at "
+            f"{counted(len(self.perceived), 'line')}"
+        )
 
     @cached_property
     def frame(self) -> Scene:
-        """The scene without effects on the band: all that is known exactly, with a spring where the environment is measured."""
+        """The scene without effects on the band: all that is known exactly, with a spring where the
+        environment is measured."""
         own = self.environment
         exact = own if isinstance(own, Environment) else environments.mass_spring_damper(k=1)
         last = float(self.perceived.omega[-1])
@@ -90,8 +111,14 @@ class MeasuredScene(Shown):
     @property
     def slopes(self) -> dict[str, Slope]:
         """The bounds that are stated, by which response they are of."""
-        own = {} if isinstance(self.environment, Environment) else {"environment": self.environment.slope}
-        return {key: x for key, x in {"perceived": self.perceived.slope, **own}.items() if x is not None}
+        own = (
+            {}
+            if isinstance(self.environment, Environment)
+            else {"environment": self.environment.slope}
+        )
+        return {
+            key: x for key, x in {"perceived": self.perceived.slope, **own}.items() if x is not None
+        }
 
     @property
     def _motion(self) -> MotionKind | None:
@@ -105,12 +132,20 @@ class MeasuredScene(Shown):
     @property
     def files(self) -> tuple[Path, ...]:
         """Those that its responses were read from."""
-        return tuple(x.path for x in (self.environment, self.perceived) if not isinstance(x, Environment) and x.path)
+        return tuple(
+            x.path
+            for x in (self.environment, self.perceived)
+            if not isinstance(x, Environment) and x.path
+        )
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
         """As ``Scene.asides``."""
         return self.frame.asides(besides, varied)
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """As ``Scene.aside_keys``."""
         return self.frame.aside_keys(besides, varied)

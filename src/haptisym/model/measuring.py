@@ -1,4 +1,5 @@
-"""A measured response from wherever it is: arrays, data of python-control, a file; or sampled from a scene of formulas."""
+"""A measured response from wherever it is: arrays, data of python-control, a file; or sampled from
+a scene of formulas."""
 
 from __future__ import annotations
 
@@ -32,13 +33,15 @@ def measured(
 ) -> Measurement:
     """A measured frequency response: of arrays, of python-control's data (FRD), or of a CSV file.
 
-    ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of one input and one output; or
-    the path of a file, which has its own coherence or radius, and says of them what ``to_csv`` writes, where nothing else is
-    given. ``coherence`` : with ``averages``, of the estimate H1, as ``scipy.signal.coherence`` gives it; ``radius`` : of discs
-    that hold the truth with that ``confidence`` (0.95), instead. ``slope`` : a bound on ``|dH/domega|`` between the lines,
-    "40 N*s/m", or as a share of ``|H|``, "20 ms".
-    ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role) and ``quantity``, as in a scene; of
-    records in time the ``estimator``, and ``segment``, ``overlap``, ``window``, ``every`` as of
+    ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of
+    one input and one output; or the path of a file, which has its own coherence or radius, and says
+    of them what ``to_csv`` writes, where nothing else is given. ``coherence`` : with ``averages``,
+    of the estimate H1, as ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the
+    truth with that ``confidence`` (0.95), instead. ``slope`` : a bound on ``|dH/domega|`` between
+    the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".
+    ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role) and
+    ``quantity``, as in a scene; of records in time the ``estimator``, and ``segment``, ``overlap``,
+    ``window``, ``every`` as of
     ``estimated``, which takes arrays. Raises SceneError for what cannot be.
 
     >>> measured([1, 2, 3], [100 + 15j, 95 + 30j, 80 + 45j], coherence=[0.99, 0.98, 0.99], averages=20)
@@ -50,11 +53,16 @@ def measured(
         found = read_file(Path(omega), averages, confidence, records)
         return found if slope is None else replace(found, slope=slope)
     if records:
-        raise SceneError(f"{next(iter(records))}: goes with a file of records in time; for arrays there is estimated")
+        raise SceneError(
+            f"{next(iter(records))}: goes with a file of records in time; for arrays there "
+            f"is estimated"
+        )
     if H is None:
         omega, H = _frd(omega)
     level = CONFIDENCE if confidence is None else confidence
-    return Measurement(omega, H, coherence, averages, level, radius, name=name or "measured", slope=slope)
+    return Measurement(
+        omega, H, coherence, averages, level, radius, name=name or "measured", slope=slope
+    )
 
 
 def _frd(system: Any) -> tuple[Any, Any]:
@@ -63,18 +71,25 @@ def _frd(system: Any) -> tuple[Any, Any]:
     if package is None or not isinstance(system, package.FrequencyResponseData):
         shown = type(system).__name__
         raise SceneError(
-            f"{shown} is no measured response: give omega and H, a FRD object of python-control, or a file"
+            f"{shown} is no measured response: give omega and H, a FRD object of "
+            f"python-control, or a file"
         )
     if (system.ninputs, system.noutputs) != (1, 1):
-        raise SceneError(f"the FRD object has {system.ninputs} inputs and {system.noutputs} outputs: take one of each")
+        raise SceneError(
+            f"the FRD object has {system.ninputs} inputs and {system.noutputs} outputs: take "
+            f"one of each"
+        )
     return system.omega, system.frdata[0, 0]
 
 
-def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points: int = 200) -> Measurement:
-    """The exact H_perc of a scene at frequencies, as if it had been measured without error; each float is the nearest one.
+def sampled(
+    scene: Scene | str | Path, omega: ArrayLike | None = None, *, points: int = 200
+) -> Measurement:
+    """The exact H_perc of a scene at frequencies, as if it had been measured without error; each
+    float is the nearest one.
 
-    ``omega`` : rad/s, rising; without it that many ``points``, evenly on the band. Frequencies at which H_perc is infinite are
-    left out. Raises SceneError for parameters that are still symbols.
+    ``omega`` : rad/s, rising; without it that many ``points``, evenly on the band. Frequencies at
+    which H_perc is infinite are left out. Raises SceneError for parameters that are still symbols.
 
     >>> sampled("fu2019", [0, 8]).H.tolist()[0]
     (100+0j)
@@ -88,7 +103,12 @@ def sampled(scene: Scene | str | Path, omega: ArrayLike | None = None, *, points
     values = given.distortion().compile("certified", of=["perceived_real", "perceived_imag"])(at)
     real, imag = values.perceived_real, values.perceived_imag
     known = np.isfinite(real) & np.isfinite(imag)
-    return Measurement(at[known], real[known] + 1j * imag[known], motion=given.motion, name=given.title or "sampled")
+    return Measurement(
+        at[known],
+        real[known] + 1j * imag[known],
+        motion=given.motion,
+        name=given.title or "sampled",
+    )
 
 
 def write_sampled(scene: Scene, path: Path, points: int) -> Path:

@@ -1,8 +1,10 @@
-"""A parameter of a model: its place in the signature, its rule, and how its value or range is read from what was given.
+"""A parameter of a model: its place in the signature, its rule, and how its value or range is read
+from what was given.
 
-The rule (what it measures, and which values it may have) is an annotation of the model's function. What is not known exactly is
-``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a list of the lowest and the highest value, with a third between them as the
-nominal one.
+The rule (what it measures, and which values it may have) is an annotation of the model's function.
+What is not known exactly is
+``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a list of the lowest and the highest value, with a
+third between them as the nominal one.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ _PLUS_MINUS = re.compile(r"\+/?-|±")
 
 @dataclass(frozen=True, slots=True)
 class Ranged:
-    """A quantity at its nominal value, and the interval in which it may lie; None if it has just that value."""
+    """A quantity at its nominal value, and the interval in which it may lie; None if it has just
+    that value."""
 
     nominal: Quantity
     interval: ExactRange | None = None
@@ -52,8 +55,9 @@ class Ranged:
 def ranged(given: Any, dimension: Dimension) -> Ranged:
     """Read a quantity or a range of it, exactly.
 
-    ``given`` : whatever ``quantity`` reads; a string with ``+-`` (or a plus-minus sign) and a deviation, with a unit or in per
-    cent of the centre; a pair of quantities, whose middle is the nominal value, or three: the lowest, the nominal, the highest.
+    ``given`` : whatever ``quantity`` reads; a string with ``+-`` (or a plus-minus sign) and a
+    deviation, with a unit or in per cent of the centre; a pair of quantities, whose middle is the
+    nominal value, or three: the lowest, the nominal, the highest.
     Raises SceneError for anything else.
 
     >>> ranged("1.8 kg +- 5 %", Dimension.MASS).interval, ranged(["1.7 kg", "1.9 kg"], Dimension.MASS).nominal.value
@@ -73,7 +77,9 @@ def ranged(given: Any, dimension: Dimension) -> Ranged:
 def _around(text: str, dimension: Dimension) -> Ranged:
     parts = _PLUS_MINUS.split(text)
     if len(parts) != 2 or not all(part.strip() for part in parts):
-        raise SceneError(f'"{text[:60]}" is not a range: write it as "1.8 kg +- 5 %" or "1.8 kg +- 0.1 kg"')
+        raise SceneError(
+            f'"{text[:60]}" is not a range: write it as "1.8 kg +- 5 %" or "1.8 kg +- 0.1 kg"'
+        )
     centre = quantity(parts[0], dimension)
     deviation = _deviation(text, centre, parts[1].strip(), dimension)
     if sign_of_number(deviation) < 0:
@@ -85,26 +91,31 @@ def _around(text: str, dimension: Dimension) -> Ranged:
 def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) -> Expr:
     if given.endswith("%"):
         if centre.value == 0:
-            raise SceneError(f'"{text[:60]}": a percentage of zero is no range: give the deviation a unit')
+            raise SceneError(
+                f'"{text[:60]}": a percentage of zero is no range: give the deviation a unit'
+            )
         if _PLUS_MINUS.split(text)[0].rstrip().endswith("%"):
             raise SceneError(_two_readings(text, centre.value, decimal(given[:-1].strip()) / 100))
         return centre.value * sign_of_number(centre.value) * decimal(given[:-1].strip()) / 100
     found = quantity(given, dimension)
     if found.exponents != centre.exponents:
         raise SceneError(
-            f'"{text[:60]}": give value and deviation in units of the same kind, or the deviation in per cent'
+            f'"{text[:60]}": give value and deviation in units of the same kind, or the '
+            f"deviation in per cent"
         )
     return found.value
 
 
 def _two_readings(text: str, centre: Expr, deviation: Expr) -> str:
-    """What a deviation in per cent of a value in per cent may mean, each as it is written without doubt."""
+    """What a deviation in per cent of a value in per cent may mean, each as it is written without
+    doubt."""
     ways = [
         ", ".join(f'"{float(100 * x):g} %"' for x in (centre - off, centre, centre + off))
         for off in (deviation, centre * deviation)
     ]
     return (
-        f'"{text[:60]}" is ambiguous: write [{ways[0]}], or, if it is {float(100 * deviation):g} % of it, [{ways[1]}]'
+        f'"{text[:60]}" is ambiguous: write [{ways[0]}], or, if it is {float(100 * deviation):g} '
+        f"% of it, [{ways[1]}]"
     )
 
 
@@ -112,7 +123,8 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     shown = f"[{', '.join(map(str, given))}]"[:60]
     if len(given) not in (2, 3):
         raise SceneError(
-            f"{shown} is not a range: give the lowest and the highest value, or three numbers with the nominal value between"
+            f"{shown} is not a range: give the lowest and the highest value, or three "
+            f"numbers with the nominal value between"
         )
     low, *between, high = (quantity(x, dimension) for x in given)
     if any(x.value.free_symbols for x in (low, *between, high)):
@@ -121,7 +133,9 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
         raise SceneError(f"{shown}: both ends of a range must have units of the same kind")
     if sign_of_number(high.value - low.value) < 0:
         raise SceneError(f"{shown}: the lower end of a range must not be above the upper end")
-    middle = between[0] if between else Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+    middle = (
+        between[0] if between else Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+    )
     if any(sign_of_number(x) < 0 for x in (middle.value - low.value, high.value - middle.value)):
         raise SceneError(f"{shown}: the nominal value must lie between the other two")
     return Ranged(middle, None if low.value == high.value else (low.value, high.value))
@@ -135,13 +149,18 @@ def spread(nominal: Expr, interval: ExactRange) -> str:
     'by 5 %'
     """
     low, high = interval
-    if nominal == 0 or sign_of_number(low) * sign_of_number(high) <= 0 or nominal - low != high - nominal:
+    if (
+        nominal == 0
+        or sign_of_number(low) * sign_of_number(high) <= 0
+        or nominal - low != high - nominal
+    ):
         return f"from {float(low):.6g} to {float(high):.6g}"
     return f"by {float(50 * (high - low) / (nominal * sign_of_number(nominal))):.4g} %"
 
 
 def read_confidence(key: str, given: Any) -> Expr:
-    """Of the region that ranges are: a number between 0 and 1, "95 %". SceneError, with the key, for any other.
+    """Of the region that ranges are: a number between 0 and 1, "95 %". SceneError, with the key,
+    for any other.
 
     >>> read_confidence("confidence", "95 %")
     19/20
@@ -170,7 +189,16 @@ class Rule(Enum):
         'POSITIVE'
         """
         return min(
-            self, other, key=[Rule.ORDER, Rule.WHOLE, Rule.FRACTION, Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY].index
+            self,
+            other,
+            key=[
+                Rule.ORDER,
+                Rule.WHOLE,
+                Rule.FRACTION,
+                Rule.POSITIVE,
+                Rule.NONNEGATIVE,
+                Rule.ANY,
+            ].index,
         )
 
     def allows(self, value: Expr) -> bool:
@@ -197,7 +225,8 @@ SIGNS = (Rule.POSITIVE, Rule.NONNEGATIVE)
 
 @dataclass(frozen=True)
 class Slot:
-    """A place for a parameter in a model: what it measures, what it may be, whether it may be absent or a list."""
+    """A place for a parameter in a model: what it measures, what it may be, whether it may be
+    absent or a list."""
 
     dimension: Dimension
     rule: Rule = Rule.POSITIVE
@@ -220,7 +249,8 @@ NAMED = Slot(Dimension.ANY, Rule.ANY)
 
 @dataclass(frozen=True, repr=False)
 class Parameter(Shown):
-    """A named number of a scene: its symbol in formulas and its exact value (SI; or a symbol that the user chose)."""
+    """A named number of a scene: its symbol in formulas and its exact value (SI; or a symbol that
+    the user chose)."""
 
     symbol: Symbol
     value: Expr
@@ -234,7 +264,8 @@ class Parameter(Shown):
     interval: ExactRange | None = None
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
     tie: str = ""
-    """The environment's parameter that it is ("environment.k"), with its symbol, value and range; empty for one of its own."""
+    """The environment's parameter that it is ("environment.k"), with its symbol, value and range;
+    empty for one of its own."""
     written: Unit | None = field(default=None, compare=False)
     """The unit in which it was given, where that is no SI unit."""
 
@@ -242,11 +273,13 @@ class Parameter(Shown):
         return self.stated()
 
     def unit_in(self, motion: MotionKind | None) -> str:
-        """Its unit; what the given one tells where the model knows no dimension, and empty where nothing does."""
+        """Its unit; what the given one tells where the model knows no dimension, and empty where
+        nothing does."""
         return self.dimension.unit(motion) or si_unit(self.exponents or ())
 
     def shown_unit(self, motion: MotionKind | None) -> Unit:
-        """The unit in which pages print it: as it was written, else that of SI; without a name where none is known."""
+        """The unit in which pages print it: as it was written, else that of SI; without a name
+        where none is known."""
         own = self.unit_in(motion or MotionKind.TRANSLATION)
         return self.written or Unit("" if own == "1" else own)
 
@@ -255,10 +288,15 @@ class Parameter(Shown):
         own = self.unit_in(self.motion or MotionKind.TRANSLATION)
         unit = "" if own in ("", "1") or self.value == self.symbol else f" {own}"
         spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
-        return f"{self.symbol} = {self.value}{unit}{spread}" if self.value != self.symbol else str(self.symbol)
+        return (
+            f"{self.symbol} = {self.value}{unit}{spread}"
+            if self.value != self.symbol
+            else str(self.symbol)
+        )
 
     def with_value(self, given: Number) -> Parameter:
-        """The same parameter with another value (in place of a range, too), checked like the first one."""
+        """The same parameter with another value (in place of a range, too), checked like the first
+        one."""
         read = read_parameter(self.key, given, Slot(self.dimension, self.rule), self.symbol.name)
         if read.exponents is None:  # a bare number is one in the unit that was there
             read = replace(read, motion=self.motion, exponents=self.exponents, written=self.written)
@@ -269,11 +307,14 @@ _REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")  # no quantity begins 
 
 
 def enter_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
-    """A parameter of a call: a quantity, a range, or a reference to one of the environment's, which waits for ``tied_to``."""
+    """A parameter of a call: a quantity, a range, or a reference to one of the environment's, which
+    waits for ``tied_to``."""
     if not isinstance(given, str) or not ("environment." in given or _REFERENCE.match(given)):
         return read_parameter(key, given, slot, name)
     if not _REFERENCE.fullmatch(given):
-        raise SceneError(f'{key}: {quoted(given)}: write a reference alone, as {key} = "environment.{key}"')
+        raise SceneError(
+            f'{key}: {quoted(given)}: write a reference alone, as {key} = "environment.{key}"'
+        )
     symbol = _symbol(name, slot.rule)
     return Parameter(symbol, symbol, slot.dimension, key=key, rule=slot.rule, tie=given.strip())
 
@@ -287,12 +328,15 @@ def refuse_references(parameters: Iterable[Parameter]) -> None:
 
 def _symbol(name: str, rule: Rule) -> Symbol:
     if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
-        raise SceneError(f'"{name}" is no name for a parameter: use letters, digits and _, not s, omega, pi or j')
+        raise SceneError(
+            f'"{name}" is no name for a parameter: use letters, digits and _, not s, omega, pi or j'
+        )
     return Symbol(name, real=True) if rule is Rule.ANY else Symbol(name, positive=True)
 
 
 def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
-    """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its symbol's."""
+    """A parameter from a quantity or a range, checked; ``key`` is what errors call it, ``name`` its
+    symbol's."""
     symbol = _symbol(name, slot.rule)
     with within(key):
         if slot.rule in WHOLE_NUMBERS and isinstance(given, str) and not given.strip().isdecimal():
@@ -301,18 +345,32 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     read = found.nominal
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
-        raise SceneError(f"{key}: {quoted(given)} contains {min(reserved)}, which is reserved: give another name")
+        raise SceneError(
+            f"{key}: {quoted(given)} contains {min(reserved)}, which is reserved: give another name"
+        )
     if found.interval and slot.rule in WHOLE_NUMBERS:
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, without a range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
-        error = (SignError if slot.rule in SIGNS else SceneError)(f"{key}: {quoted(given)} {slot.rule.value}")
+        error = (SignError if slot.rule in SIGNS else SceneError)(
+            f"{key}: {quoted(given)} {slot.rule.value}"
+        )
         if isinstance(error, SignError):
             error.zero = bool(read.value == 0)
-            error.bound = f"{key} {slot.rule.value.removeprefix('must be ')} (is {_shown(given, slot)})"
+            error.bound = (
+                f"{key} {slot.rule.value.removeprefix('must be ')} (is {_shown(given, slot)})"
+            )
         raise error
     return Parameter(
-        symbol, read.value, slot.dimension, read.motion, key, read.exponents, slot.rule, found.interval, written=read.unit
-    )  # fmt: skip
+        symbol,
+        read.value,
+        slot.dimension,
+        read.motion,
+        key,
+        read.exponents,
+        slot.rule,
+        found.interval,
+        written=read.unit,
+    )
 
 
 def _shown(given: Any, slot: Slot) -> str:
@@ -325,7 +383,8 @@ def chosen(key: str, given: object, choices: Sequence[str]) -> str:
     """One of some words; SceneError for any other."""
     if given not in choices:
         raise SceneError(
-            f"{key}: {quoted(given)} is unknown: {meant(str(given), choices)}valid are {', '.join(choices)}"
+            f"{key}: {quoted(given)} is unknown: {meant(str(given), choices)}valid are "
+            f"{', '.join(choices)}"
         )
     return str(given)
 
@@ -342,7 +401,9 @@ def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:
     ]
 
 
-MOST_BRANCHES = 20  # of a list parameter: as many Maxwell branches as any published tissue model has
+MOST_BRANCHES = (
+    20  # of a list parameter: as many Maxwell branches as any published tissue model has
+)
 
 
 def tied_to(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Parameter:
@@ -350,9 +411,13 @@ def tied_to(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Paramet
     shown, other = f'{p.key}: "{p.tie}"', known.get(p.tie)
     if other is None:
         valid = f"valid are {', '.join(known)}" if known else "it has none"
-        raise SceneError(f"{shown} is no parameter of the environment: {meant(p.tie, known)}{valid}")
+        raise SceneError(
+            f"{shown} is no parameter of the environment: {meant(p.tie, known)}{valid}"
+        )
     if not fits(other.dimension, other.exponents, slot.dimension):
-        raise SceneError(f"{shown} is not a {slot.dimension.name.lower()}.{expected(slot.dimension)}")
+        raise SceneError(
+            f"{shown} is not a {slot.dimension.name.lower()}.{expected(slot.dimension)}"
+        )
     if not all(slot.rule.allows(x) for x in (other.value, *(other.interval or ()))):
         raise SceneError(f"{shown} {slot.rule.value}")
     motion = other.motion or implied_motion(slot.dimension, other.exponents)
@@ -375,17 +440,25 @@ def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
     if found.has(zoo, nan):
         told = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
         raise SceneError(
-            f"{form} is divided by zero with {told}" if told else f"it is divided by zero: {form} is no number"
+            f"{form} is divided by zero with {told}"
+            if told
+            else f"it is divided by zero: {form} is no number"
         )
     return found
 
 
-def with_values(parameters: Sequence[Parameter], given: Mapping[str, Number]) -> tuple[Parameter, ...]:
+def with_values(
+    parameters: Sequence[Parameter], given: Mapping[str, Number]
+) -> tuple[Parameter, ...]:
     """The same parameters with other values for some."""
-    return tuple(p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters)
+    return tuple(
+        p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters
+    )
 
 
-def renamed(parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]) -> tuple[Parameter, ...]:
+def renamed(
+    parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]
+) -> tuple[Parameter, ...]:
     """The same parameters under other symbols."""
     return tuple(replace(p, symbol=names.get(p.symbol, p.symbol)) for p in parameters)
 
@@ -408,7 +481,8 @@ DampingRatio: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.NONNEGATIVE)
 Order: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.ORDER)]
 Samples: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.WHOLE)]
 Method: TypeAlias = Annotated[
-    Any, Slot(Dimension.ANY, Rule.ANY, choices=("backward-difference", "tustin", "forward-difference"))
+    Any,
+    Slot(Dimension.ANY, Rule.ANY, choices=("backward-difference", "tustin", "forward-difference")),
 ]
 FractionalOrder: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.FRACTION)]
 FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]

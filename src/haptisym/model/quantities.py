@@ -1,7 +1,8 @@
-"""What a user writes, read exactly: formulas, units and quantities. ``"1.8 kg"`` is 9/5, ``"15 Hz"`` is 30 pi rad/s.
+"""What a user writes, read exactly: formulas, units and quantities. ``"1.8 kg"`` is 9/5, ``"15
+Hz"`` is 30 pi rad/s.
 
-Formulas and units are in one small grammar, and nothing is ever executed: a formula is data. Whoever evaluates it says what
-numbers and names mean::
+Formulas and units are in one small grammar, and nothing is ever executed: a formula is data.
+Whoever evaluates it says what numbers and names mean::
 
     sum      = product {("+" | "-") product}
     product  = signed {("*" | "/") signed}
@@ -60,14 +61,18 @@ _TOKEN = re.compile(
 _LARGEST = 99  # whole number in an exponent that is a quotient
 LONGEST = 4000  # characters of a formula
 DEEPEST = 60  # nested parentheses or signs; far below Python's recursion limit
-HIGHEST_DEGREE = 60  # of the written-out formula; the threshold polynomial has about four times that degree
+HIGHEST_DEGREE = (
+    60  # of the written-out formula; the threshold polynomial has about four times that degree
+)
 MOST_DIGITS = 2000  # of the numbers in the written-out formula
 
 
 _DELAY = 'use an effect, [[effects]] with model = "delay" and tau, which is exact'
 _INSTEAD = {
     "sqrt": "a root is a power, as in s^0.5",
-    **dict.fromkeys(("cosh", "sinh", "tanh"), 'a delayed link is the effect model = "wave-variables"'),
+    **dict.fromkeys(
+        ("cosh", "sinh", "tanh"), 'a delayed link is the effect model = "wave-variables"'
+    ),
     **dict.fromkeys(("sin", "cos", "tan", "log", "ln", "abs"), "use numbers, names, + - * / and ^"),
 }
 
@@ -79,19 +84,24 @@ class _Token(NamedTuple):
 
 
 class _Value(NamedTuple):
-    """A value with bounds on what it would be when written out: its degree in the names, its digits."""
+    """A value with bounds on what it would be when written out: its degree in the names, its
+    digits."""
 
     value: Any
     degree: int
     digits: int
 
 
-def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T], sums: bool = True) -> T:
-    """The value of a formula, in whatever ring ``number`` and ``name`` map to (they may raise KeyError or ValueError).
+def evaluate(
+    text: str, *, number: Callable[[str], T], name: Callable[[str], T], sums: bool = True
+) -> T:
+    """The value of a formula, in whatever ring ``number`` and ``name`` map to (they may raise
+    KeyError or ValueError).
 
     Without ``sums`` only products, quotients and powers are in the grammar, as in a unit.
 
-    Raises ExpressionError, with a caret under the place, for whatever is not in the grammar, too deep or too large.
+    Raises ExpressionError, with a caret under the place, for whatever is not in the grammar, too
+    deep or too large.
 
     >>> evaluate("2*x^2 - (x + 1)/4", number=Fraction, name={"x": Fraction(3)}.__getitem__)
     Fraction(17, 1)
@@ -103,7 +113,9 @@ def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T],
           ^
     """
     if len(text) > LONGEST:
-        raise ExpressionError(f"a formula may have at most {LONGEST} characters; this one has {len(text)}")
+        raise ExpressionError(
+            f"a formula may have at most {LONGEST} characters; this one has {len(text)}"
+        )
     reader = _Reader(text, number, name, sums)
     result = reader.sum(0)
     if reader.token.kind != "end":
@@ -115,7 +127,13 @@ def evaluate(text: str, *, number: Callable[[str], T], name: Callable[[str], T],
 class _Reader(Generic[T]):
     """A recursive-descent reader: one method for each line of the grammar."""
 
-    def __init__(self, text: str, number: Callable[[str], T], name: Callable[[str], T], sums: bool) -> None:  # noqa: FBT001
+    def __init__(
+        self,
+        text: str,
+        number: Callable[[str], T],
+        name: Callable[[str], T],
+        sums: bool,  # noqa: FBT001
+    ) -> None:
         self.text, self.number, self.name = text, number, name
         self.signs = ("+", "-") if sums else ()
         self.tokens = self._tokens()
@@ -138,7 +156,8 @@ class _Reader(Generic[T]):
             if match is None:
                 self.tokens, self.position = [_Token("bad", self.text[at], at)], 0
                 self.fail(
-                    f'"{self.text[at]}" is not allowed in a formula (only numbers, names, + - * / ^ and parentheses)'
+                    f'"{self.text[at]}" is not allowed in a formula (only numbers, names, + '
+                    f"- * / ^ and parentheses)"
                 )
             if match.lastgroup != "space":
                 found.append(_Token(str(match.lastgroup), match[0], at))
@@ -157,7 +176,9 @@ class _Reader(Generic[T]):
         while sign := self.take(*self.signs):
             right = self.product(depth)
             degree, digits = max(left.degree, right.degree), left.digits + right.digits
-            left = self._combine(add if sign.text == "+" else sub, left, right, (degree, digits), sign)
+            left = self._combine(
+                add if sign.text == "+" else sub, left, right, (degree, digits), sign
+            )
         return left
 
     def product(self, depth: int) -> _Value:
@@ -187,7 +208,9 @@ class _Reader(Generic[T]):
             self.fail("a power of a power needs parentheses")
         size = abs(int(exponent)) + 1 if exponent.denominator != 1 else abs(int(exponent))
         whole = int(exponent) if exponent.denominator == 1 else exponent
-        return self._combine(pow, base, _Value(whole, 0, 0), (base.degree * size, base.digits * max(size, 1)), sign)
+        return self._combine(
+            pow, base, _Value(whole, 0, 0), (base.degree * size, base.digits * max(size, 1)), sign
+        )
 
     def exponent(self) -> Fraction:
         bracket = self.take("(")
@@ -198,13 +221,19 @@ class _Reader(Generic[T]):
             whole = first.text.isdigit() and second.text.isdigit()
             if not whole or not below or max(value, below) > _LARGEST:
                 self.fail(
-                    f"a quotient as an exponent is one of whole numbers up to {_LARGEST}, as in s^(1/3)", first.at
+                    (
+                        f"a quotient as an exponent is one of whole numbers up to {_LARGEST}, as "
+                        f"in s^(1/3)"
+                    ),
+                    first.at,
                 )
             value /= below
         if bracket and not self.take(")"):
             is_open = self.token.kind == "end"
             self.fail(
-                'expected ")"' if is_open else "an exponent must be one number, as in s^2 or s^(-1/2), not a formula"
+                'expected ")"'
+                if is_open
+                else "an exponent must be one number, as in s^2 or s^(-1/2), not a formula"
             )
         return -value if sign and sign.text == "-" else value
 
@@ -234,15 +263,22 @@ class _Reader(Generic[T]):
         return _Value(self._meaning(self.name, token, "unknown name"), 1, 1)
 
     def _no_function(self, token: _Token) -> None:
-        """A name with a parenthesis after it is no function, and e to a power of s no number: say what to write instead."""
+        """A name with a parenthesis after it is no function, and e to a power of s no number: say
+        what to write instead."""
         after = self.token.text
         if token.text == "exp" and after == "(":
             self.fail(f"a formula has no exp(...): {_DELAY}", token.at)
-        if token.text == "e" and after in ("^", "**") and self.tokens[self.position + 1].kind != "number":
+        if (
+            token.text == "e"
+            and after in ("^", "**")
+            and self.tokens[self.position + 1].kind != "number"
+        ):
             self.fail(f"a formula has no powers of e: {_DELAY}", token.at)
         if after == "(":
             instead = _INSTEAD.get(token.text, f'if a product is meant, write "{token.text}*("')
-            self.fail(f'a formula has no functions, and "{token.text}(" would be one: {instead}', token.at)
+            self.fail(
+                f'a formula has no functions, and "{token.text}(" would be one: {instead}', token.at
+            )
 
     def _meaning(self, read: Callable[[str], T], token: _Token, otherwise: str) -> T:
         try:
@@ -253,7 +289,12 @@ class _Reader(Generic[T]):
             self.fail(str(error), token.at)
 
     def _combine(
-        self, operation: Callable[[Any, Any], Any], left: _Value, right: _Value, grown: tuple[int, int], sign: _Token
+        self,
+        operation: Callable[[Any, Any], Any],
+        left: _Value,
+        right: _Value,
+        grown: tuple[int, int],
+        sign: _Token,
     ) -> _Value:
         degree, digits = grown
         if degree > HIGHEST_DEGREE:
@@ -261,7 +302,9 @@ class _Reader(Generic[T]):
         if digits > MOST_DIGITS:
             self.fail(f"expanded, this has more than {MOST_DIGITS} digits", sign.at)
         try:
-            if (operation is truediv and not right.value) or (operation is pow and right.value < 0 and not left.value):
+            if (operation is truediv and not right.value) or (
+                operation is pow and right.value < 0 and not left.value
+            ):
                 raise ZeroDivisionError
             return _Value(operation(left.value, right.value), degree, digits)
         except ZeroDivisionError:
@@ -277,12 +320,16 @@ _PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"
 Powers: TypeAlias = dict[str, Fraction]
 
 
-def read_unit(unit: str, text: str, hint: str, fits: Callable[[Powers], bool] = lambda _: True) -> tuple[Expr, Powers]:
-    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of an error.
+def read_unit(
+    unit: str, text: str, hint: str, fits: Callable[[Powers], bool] = lambda _: True
+) -> tuple[Expr, Powers]:
+    """Its value in SI and its base dimensions, exact. ``text``, ``hint``: the text and the end of
+    an error.
 
-    A unit is read as it is written where that ``fits`` the dimension that is wanted, and else as engineers write it (``Nms/rad``,
-    ``N-m``, ``kg.m2``, ``g`` of an acceleration). Raises SceneError where it is unknown, or where two such readings fit that
-    differ in size.
+    A unit is read as it is written where that ``fits`` the dimension that is wanted, and else as
+    engineers write it (``Nms/rad``,
+    ``N-m``, ``kg.m2``, ``g`` of an acceleration). Raises SceneError where it is unknown, or where
+    two such readings fit that differ in size.
 
     >>> read_unit("Nm/rad", "", "") == read_unit("N*m/rad", "", ""), read_unit("rad/Nm", "", "") == read_unit("rad/(N*m)", "", "")
     (True, True)
@@ -299,7 +346,9 @@ def _reading(plain: str, text: str, fits: Callable[[Powers], bool]) -> tuple[Exp
     found: dict[tuple[Expr, tuple[tuple[str, Fraction], ...]], str] = {}
     for one in chain([plain], _as_engineers_write(plain)):
         try:
-            value, powers = _unit_value(evaluate(one, number=_unit_number, name=_named_unit, sums=False), text)
+            value, powers = _unit_value(
+                evaluate(one, number=_unit_number, name=_named_unit, sums=False), text
+            )
         except (ExpressionError, ArithmeticError):
             continue
         if one == plain and fits(powers):
@@ -309,7 +358,10 @@ def _reading(plain: str, text: str, fits: Callable[[Powers], bool]) -> tuple[Exp
     if len(fitting) > 1:
         both = " or ".join(f'"{found[x]}"' for x in fitting[:2])
         raise SceneError(f"{quoted(text)} has two meanings: write {both}")
-    for value, own in [*fitting, *found]:  # where none fits, whoever asked says what the dimension is
+    for value, own in [
+        *fitting,
+        *found,
+    ]:  # where none fits, whoever asked says what the dimension is
         return value, dict(own)
     return None
 
@@ -331,7 +383,8 @@ _GRAVITY = re.compile(r"\b(m?)g\b")
 
 
 def _as_engineers_write(plain: str) -> Iterator[str]:
-    """Other readings of a unit: signs between names as products, names run together taken apart, g as an acceleration."""
+    """Other readings of a unit: signs between names as products, names run together taken apart, g
+    as an acceleration."""
     below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)  # rad/Nm is rad/(N*m)
     spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", below))
     spelt = re.sub(r"\^(-\d)", r"^(\1)", spelt)
@@ -354,7 +407,8 @@ def _respelt(unit: str, parts: Mapping[str, str]) -> str:
 
 
 def _taken_apart(word: str) -> Iterator[str]:
-    """``Nms`` as ``N*ms`` and ``N*m*s``: all ways in which units that are written one after the other give a word."""
+    """``Nms`` as ``N*ms`` and ``N*m*s``: all ways in which units that are written one after the
+    other give a word."""
     for i in range(1, len(word)):
         first, rest = word[:i], word[i:]
         if not _is_named(first):
@@ -386,7 +440,8 @@ def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
 
 
 def _nearest(word: str) -> str:
-    """The name of a unit that one which is none may stand for: in other letters, or in another spelling."""
+    """The name of a unit that one which is none may stand for: in other letters, or in another
+    spelling."""
     if _is_named(word):
         return word
     same = [x for x in _SPELT if x.lower() == word.lower()]
@@ -396,7 +451,8 @@ def _nearest(word: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Size:
-    """A unit in SI: a number, which a root may leave as a float, and powers of pi, kg, m and s. Radians are 1."""
+    """A unit in SI: a number, which a root may leave as a float, and powers of pi, kg, m and s.
+    Radians are 1."""
 
     factor: Fraction | float
     powers: tuple[Fraction, ...] = (Fraction(0),) * 4
@@ -424,7 +480,11 @@ def _named_unit(name: str) -> _Size:
         if own in known:
             return known[own]
         for prefix, power in prefixes.items():
-            if own.startswith(prefix) and (own == name or len(own) > len(prefix) + 1) and own[len(prefix) :] in known:
+            if (
+                own.startswith(prefix)
+                and (own == name or len(own) > len(prefix) + 1)
+                and own[len(prefix) :] in known
+            ):
                 return _Size(Fraction(10) ** power) * known[own[len(prefix) :]]
     raise KeyError(name)
 
@@ -432,21 +492,44 @@ def _named_unit(name: str) -> _Size:
 _PREFIXES = {
     name: power
     for power, names in {
-        12: "tera T", 9: "giga G", 6: "mega M", 3: "kilo k", 2: "hecto h", 1: "deca da", -1: "deci d", -2: "centi c",
-        -3: "milli m", -6: "micro \N{MICRO SIGN} \N{GREEK SMALL LETTER MU} u", -9: "nano n",
+        12: "tera T",
+        9: "giga G",
+        6: "mega M",
+        3: "kilo k",
+        2: "hecto h",
+        1: "deca da",
+        -1: "deci d",
+        -2: "centi c",
+        -3: "milli m",
+        -6: "micro \N{MICRO SIGN} \N{GREEK SMALL LETTER MU} u",
+        -9: "nano n",
     }.items()
     for name in names.split()
-}  # fmt: skip
+}
 _DEFINED = (
-    ("gram g", "0.001", "kg"), ("tonne t", "1000", "kg"), ("metre", "1", "m"), ("second sec", "1", "s"),
-    ("pound lb lbm", "0.45359237", "kg"), ("ounce oz", "1/16", "lb"), ("inch inches in", "0.0254", "m"),
-    ("foot feet ft", "12", "in"), ("minute min", "60", "s"),
-    ("radian", "1", "rad"), ("hertz Hz", "2", "pi*rad/s"), ("degree deg °", "1/180", "pi*rad"),
-    ("revolution rev", "2", "pi*rad"), ("revolutions_per_minute rpm", "1", "rev/min"), ("percent %", "0.01", "rad"),
-    ("newton N", "1", "kg*m/s^2"), ("joule J", "1", "N*m"), ("force_pound lbf", "9.80665", "lb*m/s^2"),
-    ("force_ounce ozf", "1/16", "lbf"), ("force_kilogram kgf", "9.80665", "N"), ("slug", "1", "lbf*s^2/ft"),
+    ("gram g", "0.001", "kg"),
+    ("tonne t", "1000", "kg"),
+    ("metre", "1", "m"),
+    ("second sec", "1", "s"),
+    ("pound lb lbm", "0.45359237", "kg"),
+    ("ounce oz", "1/16", "lb"),
+    ("inch inches in", "0.0254", "m"),
+    ("foot feet ft", "12", "in"),
+    ("minute min", "60", "s"),
+    ("radian", "1", "rad"),
+    ("hertz Hz", "2", "pi*rad/s"),
+    ("degree deg °", "1/180", "pi*rad"),
+    ("revolution rev", "2", "pi*rad"),
+    ("revolutions_per_minute rpm", "1", "rev/min"),
+    ("percent %", "0.01", "rad"),
+    ("newton N", "1", "kg*m/s^2"),
+    ("joule J", "1", "N*m"),
+    ("force_pound lbf", "9.80665", "lb*m/s^2"),
+    ("force_ounce ozf", "1/16", "lbf"),
+    ("force_kilogram kgf", "9.80665", "N"),
+    ("slug", "1", "lbf*s^2/ft"),
     ("standard_gravity g_n G", "9.80665", "m/s^2"),
-)  # fmt: skip
+)
 """Names, and what they are of a unit that stands before: exact, by definition."""
 
 
@@ -454,11 +537,14 @@ _DEFINED = (
 def _units() -> dict[str, _Size]:
     one = Fraction(1)
     base = {
-        name: _Size(one, tuple(Fraction(i == k) for k in range(4))) for i, name in enumerate(("pi", "kg", "m", "s"))
+        name: _Size(one, tuple(Fraction(i == k) for k in range(4)))
+        for i, name in enumerate(("pi", "kg", "m", "s"))
     }
     known = {**base, "kilogram": base["kg"], "meter": base["m"], "rad": _Size(one)}
     for names, factor, of in _DEFINED:
-        size = _Size(Fraction(factor)) * evaluate(of, number=_unit_number, name=known.__getitem__, sums=False)
+        size = _Size(Fraction(factor)) * evaluate(
+            of, number=_unit_number, name=known.__getitem__, sums=False
+        )
         known |= dict.fromkeys(names.split(), size)
     return known
 
@@ -468,7 +554,8 @@ _OWN = {"": {}, "kg": {"mass": 1}, "kg*m^2": {"mass": 1, "length": 2}, "rad/s": 
 
 
 def si_unit(exponents: tuple[tuple[str, Fraction], ...]) -> str:
-    """The SI unit with these base dimensions; empty where they have none that is written without fractions.
+    """The SI unit with these base dimensions; empty where they have none that is written without
+    fractions.
 
     >>> si_unit((("time", Fraction(-1)),)), si_unit((("length", Fraction(-1)), ("mass", Fraction(1))))
     ('rad/s', 'N*s^2/m^2')
@@ -478,18 +565,24 @@ def si_unit(exponents: tuple[tuple[str, Fraction], ...]) -> str:
         if left == own:
             return name
     newtons = left.pop("mass", Fraction(0))
-    metres, seconds = left.pop("length", Fraction(0)) - newtons, left.pop("time", Fraction(0)) + 2 * newtons
+    metres, seconds = (
+        left.pop("length", Fraction(0)) - newtons,
+        left.pop("time", Fraction(0)) + 2 * newtons,
+    )
     powers = {"N": newtons, "m": metres, "s": seconds}
     if left or any(x.denominator > 1 or abs(x) > 9 for x in powers.values()):
         return ""
     above, below = (
-        [name if abs(x) == 1 else f"{name}^{abs(x)}" for name, x in powers.items() if sign * x > 0] for sign in (1, -1)
+        [name if abs(x) == 1 else f"{name}^{abs(x)}" for name, x in powers.items() if sign * x > 0]
+        for sign in (1, -1)
     )
     return "/".join(["*".join(above) or "1", *below])
 
 
 _SPELT = [
-    f"{prefix}{unit}" for unit in ("Hz", "N", "J", "m", "s", "g", "rad") for prefix in ("", "k", "m", "M", "c", "u")
+    f"{prefix}{unit}"
+    for unit in ("Hz", "N", "J", "m", "s", "g", "rad")
+    for prefix in ("", "k", "m", "M", "c", "u")
 ]
 """As they are meant by those who write them in other letters."""
 
@@ -498,7 +591,10 @@ Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
 
 Exponents: TypeAlias = tuple[tuple[str, Fraction], ...]
 
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*", re.DOTALL)
+_NUMBER = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*/\s*(\d+)(?![\w.]))?\s*(.*?)\s*",
+    re.DOTALL,
+)
 _POWER = re.compile(r"\^(\d)")
 _LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
 _LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
@@ -564,7 +660,8 @@ RADIANS = Unit("rad/s")
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its unit implies."""
+    """An exact SI value (rational times a power of pi, or a symbolic expression) and the motion its
+    unit implies."""
 
     value: Expr
     motion: MotionKind | None = None
@@ -577,9 +674,10 @@ class Quantity:
 def quantity(given: Number, dimension: Dimension) -> Quantity:
     """Read a number, or a string of number and unit, exactly.
 
-    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), NumPy's of any width, SymPy expression, or a
-    string such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare numbers are SI and rad/s. Raises SceneError, naming the value
-    and the unit expected, for anything else: NaN, infinities, unknown units, wrong dimensions.
+    ``given``: an int, Decimal, Fraction, float (read as its shortest decimal text), NumPy's of any
+    width, SymPy expression, or a string such as ``"1.8 kg"``, ``"9/5 kg"`` or ``"0.5"``. Bare
+    numbers are SI and rad/s. Raises SceneError, naming the value and the unit expected, for
+    anything else: NaN, infinities, unknown units, wrong dimensions.
 
     >>> quantity("1.8 kg", Dimension.MASS)
     Quantity(value=9/5, motion=<MotionKind.TRANSLATION: 'translational'>, exponents=(('mass', Fraction(1, 1)),))
@@ -634,14 +732,17 @@ def decimal(text: str) -> Rational:
 
 
 def with_decimals(given: Expr) -> Expr:
-    """The expression with each Float as the decimal that it is written as: of a double the shortest, of others all digits.
+    """The expression with each Float as the decimal that it is written as: of a double the
+    shortest, of others all digits.
 
     SceneError for one that is too large or too small to be read as a number.
 
     >>> with_decimals(Float("0.12345678901234567890123", 23) * Symbol("k") + 0.1)
     12345678901234567890123*k/100000000000000000000000 + 1/10
     """
-    return given.xreplace({x: decimal(str(float(x) if float(x) == x else x)) for x in given.atoms(Float)})
+    return given.xreplace(
+        {x: decimal(str(float(x) if float(x) == x else x)) for x in given.atoms(Float)}
+    )
 
 
 def _rational(match: re.Match[str], text: str) -> Rational:
@@ -651,7 +752,8 @@ def _rational(match: re.Match[str], text: str) -> Rational:
         raise SceneError(f"{quoted(text)}: a number may have at most {_LONGEST} characters")
     if len(exponent[0]) > 4 or abs(int(exponent[0])) > _LARGEST_EXPONENT:
         raise SceneError(
-            f"{quoted(text)}: an exponent of ten must lie from -{_LARGEST_EXPONENT} to {_LARGEST_EXPONENT}"
+            f"{quoted(text)}: an exponent of ten must lie from -{_LARGEST_EXPONENT} to "
+            f"{_LARGEST_EXPONENT}"
         )
     below = int(match[2] or 1)
     if below == 0:
@@ -666,14 +768,19 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
         unit = "" if dimension.value[0] in ("", "1") else " with a unit"
         raise SceneError(f"{quoted(text)} is not a finite number{unit}.{expected(dimension)}")
     if match[3] and re.match(r",\d", match[3]):
-        raise SceneError(f"{quoted(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}")
+        raise SceneError(
+            f"{quoted(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}"
+        )
     value, unit = _rational(match, text), match[3]
     if not unit:
         return Quantity(value)
-    factor, exponents = read_unit(unit, text, expected(dimension), lambda powers: _has_dimension(powers, dimension))
+    factor, exponents = read_unit(
+        unit, text, expected(dimension), lambda powers: _has_dimension(powers, dimension)
+    )
     if dimension is Dimension.TIME and exponents == {"time": -1} and value > 0:
         raise SceneError(
-            f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} s.{expected(dimension)}"
+            f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} "
+            f"s.{expected(dimension)}"
         )
     motion = _motion(exponents, text, dimension)
     written = None if factor == 1 else Unit(_JUXTAPOSED.sub("*", unit.translate(_PLAIN)), factor)
@@ -707,7 +814,8 @@ def dimension_exponents(dimension: Dimension, motion: MotionKind | None) -> Expo
 
 
 def fits(dimension: Dimension, exponents: Exponents | None, wanted: Dimension) -> bool:
-    """Whether a quantity of a dimension (with these exponents, if any unit told them) may stand where one is wanted.
+    """Whether a quantity of a dimension (with these exponents, if any unit told them) may stand
+    where one is wanted.
 
     >>> fits(Dimension.MASS, None, Dimension.STIFFNESS), fits(Dimension.ANY, None, Dimension.STIFFNESS)
     (False, True)
@@ -732,12 +840,15 @@ def implied_motion(dimension: Dimension, exponents: Exponents | None) -> MotionK
 
 @cache
 def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dict[str, Fraction]]:
-    translation, rotation = ({} if unit in ("", "1") else read_unit(unit, unit, "")[1] for unit in dimension.value)
+    translation, rotation = (
+        {} if unit in ("", "1") else read_unit(unit, unit, "")[1] for unit in dimension.value
+    )
     return translation, rotation
 
 
 def refuse_unreal(symbols: Iterable[Symbol]) -> None:
-    """SceneError, by name, for a symbol that was declared to be something else than a real number that may be varied.
+    """SceneError, by name, for a symbol that was declared to be something else than a real number
+    that may be varied.
 
     >>> refuse_unreal([Symbol("q", imaginary=True)])
     Traceback (most recent call last):
@@ -746,17 +857,21 @@ def refuse_unreal(symbols: Iterable[Symbol]) -> None:
     """
     for x in sorted(symbols, key=str):
         declared = [word for word in ("imaginary", "zero", "infinite") if getattr(x, f"is_{word}")]
-        declared += [f"not {word}" for word in ("commutative", "real") if getattr(x, f"is_{word}") is False]
+        declared += [
+            f"not {word}" for word in ("commutative", "real") if getattr(x, f"is_{word}") is False
+        ]
         if declared:
             way = f'a parameter is real, as Symbol("{x}", positive=True)'
             raise SceneError(f"the symbol {x} is declared {declared[0]}: {way}")
 
 
 def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
-    """A user's expression in ``variable`` (None: a symbol called s), as one in haptisym's ``s``, with floats read as decimals.
+    """A user's expression in ``variable`` (None: a symbol called s), as one in haptisym's ``s``,
+    with floats read as decimals.
 
-    Its other symbols are real parameters. Raises SceneError, by name, where it is no real function of s: an I that does not
-    cancel (as where j omega was put in for s), a symbol that was declared not to be real, the frequency, a parameter called s.
+    Its other symbols are real parameters. Raises SceneError, by name, where it is no real function
+    of s: an I that does not cancel (as where j omega was put in for s), a symbol that was declared
+    not to be real, the frequency, a parameter called s.
 
     >>> in_laplace(1 / (1 + Symbol("p") * 0.1), Symbol("p"))
     1/(s/10 + 1)
@@ -767,7 +882,9 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     """
     called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
     if called_s and (variable is not None or len(called_s) > 1):
-        raise SceneError(f"{quoted(given)}: s is the Laplace variable: a parameter needs another name")
+        raise SceneError(
+            f"{quoted(given)}: s is the Laplace variable: a parameter needs another name"
+        )
     if any(x.is_real is not None or x.is_commutative is False for x in called_s):
         raise SceneError(f'{quoted(given)}: declare s without assumptions: Symbol("s")')
     others = given.free_symbols - called_s - {variable}
@@ -778,12 +895,15 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     found = with_decimals(found)
     if (degree := _degree(found)) > HIGHEST_DEGREE:
         most = HIGHEST_DEGREE
-        raise SceneError(f"{quoted(given)} has the degree {degree} in s; at most {most} is possible")
+        raise SceneError(
+            f"{quoted(given)} has the degree {degree} in s; at most {most} is possible"
+        )
     return _without_i(found, given) if found.has(I) else found
 
 
 def _degree(x: Expr) -> int:
-    """What the degree in s is at most when all is written out: of sums the largest, of products and quotients the sum."""
+    """What the degree in s is at most when all is written out: of sums the largest, of products and
+    quotients the sum."""
     if x == s:
         return 1
     if isinstance(x, Pow) and x.exp.is_Rational:
@@ -803,10 +923,15 @@ def _without_i(expression: Expr, given: Expr) -> Expr:
 
 
 def _exact_expression(given: Expr) -> Expr:
-    """The expression with its floats read as decimals; a number must be finite and rational in pi."""
+    """The expression with its floats read as decimals; a number must be finite and rational in
+    pi."""
     refuse_unreal(given.free_symbols)
     exact = with_decimals(given)
-    known = all(isinstance(x, Rational) or x == pi or x.args for x in preorder_traversal(exact) if x.is_number)
+    known = all(
+        isinstance(x, Rational) or x == pi or x.args
+        for x in preorder_traversal(exact)
+        if x.is_number
+    )
     if exact.has(nan, zoo, oo, -oo, I) or (
         exact.is_number and (not known or any(not x.exp.is_Integer for x in exact.atoms(Pow)))
     ):

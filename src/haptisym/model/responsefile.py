@@ -1,4 +1,5 @@
-"""Measured responses, records and motions in files: tables of text, files of MATLAB and of NumPy, read into numbers in SI.
+"""Measured responses, records and motions in files: tables of text, files of MATLAB and of NumPy,
+read into numbers in SI.
 
 With X the motion, F the force, H = F/X::
 
@@ -6,12 +7,14 @@ With X the motion, F the force, H = F/X::
     apparent mass F/A      H = -omega^2 M       mobility V/F        H = j omega/Y
                                                 accelerance A/F     H = -omega^2/A
 
-A disc of radius rho |Y| about Y becomes one about 1/Y within rho/(1 - rho) |1/Y|; for rho >= 1 it is unbounded.
+A disc of radius rho |Y| about Y becomes one about 1/Y within rho/(1 - rho) |1/Y|; for rho >= 1 it
+is unbounded.
 
-A table has separators (comma, semicolon, tab, blanks), comments (``#``, ``%``, ``*``), maybe a row of units below its header,
-and numbers, each read by NumPy to the nearest float; every error names file and line. Where the separator is no comma, a comma
-stands before decimals. A table begins where numbers begin: its header is the line above them, or above a row of units. FRD and
-ZMA files are Hz, magnitude (dB of 1 N/m; as it is) and degrees. SciPy reads files of MATLAB, NumPy its own archives.
+A table has separators (comma, semicolon, tab, blanks), comments (``#``, ``%``, ``*``), maybe a row
+of units below its header, and numbers, each read by NumPy to the nearest float; every error names
+file and line. Where the separator is no comma, a comma stands before decimals. A table begins where
+numbers begin: its header is the line above them, or above a row of units. FRD and ZMA files are Hz,
+magnitude (dB of 1 N/m; as it is) and degrees. SciPy reads files of MATLAB, NumPy its own archives.
 """
 
 from __future__ import annotations
@@ -81,7 +84,8 @@ def _near(path: Path) -> str:
 
 
 class Head(NamedTuple):
-    """What stands before the numbers: the columns, their separator (blanks: None), the first line of numbers, and which it is."""
+    """What stands before the numbers: the columns, their separator (blanks: None), the first line
+    of numbers, and which it is."""
 
     columns: tuple[Column, ...]
     separator: str | None
@@ -91,7 +95,8 @@ class Head(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """What a file has: its columns, the numbers of those in use in SI, and the place of each row in words."""
+    """What a file has: its columns, the numbers of those in use in SI, and the place of each row in
+    words."""
 
     path: Path
     head: Sequence[Column]
@@ -103,7 +108,9 @@ class Given:
 
     def understood(self, *more: str) -> str:
         """``10 lines; Hz, dB, deg; sorted``."""
-        shown = dict.fromkeys(x.unit for role, x in self.scales.items() if x.unit and role != "radius")
+        shown = dict.fromkeys(
+            x.unit for role, x in self.scales.items() if x.unit and role != "radius"
+        )
         left = [x.text for i, x in enumerate(self.head) if x.text and i not in self.roles.values()]
         spare = f"not used: {', '.join(left[:5])}{', ...' * (len(left) > 5)}" if left else ""
         lines = counted(len(next(iter(self.rows.values()))), "line")
@@ -136,7 +143,10 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
 
     def place(row: int) -> str:
         with path.open(encoding="utf-8-sig") as again:
-            return f"line {next(islice(_numbered(islice(again, head.line - 1, None), head.line), row, None))[0]}"
+            return (
+                f"line "
+                f"{next(islice(_numbered(islice(again, head.line - 1, None), head.line), row, None))[0]}"
+            )
 
     notes = ["decimal commas"] if head.separator != "," and "," in head.first else []
     notes += [f"{counted(blank, 'blank row')} left out"] if blank else []
@@ -146,7 +156,8 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
 def _understood_head(
     file: TextIO, path: Path, layout: Layout, check: Check, example: str
 ) -> tuple[Head, dict[str, int]]:
-    """The header and its roles: at the top, or else above the first line of numbers, after what an instrument writes before."""
+    """The header and its roles: at the top, or else above the first line of numbers, after what an
+    instrument writes before."""
     try:
         head = _head(file, path, layout, example)
         _need_numbers(path, head)
@@ -162,9 +173,11 @@ def _understood_head(
 
 
 def _line_of_header(file: TextIO) -> int | None:
-    """Which line names the columns, where others come before it: the last one above the numbers, or the one above its units.
+    """Which line names the columns, where others come before it: the last one above the numbers, or
+    the one above its units.
 
-    Numbers begin with two lines in a row that have as many: a preamble may hold a line of numbers, too.
+    Numbers begin with two lines in a row that have as many: a preamble may hold a line of numbers,
+    too.
     """
     before: list[tuple[int, list[str]]] = []
     above_numbers, width = before, 0
@@ -183,7 +196,8 @@ def _line_of_header(file: TextIO) -> int | None:
 
 
 def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1) -> Head:
-    """The header: the first line from ``start`` on, or a comment before a line of numbers that has as many cells."""
+    """The header: the first line from ``start`` on, or a comment before a line of numbers that has
+    as many cells."""
     comments: list[str] = []
     for at, line in enumerate(islice(file, start - 1, None), start):
         if not line.strip():
@@ -198,7 +212,9 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1
             if not first:
                 break
             names = _names(line)
-            if names[-1] == "Comment" and len(_cells(first.rstrip(), _separator(first, line))) < len(names):
+            if names[-1] == "Comment" and len(
+                _cells(first.rstrip(), _separator(first, line))
+            ) < len(names):
                 names.pop()  # LabVIEW names a column for remarks and leaves it out of the lines
             return Head(tuple(map(column_of, names)), _separator(first, line), first, number)
         if len(cells) > 1 and path.suffix.lower() in (".frd", ".zma"):
@@ -209,30 +225,44 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1
         elif any(isinstance(x, int) for x in layout.columns.values()):
             names = [str(i + 1) for i in range(len(cells))]
         else:
-            raise SceneError(f"line {at} has numbers: name the columns in the first line, as {example}")
+            raise SceneError(
+                f"line {at} has numbers: name the columns in the first line, as {example}"
+            )
         return Head(tuple(map(column_of, names)), separator, line, at)
     raise SceneError("there are no lines of numbers")
 
 
 def _need_numbers(path: Path, head: Head) -> None:
-    """SceneError unless numbers follow, which repeats nothing of what is no table: a scene may name any file."""
+    """SceneError unless numbers follow, which repeats nothing of what is no table: a scene may name
+    any file."""
     with path.open(encoding="utf-8-sig") as again:
         first = [x for _, x in islice(_numbered(islice(again, head.line - 1, None), head.line), 2)]
     if not any(sum(map(_is_number, _cells(x, _separator(x) or head.separator))) > 1 for x in first):
-        raise SceneError("there are no lines of numbers, two or more in each, below names of columns")
+        raise SceneError(
+            "there are no lines of numbers, two or more in each, below names of columns"
+        )
 
 
 def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:
-    """With the units of a row below the header, which has no number where the first column in use has one."""
+    """With the units of a row below the header, which has no number where the first column in use
+    has one."""
     found, first = _cells(head.first, head.separator), min(roles.values())
-    if first >= len(found) or not found[first] or _is_number(found[first]) or _has_comma(found[first]):
+    if (
+        first >= len(found)
+        or not found[first]
+        or _is_number(found[first])
+        or _has_comma(found[first])
+    ):
         return head
     if any(x.unit for x in head.columns if x.text.endswith(("]", ")"))):
         raise SceneError(f"units are in the header and in line {head.line}: leave out one of them")
     if len(found) != len(head.columns):
-        raise SceneError(f"line {head.line} has {len(found)} units, the header {len(head.columns)} columns")
+        raise SceneError(
+            f"line {head.line} has {len(found)} units, the header {len(head.columns)} columns"
+        )
     columns = tuple(
-        x._replace(unit=agreed(x.text, x.unit or unit, unit)) for x, unit in zip(head.columns, found, strict=True)
+        x._replace(unit=agreed(x.text, x.unit or unit, unit))
+        for x, unit in zip(head.columns, found, strict=True)
     )
     number, line = next(_numbered(file, head.line + 1), (0, ""))
     if not line:
@@ -259,7 +289,13 @@ def _rows(
         kept = None if len(used) == width else used
         kind: Any = complex if is_complex else float
         table: Any = np.loadtxt(
-            lines(), kind, delimiter=head.separator, ndmin=2, comments=None, quotechar='"', usecols=kept
+            lines(),
+            kind,
+            delimiter=head.separator,
+            ndmin=2,
+            comments=None,
+            quotechar='"',
+            usecols=kept,
         )
         is_whole = table.shape[1] == len(used)
     except SceneError:
@@ -274,9 +310,12 @@ def _rows(
     rows = {role: table[:, used.index(i)] for role, i in roles.items()}
     if is_complex and not rows["H"].imag.any() and not re.search(r"\d\s*\*?[ijIJ]", head.first):
         raise SceneError(
-            f"{head.columns[roles['H']].text}: has no complex numbers, as 799+30j: add a column of the phase"
+            f"{head.columns[roles['H']].text}: has no complex numbers, as 799+30j: add a "
+            f"column of the phase"
         )
-    return {role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()}, len(blank)
+    return {
+        role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()
+    }, len(blank)
 
 
 def _without_i(text: str, separator: str | None) -> str:
@@ -285,8 +324,11 @@ def _without_i(text: str, separator: str | None) -> str:
     return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
 
-def _numbered(lines: Iterable[str], first: int, blank: list[int] | None = None) -> Iterator[tuple[int, str]]:
-    """Those of numbers, as text, and which line it is; the numbers of those with separators alone go to ``blank``."""
+def _numbered(
+    lines: Iterable[str], first: int, blank: list[int] | None = None
+) -> Iterator[tuple[int, str]]:
+    """Those of numbers, as text, and which line it is; the numbers of those with separators alone
+    go to ``blank``."""
     for number, line in enumerate(lines, first):
         text = line.partition("#")[0]
         if not text.strip() or text.lstrip()[0] in _COMMENTS:
@@ -300,15 +342,27 @@ def _numbered(lines: Iterable[str], first: int, blank: list[int] | None = None) 
 def _refuse_line(number: int, cells: Sequence[str], head: Head, used: Sequence[int]) -> None:
     """SceneError if the line holds what is no number, or too many of them."""
     hint = ""
-    if len(cells) > len(head.columns) and head.separator == "," and len(cells) == 2 * len(head.columns):
-        hint = "; if these are decimal commas, separate columns by semicolons, or write decimals with a point"
+    if (
+        len(cells) > len(head.columns)
+        and head.separator == ","
+        and len(cells) == 2 * len(head.columns)
+    ):
+        hint = (
+            "; if these are decimal commas, separate columns by semicolons, or write decimals "
+            "with a point"
+        )
     if len(cells) != len(head.columns):
-        raise SceneError(f"line {number} has {len(cells)} cells, the header {len(head.columns)} columns{hint}")
+        raise SceneError(
+            f"line {number} has {len(cells)} cells, the header {len(head.columns)} columns{hint}"
+        )
     for i in used:
         cell, name = cells[i], head.columns[i].text
         if head.separator == "," and _has_comma(cell):
             right = cell.replace(",", ".")
-            raise SceneError(f"line {number}: {name}: {quoted(cell)}: decimals are written with a point, as in {right}")
+            raise SceneError(
+                f"line {number}: {name}: {quoted(cell)}: decimals are written with a point, "
+                f"as in {right}"
+            )
         if not _is_number(cell):
             what = f"{quoted(cell)} is not a number" if cell else "the cell is empty"
             raise SceneError(f"line {number}: {name}: {what}")
@@ -335,7 +389,9 @@ def _names(header: str) -> list[str]:
 def _cells(line: str, separator: str | None) -> list[str]:
     if separator is None:
         return line.split()
-    return [x.strip() for x in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])]
+    return [
+        x.strip() for x in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    ]
 
 
 def _is_number(cell: str) -> bool:
@@ -358,7 +414,8 @@ _ARRAYS = (".mat", ".npz")
 
 
 def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
-    """Variables by their names, or the fields of the one struct. SciPy reads files up to version 7."""
+    """Variables by their names, or the fields of the one struct. SciPy reads files up to version
+    7."""
     refuse(path, text=False)
     found = _variables(path)
     structs = [x for x in found.values() if x.dtype.names and x.size == 1]
@@ -366,10 +423,15 @@ def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
         own = structs[0].reshape(-1)[0]
         found = {x: np.asarray(own[x]) for x in own.dtype.names}
     unit = ""
-    if {"ResponseData", "Frequency"} <= set(found):  # an frd; its other fields say nothing of the response
+    if {"ResponseData", "Frequency"} <= set(
+        found
+    ):  # an frd; its other fields say nothing of the response
         unit = _unit_of_frd(found)
         found = {x: found[x] for x in ("Frequency", "ResponseData")}
-    columns = tuple(x._replace(unit=unit) if unit and x.name == "Frequency" else x for x in map(column_of, found))
+    columns = tuple(
+        x._replace(unit=unit) if unit and x.name == "Frequency" else x
+        for x in map(column_of, found)
+    )
     roles = check(columns, layout)
     scales = scales_of(columns, roles, layout)
     names = {role: columns[i].text for role, i in roles.items()}
@@ -384,7 +446,9 @@ def _unit_of_frd(found: Mapping[str, Any]) -> str:
     """The unit of the frequencies in an frd of MATLAB, which may refer to that of time."""
     unit, time = (_word(found.get(x)) for x in ("FrequencyUnit", "TimeUnit"))
     if time not in ("", "seconds") and (not unit or "TimeUnit" in unit):
-        raise SceneError(f"TimeUnit: the frequencies are per {time}: set FrequencyUnit to rad/s or Hz")
+        raise SceneError(
+            f"TimeUnit: the frequencies are per {time}: set FrequencyUnit to rad/s or Hz"
+        )
     return {"": "rad/s", "rad/TimeUnit": "rad/s", "cycles/TimeUnit": "Hz"}.get(unit, unit)
 
 
@@ -433,7 +497,8 @@ def _response_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]
     if "frequency" not in roles:
         if any(known_role(x.text) == "time" for x in columns):
             raise SceneError(
-                'column "t": for records in time add an estimator, as estimator = "H1" and segment = "4 s" in [perceived], or '
+                'column "t": for records in time add an estimator, as estimator = "H1" and '
+                'segment = "4 s" in [perceived], or '
                 '--estimator H1 --segment "4 s"; valid are H1, H2, joint'
             )
         ways = "give one, omega (rad/s) or frequency_hz, or name it, as columns = { frequency = 1 }"
@@ -449,18 +514,29 @@ def _response_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]
     return roles
 
 
-def _measurement(given: Given, layout: Layout, averages: float | None, confidence: float) -> Measurement:
+def _measurement(
+    given: Given, layout: Layout, averages: float | None, confidence: float
+) -> Measurement:
     rows = given.rows
-    omega, H, coherence, radius = rows["frequency"], _response(given), rows.get("coherence"), rows.get("radius")
+    omega, H, coherence, radius = (
+        rows["frequency"],
+        _response(given),
+        rows.get("coherence"),
+        rows.get("radius"),
+    )
     check_certainty(coherence is not None, radius is not None, averages, confidence)
     place, notes = given.place, []
     last = len(omega) - 1
     if last and (np.diff(omega) < 0).all():
-        omega, H, coherence, radius = (None if x is None else x[::-1] for x in (omega, H, coherence, radius))
+        omega, H, coherence, radius = (
+            None if x is None else x[::-1] for x in (omega, H, coherence, radius)
+        )
         place = lambda i: given.place(last - i)  # noqa: E731
         notes.append("sorted")
     check_lines(omega, H, coherence, radius, place)
-    own = Measurement(omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path)
+    own = Measurement(
+        omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path
+    )
     if layout.sign < 0:
         own = replace(own, H=-own.H)
         notes.append("sign turned round")
@@ -482,12 +558,15 @@ def _response(given: Given) -> Any:
     elif (size < 0).any():
         first = int(np.argmax(size < 0))
         way = 'if it is in dB, add unit = { magnitude = "dB" }'
-        raise SceneError(f"{given.place(first)}: magnitude: {size[first]:.6g} must be 0 or above; {way}")
+        raise SceneError(
+            f"{given.place(first)}: magnitude: {size[first]:.6g} must be 0 or above; {way}"
+        )
     return size * np.exp(1j * rows["phase"])
 
 
 def _converted(m: Measurement, kind: str, place: Callable[[int], str]) -> tuple[Measurement, str]:
-    """Force per position of another quantity, and what was left out: at 0 rad/s a derivative of motion shows none."""
+    """Force per position of another quantity, and what was left out: at 0 rad/s a derivative of
+    motion shows none."""
     order, power = QUANTITIES[kind]
     kept = m.omega > 0 if order else np.isfinite(m.omega)
     if not kept.any():
@@ -512,7 +591,8 @@ def _converted(m: Measurement, kind: str, place: Callable[[int], str]) -> tuple[
 # Records in time.
 
 _OFF = 0.75
-"""Of the spacing: how far a sample may stand from its even place, or a step be from the mean step; times are rounded in files."""
+"""Of the spacing: how far a sample may stand from its even place, or a step be from the mean step;
+times are rounded in files."""
 
 
 def _record_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
@@ -521,24 +601,38 @@ def _record_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
     if missing := [x for x in ("time", "position", "force") if x not in roles]:
         key = "t" if missing[0] == "time" else missing[0]
         way = f"or name it, as columns = {{ {missing[0]} = 1 }}"
-        raise SceneError(f"no column {key}: records in time have t, position and force; {way}: there are {listed}")
+        raise SceneError(
+            f"no column {key}: records in time have t, position and force; {way}: there are "
+            f"{listed}"
+        )
     return roles
 
 
-def read_record(path: Path, estimator: str, *, layout: Layout | None = None, **settings: Any) -> Measurement:
-    """The response of the records in a file; ``settings`` : as of ``estimated``. SceneError says what is wrong, and where."""
+def read_record(
+    path: Path, estimator: str, *, layout: Layout | None = None, **settings: Any
+) -> Measurement:
+    """The response of the records in a file; ``settings`` : as of ``estimated``. SceneError says
+    what is wrong, and where."""
     own = layout or Layout()
     try:
         given = _read(path, own, _record_roles, "t,position,force")
         rows = given.rows
         joint = estimator.lower() == Estimator.JOINT.value
         if joint and "reference" not in rows:
-            raise SceneError("estimator: joint needs the column reference, the signal that drives the loop")
+            raise SceneError(
+                "estimator: joint needs the column reference, the signal that drives the loop"
+            )
         rate, note = _rate(given)
         found = estimated(
-            rows["position"], own.sign * rows["force"], rate, estimator=estimator, reference=rows["reference"] if joint else None,
-            name=path.name, motion=given.motion, **settings,
-        )  # fmt: skip
+            rows["position"],
+            own.sign * rows["force"],
+            rate,
+            estimator=estimator,
+            reference=rows["reference"] if joint else None,
+            name=path.name,
+            motion=given.motion,
+            **settings,
+        )
     except SceneError as error:
         raise error.within(path.name or str(path)) from None
     turned = "sign turned round" if own.sign < 0 else ""
@@ -546,15 +640,19 @@ def read_record(path: Path, estimator: str, *, layout: Layout | None = None, **s
 
 
 def _rate(given: Given) -> tuple[float, str]:
-    """Samples a second, and which part of a second times are in that count from 1970. SceneError where samples are not even."""
+    """Samples a second, and which part of a second times are in that count from 1970. SceneError
+    where samples are not even."""
     t = given.rows["time"]
     for key, row in given.rows.items():
         if not np.isfinite(row).all():
             raise SceneError(
-                f"{given.place(int(np.argmin(np.isfinite(row))))}: {'t' if key == 'time' else key}: must be finite"
+                f"{given.place(int(np.argmin(np.isfinite(row))))}: "
+                f"{'t' if key == 'time' else key}: must be finite"
             )
     parts = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"))
-    part, note = next(((x, f"time in {unit} since 1970") for least, x, unit in parts if t[0] > least), (1.0, ""))
+    part, note = next(
+        ((x, f"time in {unit} since 1970") for least, x, unit in parts if t[0] > least), (1.0, "")
+    )
     if not note or given.scales["time"].unit != "SI":
         part, note = 1.0, ""
     t = (t - t[0]) * part if note else t
@@ -575,7 +673,8 @@ def _rate(given: Given) -> tuple[float, str]:
 
 
 def read_motion(path: Path) -> Given:
-    """Time and position of a recorded motion: columns with such names, or the only two of a table. SceneError otherwise."""
+    """Time and position of a recorded motion: columns with such names, or the only two of a table.
+    SceneError otherwise."""
     return _read(path, Layout(columns={"time": 1, "position": 2}), _motion_roles, "t,x")
 
 
@@ -611,15 +710,20 @@ def _stated(path: Path) -> dict[str, str]:
         return {x[1]: x[2].strip() for x in found if x}
 
 
-def read_file(path: Path, averages: float | None, confidence: float | None, settings: Mapping[str, Any]) -> Measurement:
-    """The response in a file; of records in time where an estimator is named. ``settings`` : by ``RECORDS`` and ``LAYOUT``.
+def read_file(
+    path: Path, averages: float | None, confidence: float | None, settings: Mapping[str, Any]
+) -> Measurement:
+    """The response in a file; of records in time where an estimator is named. ``settings`` : by
+    ``RECORDS`` and ``LAYOUT``.
 
     What the file states of its lines holds where it is not given.
     """
     for key in settings:
         if key not in (*RECORDS, *LAYOUT):
             valid = (*RECORDS, *LAYOUT)
-            raise SceneError(f'unknown key "{key}": {meant(key, valid)}valid are {", ".join(valid)}')
+            raise SceneError(
+                f'unknown key "{key}": {meant(key, valid)}valid are {", ".join(valid)}'
+            )
     layout = Layout(**{key: x for key, x in settings.items() if key in LAYOUT and x is not None})
     records = {key: x for key, x in settings.items() if key in RECORDS}
     if not records:
@@ -628,7 +732,9 @@ def read_file(path: Path, averages: float | None, confidence: float | None, sett
             given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
             own = {} if path.suffix.lower() in _ARRAYS else _stated(path)
             slope = own.pop("slope", None)
-            stated = {key: float(quantity(text, Dimension.RATIO).value) for key, text in own.items()}
+            stated = {
+                key: float(quantity(text, Dimension.RATIO).value) for key, text in own.items()
+            }
             averages = stated.get("averages") if averages is None else averages
             level = stated.get("confidence", CONFIDENCE) if confidence is None else confidence
             return replace(_measurement(given, layout, averages, level), slope=slope)
@@ -640,13 +746,16 @@ def read_file(path: Path, averages: float | None, confidence: float | None, sett
         raise SceneError("averages: leave it out, as it follows from the segments")
     if layout.quantity not in (None, "stiffness"):
         raise SceneError("quantity: leave it out: of records force per position is estimated")
-    return read_record(path, confidence=CONFIDENCE if confidence is None else confidence, layout=layout, **records)
+    return read_record(
+        path, confidence=CONFIDENCE if confidence is None else confidence, layout=layout, **records
+    )
 
 
 def refuse_universal(path: Path) -> None:
     """SceneError for the name of a universal file (dataset 58)."""
     if path.suffix.lower() in (".uff", ".unv"):
         raise SceneError(
-            f"{path.name}: universal files are not read: use CSV with the columns frequency_hz, real, imag "
+            f"{path.name}: universal files are not read: use CSV with the columns "
+            f"frequency_hz, real, imag "
             "and coherence (pyuff reads the datasets of a universal file)"
         )

@@ -1,9 +1,11 @@
-"""A scene: the environment to be felt, the effects in between, the band of interest, the threshold and the hands.
+"""A scene: the environment to be felt, the effects in between, the band of interest, the threshold
+and the hands.
 
-Each effect has a name and each parameter a symbol of its own. ``Knobs`` are everything in a scene that a question may vary, by
-one set of names: the numbers of its elements, and the thresholds. ``caveats`` are what an exact answer about a scene does not
-say: where its formulas stand for more than they hold. Friction is noticed by a Weber law and a floor of its own, not by the JND
-of damping.
+Each effect has a name and each parameter a symbol of its own. ``Knobs`` are everything in a scene
+that a question may vary, by one set of names: the numbers of its elements, and the thresholds.
+``caveats`` are what an exact answer about a scene does not say: where its formulas stand for more
+than they hold. Friction is noticed by a Weber law and a floor of its own, not by the JND of
+damping.
 """
 
 from __future__ import annotations
@@ -56,10 +58,12 @@ THRESHOLD = "evaluation.jnd"
 
 @dataclass(frozen=True, repr=False)
 class Knob(Parameter):
-    """A number of a scene: ``value`` in SI, its ``rule`` and, where the scene gives one, its range ``interval``.
+    """A number of a scene: ``value`` in SI, its ``rule`` and, where the scene gives one, its range
+    ``interval``.
 
-    ``place``: in a scene file, ``environment``, ``effects.filter``, ``evaluation``; ``model``: of what has it. ``motion``: the
-    scene's. ``also``: the paths of what refers to it. ``parts``: of a threshold those whose it is; its symbol is c.
+    ``place``: in a scene file, ``environment``, ``effects.filter``, ``evaluation``; ``model``: of
+    what has it. ``motion``: the scene's. ``also``: the paths of what refers to it. ``parts``: of a
+    threshold those whose it is; its symbol is c.
     """
 
     place: str = ""
@@ -85,12 +89,15 @@ class Knob(Parameter):
     def felt(self) -> Knob:
         """The same; SceneError for a hand's, of which what is felt holds nothing."""
         if self.is_of_hand:
-            raise SceneError(f"{self.path} does not change what is felt; haptisym stability examines it")
+            raise SceneError(
+                f"{self.path} does not change what is felt; haptisym stability examines it"
+            )
         return self
 
     @property
     def name(self) -> str:
-        """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts apart."""
+        """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts
+        apart."""
         return f"c_{self.parts[0].value}" if len(self.parts) == 1 else self.symbol.name
 
     @property
@@ -103,11 +110,14 @@ class Knob(Parameter):
         with within(self.path):
             read = number(given, self.dimension)
         if read.motion and self.motion and read.motion is not self.motion:
-            raise SceneError(f'{self.path}: "{given}" is {read.motion.value}, the scene {self.motion.value}')
+            raise SceneError(
+                f'{self.path}: "{given}" is {read.motion.value}, the scene {self.motion.value}'
+            )
         return read.value
 
     def check(self, given: Number) -> None:
-        """SceneError, with the path, unless its rule allows the value: a number, a range or a symbol."""
+        """SceneError, with the path, unless its rule allows the value: a number, a range or a
+        symbol."""
         if self.parts:
             threshold_value(self.path, given)
         else:
@@ -119,24 +129,33 @@ class Knob(Parameter):
 
 
 def threshold_knobs(threshold: Threshold) -> tuple[Knob, ...]:
-    """Both thresholds as one (the value is the real part's), then each; none of a polygon, which is given by its corners."""
+    """Both thresholds as one (the value is the real part's), then each; none of a polygon, which is
+    given by its corners."""
     if threshold.region.corners:
         return ()
     keys = {"jnd": tuple(Part), **{f"jnd.{part.value}": (part,) for part in Part}}
     return tuple(
         Knob(
-            c, threshold[parts[0]], Dimension.RATIO, key=key, rule=Rule.POSITIVE, interval=threshold.interval(parts[0]),
-            place="evaluation", parts=parts,
+            c,
+            threshold[parts[0]],
+            Dimension.RATIO,
+            key=key,
+            rule=Rule.POSITIVE,
+            interval=threshold.interval(parts[0]),
+            place="evaluation",
+            parts=parts,
         )
         for key, parts in keys.items()
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True)
 class Knobs(Collection[Knob]):
-    """The knobs of a scene, the thresholds last: three, of which ``evaluation.jnd`` is the other two as one.
+    """The knobs of a scene, the thresholds last: three, of which ``evaluation.jnd`` is the other
+    two as one.
 
-    ``knobs[name]``: by path, by the name of a symbol (``c`` the threshold), or by the end of a path, where that is unique.
+    ``knobs[name]``: by path, by the name of a symbol (``c`` the threshold), or by the end of a
+    path, where that is unique.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> knobs = load_scene("fu2019").knobs
@@ -159,16 +178,27 @@ class Knobs(Collection[Knob]):
         given = str(name)
         named = [x for x in self if given == x.name]
         ended = [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
-        if any(x.parts for x in named):  # a number of the scene that is written c as well is no threshold
+        if any(
+            x.parts for x in named
+        ):  # a number of the scene that is written c as well is no threshold
             named = [x for x in self if x in named or x in ended]
         found = [x for x in self if given in x.paths] or named or ended
         if len(found) > 1:
             raise SceneError(f'"{given}" is ambiguous: write {" or ".join(x.path for x in found)}')
         if not found:
             paths = [path for x in self for path in x.paths]
-            called = next((f'did you mean "{x.path}"? ' for x in self if x.dimension.name.lower() == given.lower()), "")
+            called = next(
+                (
+                    f'did you mean "{x.path}"? '
+                    for x in self
+                    if x.dimension.name.lower() == given.lower()
+                ),
+                "",
+            )
             hint = called or meant(given, [*paths, *(x.name for x in self)])
-            raise SceneError(f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
+            raise SceneError(
+                f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}'
+            )
         return found[0]
 
     @property
@@ -178,7 +208,8 @@ class Knobs(Collection[Knob]):
 
     @property
     def limits(self) -> dict[Part, Knob]:
-        """Of each part the threshold: one for both where they are alike, else its own; none of a polygon."""
+        """Of each part the threshold: one for both where they are alike, else its own; none of a
+        polygon."""
         found = [x for x in self if x.parts]
         if not found:
             return {}
@@ -195,7 +226,8 @@ class Knobs(Collection[Knob]):
                     raise SceneError(f"{knob.path} is given twice")
                 if set(other.parts) & set(knob.parts):
                     raise SceneError(
-                        f"{THRESHOLD} sets both thresholds: give it, or {THRESHOLD}.real and {THRESHOLD}.imag"
+                        f"{THRESHOLD} sets both thresholds: give it, or {THRESHOLD}.real and "
+                        f"{THRESHOLD}.imag"
                     )
             found.append(knob)
         return tuple(found)
@@ -215,11 +247,14 @@ _FRICTION_KEYS = {"weber": Dimension.RATIO, "floor": Dimension.FORCE, "reference
 
 @dataclass(frozen=True)
 class FrictionThreshold:
-    """A friction force F is noticed as another than ``reference`` where they differ by more than max(floor, weber reference).
+    """A friction force F is noticed as another than ``reference`` where they differ by more than
+    max(floor, weber reference).
 
-    ``weber`` : a fraction, >= 0. ``floor``, ``reference`` : N or N m, >= 0; the reference is what should be felt, 0 if not given.
-    Source: Veldhuis, Mulder and van Paassen (2024), doi:10.1109/THMS.2024.3368358 (abstract read): Weber's law where friction is
-    large, a detection threshold, which the linear dynamics shift, where it is not.
+    ``weber`` : a fraction, >= 0. ``floor``, ``reference`` : N or N m, >= 0; the reference is what
+    should be felt, 0 if not given.
+    Source: Veldhuis, Mulder and van Paassen (2024), doi:10.1109/THMS.2024.3368358 (abstract read):
+    Weber's law where friction is large, a detection threshold, which the linear dynamics shift,
+    where it is not.
     """
 
     weber: Expr = Integer(0)
@@ -248,7 +283,8 @@ def read_friction(given: Any) -> FrictionThreshold:
     for key, x in given.items():
         if key not in _FRICTION_KEYS:
             raise SceneError(
-                f'friction: unknown key "{str(key)[:60]}": {meant(str(key), _FRICTION_KEYS)}valid are {", ".join(_FRICTION_KEYS)}'
+                f'friction: unknown key "{str(key)[:60]}": '
+                f"{meant(str(key), _FRICTION_KEYS)}valid are {', '.join(_FRICTION_KEYS)}"
             )
         with within(f"friction: {key}"):
             read = number(x, _FRICTION_KEYS[key])
@@ -283,11 +319,14 @@ def with_names(effects: Iterable[Effect]) -> list[Effect]:
     return named
 
 
-def symbol_names(elements: Iterable[tuple[str, HasParameters | None]]) -> list[dict[Symbol, Symbol]]:
-    """For each element, new symbols for those that another element names alike: ``zeta`` becomes ``zeta_filter``.
+def symbol_names(
+    elements: Iterable[tuple[str, HasParameters | None]],
+) -> list[dict[Symbol, Symbol]]:
+    """For each element, new symbols for those that another element names alike: ``zeta`` becomes
+    ``zeta_filter``.
 
-    The first element, which has no label, is the environment: it keeps its names but for the threshold's, as ``c``, which
-    becomes ``c_env``.
+    The first element, which has no label, is the environment: it keeps its names but for the
+    threshold's, as ``c``, which becomes ``c_env``.
     """
     listed = list(elements)
     uses = Counter([p.symbol.name for _, element in listed if element for p in element.parameters])
@@ -295,13 +334,21 @@ def symbol_names(elements: Iterable[tuple[str, HasParameters | None]]) -> list[d
     taken = set(uses)
     renamed: list[dict[Symbol, Symbol]] = []
     for label, element in listed:
-        suffix, held = "_" + re.sub(r"\W", "_", label or "env"), element.parameters if element else ()
+        suffix, held = (
+            "_" + re.sub(r"\W", "_", label or "env"),
+            element.parameters if element else (),
+        )
         own = [p.symbol for p in held if not p.tie and (label or p.symbol.name in _OF_THRESHOLDS)]
         shared = [symbol for symbol in own if uses[symbol.name] > 1]
         names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
         tied = {p.symbol: renamed[0][p.symbol] for p in held if p.tie and p.symbol in renamed[0]}
-        renamed.append({**tied, **{symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()}})
+        renamed.append(
+            {
+                **tied,
+                **{symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()},
+            }
+        )
     return renamed
 
 
@@ -312,10 +359,12 @@ _OF_THRESHOLDS = ("c", "c_real", "c_imag")
 class Scene(Shown):
     """What is to be evaluated. Valid by construction: SceneError names what is wrong.
 
-    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in rad/s or strings with a
-    unit. ``threshold`` : a Threshold, or what a scene file says of the JND: a number, a formula or a table.
-    ``rendered`` : what the controller really renders, where that is not the environment itself. A parameter of it may be the
-    environment's: ``k="environment.k"`` is one parameter in two places, with one symbol, one value and one range.
+    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in
+    rad/s or strings with a unit. ``threshold`` : a Threshold, or what a scene file says of the JND:
+    a number, a formula or a table.
+    ``rendered`` : what the controller really renders, where that is not the environment itself. A
+    parameter of it may be the environment's: ``k="environment.k"`` is one parameter in two places,
+    with one symbol, one value and one range.
     ``hands`` : those in which it may be held; they change nothing of what is felt.
 
     >>> from haptisym import effects, environments
@@ -333,9 +382,11 @@ class Scene(Shown):
     source: str = ""
     hands: tuple[Hand, ...] = ()
     confidence: Any = None
-    """Of the region that the ranges are, where they were estimated: 0.95 of a scene that ``identify`` wrote."""
+    """Of the region that the ranges are, where they were estimated: 0.95 of a scene that
+    ``identify`` wrote."""
     friction: Any = None
-    """When friction is noticed, a FrictionThreshold or its table; None where the scene does not say."""
+    """When friction is noticed, a FrictionThreshold or its table; None where the scene does not
+    say."""
     text: str = field(default="", repr=False, compare=False)
     """Of the file that it was read from, as it was then."""
     frequency: Unit = field(default=RADIANS, repr=False, compare=False)
@@ -343,10 +394,14 @@ class Scene(Shown):
 
     def _line(self) -> str:
         between = ", ".join(effect.name for effect in self.effects) or "no effects"
-        return f"{titled(self.title)}: {self.environment.model}, {between}, {self.band[0]} to {self.band[1]} rad/s"
+        return (
+            f"{titled(self.title)}: {self.environment.model}, {between}, {self.band[0]} to "
+            f"{self.band[1]} rad/s"
+        )
 
     def __getstate__(self) -> dict[str, Any]:
-        """Its fields: what was computed from them holds what cannot be pickled, and is found again."""
+        """Its fields: what was computed from them holds what cannot be pickled, and is found
+        again."""
         return {x.name: getattr(self, x.name) for x in fields(self)}
 
     @spared()
@@ -358,7 +413,9 @@ class Scene(Shown):
         object.__setattr__(self, "hands", given_hands(self.hands))
         object.__setattr__(self, "band", given_band(self.band))
         shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
-        object.__setattr__(self, "frequency", next(filter(None, map(frequency_unit, self.band)), self.frequency))
+        object.__setattr__(
+            self, "frequency", next(filter(None, map(frequency_unit, self.band)), self.frequency)
+        )
         low, high = (frequency("band", x) for x in self.band)
         object.__setattr__(self, "band", (low, high))
         if self.confidence is not None:
@@ -370,7 +427,9 @@ class Scene(Shown):
         if sign_of_number(low) < 0:
             raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
         if sign_of_number(high - low) <= 0:
-            raise SceneError(f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}")
+            raise SceneError(
+                f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}"
+            )
         self._tie()
         _different(self.hands)
         _one_motion((*self.elements(), *self.held()))
@@ -386,9 +445,13 @@ class Scene(Shown):
         renamed = iter(names)
         object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
         rendered = next(renamed)
-        object.__setattr__(self, "rendered", self.rendered.renamed(rendered) if self.rendered else None)
+        object.__setattr__(
+            self, "rendered", self.rendered.renamed(rendered) if self.rendered else None
+        )
         effects = [effect.renamed(next(renamed)) for effect in effects]
-        object.__setattr__(self, "effects", with_controller(effects, self.rendered or self.environment))
+        object.__setattr__(
+            self, "effects", with_controller(effects, self.rendered or self.environment)
+        )
         object.__setattr__(self, "hands", tuple(hand.renamed(next(renamed)) for hand in self.hands))
 
     def _tie(self) -> None:
@@ -397,7 +460,9 @@ class Scene(Shown):
             place = "environment"
             refuse_references(self.environment.parameters)
             if self.environment.model == DIFFERENCE_EQUATION:
-                raise SceneError(f"{DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s")
+                raise SceneError(
+                    f"{DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s"
+                )
             place = "rendered"
             if self.rendered:
                 object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
@@ -405,7 +470,8 @@ class Scene(Shown):
             raise error.within(place) from None
 
     def held(self) -> Iterator[tuple[str, Hand]]:
-        """The hands, each with its place in a scene file: ``hand`` where there is one, else ``hands.NAME``."""
+        """The hands, each with its place in a scene file: ``hand`` where there is one, else
+        ``hands.NAME``."""
         yield from (("hand" if len(self.hands) == 1 else f"hands.{x.name}", x) for x in self.hands)
 
     def elements(self) -> Iterator[tuple[str, Environment | Effect]]:
@@ -433,11 +499,18 @@ class Scene(Shown):
             for p in element.parameters:
                 if not p.tie:
                     tied = [
-                        q for q in (self.rendered.parameters if self.rendered else ()) if q.tie == f"{place}.{p.key}"
+                        q
+                        for q in (self.rendered.parameters if self.rendered else ())
+                        if q.tie == f"{place}.{p.key}"
                     ]
                     rule = reduce(Rule.and_also, (q.rule for q in tied), p.rule)
                     own = vars(replace(p, rule=rule, motion=p.motion or self.motion))
-                    yield Knob(**own, place=place, model=element.model, also=tuple(f"rendered.{q.key}" for q in tied))
+                    yield Knob(
+                        **own,
+                        place=place,
+                        model=element.model,
+                        also=tuple(f"rendered.{q.key}" for q in tied),
+                    )
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
@@ -445,28 +518,40 @@ class Scene(Shown):
         return self.knobs.parameters
 
     def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
-        """What environment and [rendered] have by one name and yet twice: pairs of paths, of which one is among ``varied``."""
+        """What environment and [rendered] have by one name and yet twice: pairs of paths, of which
+        one is among ``varied``."""
         own = {p.key for p in self.rendered.own} if self.rendered else set()
-        pairs = [(f"environment.{p.key}", f"rendered.{p.key}") for p in self.environment.parameters if p.key in own]
+        pairs = [
+            (f"environment.{p.key}", f"rendered.{p.key}")
+            for p in self.environment.parameters
+            if p.key in own
+        ]
         return tuple(pair for pair in pairs if varied is None or not set(varied).isdisjoint(pair))
 
     def untied_note(self, varied: Collection[str] | None = None) -> str:
-        """That these are two parameters each, and how to make them one; empty where there are none."""
+        """That these are two parameters each, and how to make them one; empty where there are
+        none."""
         pairs = self.untied(varied)
         if not pairs:
             return ""
         listed = ", ".join(f"{a} and {b}" for a, b in pairs)
         ties = ", ".join(f'{b.partition(".")[2]} = "{a}"' for a, b in pairs)
         what = "two parameters" if len(pairs) == 1 else "two parameters each"
-        return f"{listed} are {what}: where one varies the other keeps its value. If they are one, write {ties} in [rendered]."
+        return (
+            f"{listed} are {what}: where one varies the other keeps its value. If they are one, "
+            f"write {ties} in [rendered]."
+        )
 
     def ranges(self, besides: Collection[str] = ()) -> dict[str, Knob]:
-        """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both thresholds)."""
+        """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both
+        thresholds)."""
         but = [self.knobs[path] for path in besides]
         asked = {part for x in but for part in x.parts}
         parts = [part for part in Part if part not in asked]
         limits = (
-            self.knobs.limits.values() if not asked else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
+            self.knobs.limits.values()
+            if not asked
+            else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
         )
         return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in but}
 
@@ -477,37 +562,56 @@ class Scene(Shown):
             assert x.interval
             told.setdefault(spread(x.value, x.interval), []).append(x.name)
         for name, (low, high) in () if THRESHOLD in besides else self.threshold.region.ranges:
-            told.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(f"{name} of the JND")
+            told.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(
+                f"{name} of the JND"
+            )
         if not told:
             return ""
         listed = "; ".join(
-            f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}" for by, names in told.items()
+            f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}"
+            for by, names in told.items()
         )
         what = "these are the nominal values" if besides else "this is the nominal scene"
         if not self.threshold.is_box:
             return f"{listed}: {what}; `haptisym evaluate` prints which bandwidths the JND gives."
         return f"{listed}: {what}; see `haptisym tolerances`."
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
-        """What is to be said beside an answer: what is nominal, and which of what is ``varied`` (None: all) has a double."""
-        return [x for x in (self.estimated, self.nominal_but(besides), self.untied_note(varied)) if x]
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
+        """What is to be said beside an answer: what is nominal, and which of what is ``varied``
+        (None: all) has a double."""
+        return [
+            x for x in (self.estimated, self.nominal_but(besides), self.untied_note(varied)) if x
+        ]
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """The same as keys of a document, where they say something.
 
         ``confidence`` ; ``nominal``, ranges by path; ``untied``, pairs of paths.
         """
         level = self.level
-        ranges = {path: [float(end) for end in x.interval or ()] for path, x in self.ranges(besides).items()}
-        ranges |= {f"{THRESHOLD}.{name}": [float(end) for end in x] for name, x in self.threshold.region.ranges}
+        ranges = {
+            path: [float(end) for end in x.interval or ()]
+            for path, x in self.ranges(besides).items()
+        }
+        ranges |= {
+            f"{THRESHOLD}.{name}": [float(end) for end in x]
+            for name, x in self.threshold.region.ranges
+        }
         untied = [list(pair) for pair in self.untied(varied)]
         keys = {"confidence": level and float(level), "nominal": ranges, "untied": untied}
         return {key: x for key, x in keys.items() if x}
 
     @property
     def level(self) -> Expr | None:
-        """The confidence with which its ranges and those of its JND were estimated, the lower one; None where none was."""
-        return min((x for x in (self.confidence, self.threshold.confidence) if x is not None), default=None)
+        """The confidence with which its ranges and those of its JND were estimated, the lower one;
+        None where none was."""
+        return min(
+            (x for x in (self.confidence, self.threshold.confidence) if x is not None), default=None
+        )
 
     @property
     def estimated(self) -> str:
@@ -516,17 +620,23 @@ class Scene(Shown):
             return ""
         region = f"the {float(100 * self.level):g} % region of the fit"
         return (
-            f"The numbers of this scene were estimated; its ranges are {region}. What is said for all values is said for all "
+            f"The numbers of this scene were estimated; its ranges are {region}. What is "
+            f"said for all values is said for all "
             f"values in {region}, of the fitted model: of the device it is an estimate."
         )
 
     @property
     def motion(self) -> MotionKind | None:
-        """Whether the hand moves along a line or about an axis; None if no unit in the scene tells."""
-        return next((p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None), None)
+        """Whether the hand moves along a line or about an axis; None if no unit in the scene
+        tells."""
+        return next(
+            (p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None),
+            None,
+        )
 
     def distortion(self) -> Distortion:
-        """The closed forms with every parameter's value in place. SceneError in free air, where H_env is zero."""
+        """The closed forms with every parameter's value in place. SceneError in free air, where
+        H_env is zero."""
         if self.closed.env.is_zero:
             raise SceneError(NOTHING_TO_FEEL)
         return self.closed
@@ -543,17 +653,24 @@ class Scene(Shown):
     @property
     def chain(self) -> Chain:
         """The dynamics of environment and effects with every parameter a symbol."""
-        return Chain(self.environment.dynamics, self.rendering.dynamics, tuple(e.dynamics for e in self.effects))
+        return Chain(
+            self.environment.dynamics,
+            self.rendering.dynamics,
+            tuple(e.dynamics for e in self.effects),
+        )
 
     @property
     def rendering(self) -> Environment:
-        """What is rendered, in s: the environment if nothing else is; a difference equation with z = exp(s T)."""
+        """What is rendered, in s: the environment if nothing else is; a difference equation with z
+        = exp(s T)."""
         return (self.rendered or self.environment).seen_by(self.effects)
 
     def with_values(self, values: Mapping[str, Number]) -> Scene:
-        """The same scene with other values for some parameters or thresholds, each by any name that ``knobs`` knows.
+        """The same scene with other values for some parameters or thresholds, each by any name that
+        ``knobs`` knows.
 
-        Raises SceneError for a name that the scene does not have, and for a value that the model does not allow.
+        Raises SceneError for a name that the scene does not have, and for a value that the model
+        does not allow.
 
         >>> from haptisym.model.scenefile import load_scene
         >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
@@ -578,7 +695,8 @@ class Scene(Shown):
         return replace(self, hands=hands)
 
     def at_proportion(self, end: Number) -> Scene:
-        """The same scene with its threshold at another proportion of right answers; SceneError where its own is not told."""
+        """The same scene with its threshold at another proportion of right answers; SceneError
+        where its own is not told."""
         with within("jnd"):
             return replace(self, threshold=self.threshold.at_proportion(end))
 
@@ -625,7 +743,8 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:
-    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks, holds inside a loop."""
+    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks,
+    holds inside a loop."""
     return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene), *_late_mass(scene))
 
 
@@ -635,8 +754,10 @@ def _late_mass(scene: Scene) -> list[str]:
     if not {"admittance-display", "delay"} <= models:
         return []
     words = (
-        "People who pushed a mass of 6 kg off a delayed admittance display reported more mass, 10 % at 25 ms and 20 % at 50 ms "
-        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), where step 2 gives less."
+        "People who pushed a mass of 6 kg off a delayed admittance display reported more "
+        "mass, 10 % at 25 ms and 20 % at 50 ms "
+        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), "
+        "where step 2 gives less."
     )
     return [words]
 
@@ -644,23 +765,35 @@ def _late_mass(scene: Scene) -> list[str]:
 def clocks(scene: Scene) -> tuple[Expr, ...]:
     """The periods at which parts of a display work by a clock, s."""
     return tuple(
-        x.value for effect in scene.effects if effect.model in CLOCKS for x in effect.parameters if x.key == "T"
+        x.value
+        for effect in scene.effects
+        if effect.model in CLOCKS
+        for x in effect.parameters
+        if x.key == "T"
     )
 
 
 def unclocked(scene: Scene) -> Scene:
-    """The scene; without its clock and what is before it where that holds no force, whatever the symbols in it stand for."""
+    """The scene; without its clock and what is before it where that holds no force, whatever the
+    symbols in it stand for."""
     place = next((i for i, x in enumerate(scene.effects) if x.model in CLOCKS), None)
-    if place is None or scene.rendering.H != 0 or any(x.matrix[1] != 0 for x in scene.effects[:place]):
+    if (
+        place is None
+        or scene.rendering.H != 0
+        or any(x.matrix[1] != 0 for x in scene.effects[:place])
+    ):
         return scene
-    return replace(scene, environment=scene.rendering, rendered=None, effects=scene.effects[place + 1 :])
+    return replace(
+        scene, environment=scene.rendering, rendered=None, effects=scene.effects[place + 1 :]
+    )
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
-    """A clock that holds a force, and what brings that back to a clock: an element that yields, or another clock, beyond it.
+    """A clock that holds a force, and what brings that back to a clock: an element that yields, or
+    another clock, beyond it.
 
-    Images of the samples then fold back into the band. The closed form (1 - exp(-s T))/(s T) leaves them out, and its poles
-    are not those of the sampled loop.
+    Images of the samples then fold back into the band. The closed form (1 - exp(-s T))/(s T) leaves
+    them out, and its poles are not those of the sampled loop.
     """
     for i, effect in enumerate(scene.effects):
         if effect.model not in CLOCKS:
@@ -677,19 +810,27 @@ def _loops(scene: Scene) -> list[str]:
         return []
     hold, other = (x.name for x in found)
     words = (
-        f"{hold} holds a force that {other} returns to a sampler: images of the samples fold back into the band, and the "
-        "closed form leaves them out. It is an approximation here, and does not decide whether the sampled loop is stable; "
+        f"{hold} holds a force that {other} returns to a sampler: images of the samples fold "
+        f"back into the band, and the "
+        "closed form leaves them out. It is an approximation here, and does not decide "
+        "whether the sampled loop is stable; "
         "haptisym stability decides that in a hand, haptisym simulate runs the loop."
     )
     return [words]
 
 
 def _hand(scene: Scene) -> list[str]:
-    """The hand closes the sampled loop, which may be unstable however stable the force under prescribed motion is."""
+    """The hand closes the sampled loop, which may be unstable however stable the force under
+    prescribed motion is."""
     clocks = [x.name for x in scene.effects if x.model in CLOCKS]
     if not clocks:
         return []
-    return [f"sampled ({', '.join(clocks)}): for prescribed motion; a hand closes the loop (haptisym stability)."]
+    return [
+        (
+            f"sampled ({', '.join(clocks)}): for prescribed motion; a hand closes the loop "
+            f"(haptisym stability)."
+        )
+    ]
 
 
 def _bands(scene: Scene) -> list[str]:
@@ -698,8 +839,10 @@ def _bands(scene: Scene) -> list[str]:
         (x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS
     ]  # their one parameter is T
     return [
-        f"The band exceeds {float(nyquist / scene.frequency.size):.5g} {scene.frequency.text}, the Nyquist frequency of {name}: "
-        "above it a motion is sampled as one of a lower frequency, and the closed form gives the component at the motion's "
+        f"The band exceeds {float(nyquist / scene.frequency.size):.5g} "
+        f"{scene.frequency.text}, the Nyquist frequency of {name}: "
+        "above it a motion is sampled as one of a lower frequency, and the closed form gives "
+        "the component at the motion's "
         "frequency only."
         for name, nyquist in holds
         if not nyquist.free_symbols and sign_of_number(high - nyquist) > 0
@@ -708,7 +851,8 @@ def _bands(scene: Scene) -> list[str]:
 
 def _thresholds(scene: Scene) -> list[str]:
     return [
-        f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is {float(100 * c):.5g} % of |H_env|: "
+        f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is "
+        f"{float(100 * c):.5g} % of |H_env|: "
         'a JND of 12 % is written 0.12 or "12 %".'
         for part in (() if scene.threshold.region.corners else Part)
         if not (c := scene.threshold[part]).free_symbols and isinstance(c, Rational) and c >= 1

@@ -1,7 +1,9 @@
 """Scene files: TOML tables to scenes, with every error naming file, key, value and rule.
 
-A scene goes by the name of a shipped one, by the path of a file, or is read from a text. A file with several environments is a
-``SceneFamily``: one display, and everything that should be felt through it. One with ``[perceived]`` is measured, line by line.
+A scene goes by the name of a shipped one, by the path of a file, or is read from a text. A file
+with several environments is a
+``SceneFamily``: one display, and everything that should be felt through it. One with
+``[perceived]`` is measured, line by line.
 """
 
 from __future__ import annotations
@@ -22,7 +24,15 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, meant, need, within
 from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.rings import c
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Hand, Model, read_hand
+from haptisym.model.catalogue import (
+    EFFECTS,
+    ENVIRONMENTS,
+    Effect,
+    Environment,
+    Hand,
+    Model,
+    read_hand,
+)
 from haptisym.model.devices import read_device
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold, read_threshold
@@ -33,7 +43,9 @@ from haptisym.model.scene import Scene, frequency, read_friction
 from haptisym.model.shipped import SHIPPED, bench_names, family_names, scene_names, shipped_text
 
 if TYPE_CHECKING:
-    from haptisym.model.measured import Measurement  # needs NumPy, which a scene of formulas does not load
+    from haptisym.model.measured import (
+        Measurement,
+    )  # needs NumPy, which a scene of formulas does not load
 
 
 MOST_ENVIRONMENTS = 100
@@ -43,8 +55,9 @@ MOST_ENVIRONMENTS = 100
 class SceneFamily(Shown):
     """Scenes by the names of their environments, all with the same effects, band and threshold.
 
-    ``scenes`` : at least one, in order. Valid by construction: SceneError where a scene has other effects, another band or
-    another threshold than the first. A mapping: ``family["liver"]``, ``len(family)``, ``for name in family``.
+    ``scenes`` : at least one, in order. Valid by construction: SceneError where a scene has other
+    effects, another band or another threshold than the first. A mapping: ``family["liver"]``,
+    ``len(family)``, ``for name in family``.
 
     >>> from haptisym import effects, environments
     >>> lag = (effects.first_order_lag(20),)
@@ -62,21 +75,31 @@ class SceneFamily(Shown):
         return f"{titled(self.title)}: {', '.join(self.scenes)}"
 
     def __post_init__(self) -> None:
-        need("environments", self.scenes, Mapping, 'give scenes by name, as {"soft": load_scene(...)}')
+        need(
+            "environments",
+            self.scenes,
+            Mapping,
+            'give scenes by name, as {"soft": load_scene(...)}',
+        )
         for name, scene in self.scenes.items():
-            need(f"environments: {name}", scene, Scene, "give a scene, as load_scene(...) makes one")
+            need(
+                f"environments: {name}", scene, Scene, "give a scene, as load_scene(...) makes one"
+            )
         if not 1 <= len(self.scenes) <= MOST_ENVIRONMENTS:
             raise SceneError(f"environments: give 1 to {MOST_ENVIRONMENTS}, not {len(self.scenes)}")
         for name, scene in self.scenes.items():
             if _display(scene) != _display(self.first):
                 raise SceneError(
-                    f'environments: "{name}" has other effects, another band or another JND: evaluate it alone'
+                    f'environments: "{name}" has other effects, another band or another JND: '
+                    f"evaluate it alone"
                 )
 
     def __getitem__(self, name: str) -> Scene:
         if name not in self.scenes:
             these = "these are" if len(self) > 1 else "there is only"
-            raise SceneError(f'unknown environment "{name}": {meant(name, self)}{these} {self.listed()}')
+            raise SceneError(
+                f'unknown environment "{name}": {meant(name, self)}{these} {self.listed()}'
+            )
         return self.scenes[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -107,20 +130,35 @@ class SceneFamily(Shown):
         return threshold
 
     def at_proportion(self, end: Number) -> SceneFamily:
-        """The same with the threshold at another proportion of right answers; SceneError where its own is not told."""
-        return replace(self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()})
+        """The same with the threshold at another proportion of right answers; SceneError where its
+        own is not told."""
+        return replace(
+            self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()}
+        )
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
-        """What is to be said beside an answer for all, each thing once: of which scenes, unless it is of all of them."""
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
+        """What is to be said beside an answer for all, each thing once: of which scenes, unless it
+        is of all of them."""
         whose: dict[str, list[str]] = {}
         for name, scene in self.scenes.items():
             for note in scene.asides(besides, varied):
                 whose.setdefault(note, []).append(name)
-        return [x if len(names) == len(self.scenes) else f"{', '.join(names)}: {x}" for x, names in whose.items()]
+        return [
+            x if len(names) == len(self.scenes) else f"{', '.join(names)}: {x}"
+            for x, names in whose.items()
+        ]
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
-        """The same as the key ``nominal`` of a document: the ranges of each scene in which something varies."""
-        found = {name: scene.aside_keys(besides, varied).get("nominal") for name, scene in self.scenes.items()}
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
+        """The same as the key ``nominal`` of a document: the ranges of each scene in which
+        something varies."""
+        found = {
+            name: scene.aside_keys(besides, varied).get("nominal")
+            for name, scene in self.scenes.items()
+        }
         ranges = {name: own for name, own in found.items() if own}
         keys = {"confidence": self.level and float(self.level), "nominal": ranges}
         return {key: x for key, x in keys.items() if x}
@@ -138,21 +176,35 @@ class SceneFamily(Shown):
         """The one scene; SceneError where there are several, which says how to choose."""
         if len(self) > 1:
             raise SceneError(
-                f"this scene has {len(self)} environments ({self.listed()}): choose one with --environment NAME "
-                '(in Python: load_scene(..., environment="NAME")), or evaluate all of them together with '
+                f"this scene has {len(self)} environments ({self.listed()}): choose one with "
+                f"--environment NAME "
+                '(in Python: load_scene(..., environment="NAME")), or evaluate all of them '
+                "together with "
                 "haptisym evaluate (in Python: evaluate_all(load_scenes(...)))"
             )
         return self.first
 
     def ring(self) -> Ring:
-        """One ring that holds the dynamics of all scenes, so that their functions can be compared exactly."""
-        return Ring.of([c, *(entry for scene in self.scenes.values() for entry in scene.distortion().chain.entries())])
+        """One ring that holds the dynamics of all scenes, so that their functions can be compared
+        exactly."""
+        return Ring.of(
+            [
+                c,
+                *(
+                    entry
+                    for scene in self.scenes.values()
+                    for entry in scene.distortion().chain.entries()
+                ),
+            ]
+        )
 
 
 def _display(scene: Scene) -> tuple[object, ...]:
-    """What the scenes of a family share; effects by their matrices, as symbols differ where an environment uses them too."""
+    """What the scenes of a family share; effects by their matrices, as symbols differ where an
+    environment uses them too."""
     effects = (
-        (e.name, e.settings, tuple(p.value for p in e.parameters) if e.renders else e.matrix) for e in scene.effects
+        (e.name, e.settings, tuple(p.value for p in e.parameters) if e.renders else e.matrix)
+        for e in scene.effects
     )
     return tuple(effects), scene.band, scene.threshold
 
@@ -169,10 +221,21 @@ Table: TypeAlias = Mapping[str, Any]
 
 MOST_EFFECTS = 100
 _TABLES = (
-    "title", "source", "environment", "environments", "rendered", "perceived", "effects", "device", "hand", "hands", "evaluation",
-)  # fmt: skip
+    "title",
+    "source",
+    "environment",
+    "environments",
+    "rendered",
+    "perceived",
+    "effects",
+    "device",
+    "hand",
+    "hands",
+    "evaluation",
+)
 MEASURED = (
-    "this scene is measured: only evaluate and identify take it. All others need a model in [environment], and [[effects]] "
+    "this scene is measured: only evaluate and identify take it. All others need a model in "
+    "[environment], and [[effects]] "
     "in place of [perceived]; haptisym identify fits one"
 )
 _APART = ("environments", "rendered", "effects", "device", "hand", "hands")
@@ -189,7 +252,8 @@ _TOML_HINTS = {
 
 
 _MEASURED_LINES = (
-    'a table of lines, not a scene: name it in a scene, as file = "..." in [perceived]; haptisym identify fits a model to a '
+    'a table of lines, not a scene: name it in a scene, as file = "..." in [perceived]; '
+    "haptisym identify fits a model to a "
     "response, haptisym jnd a curve to responses of a person"
 )
 
@@ -206,7 +270,8 @@ _QUOTED = re.compile(
     r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?|'{3}(?:[^']|'(?!''))*+(?:'{3,5})?|"(?:[^"\\\n]|\\[^\n])*+"?|'[^'\n]*+'?|#[^\n]*+""",
     re.DOTALL,
 )
-"""A string of TOML, or a comment; one without its end goes to where it must have been, so that none is read twice."""
+"""A string of TOML, or a comment; one without its end goes to where it must have been, so that none
+is read twice."""
 
 
 def _deepest(text: str) -> int:
@@ -233,7 +298,8 @@ def _toml(text: str) -> Table:
 
 
 def read_scenes(text: str) -> SceneFamily:
-    """The scenes of a TOML text, one for each of its environments. SceneError names key, value and rule."""
+    """The scenes of a TOML text, one for each of its environments. SceneError names key, value and
+    rule."""
     table = _toml(text)
     if _is_measured(table):
         raise SceneError(MEASURED)
@@ -241,7 +307,8 @@ def read_scenes(text: str) -> SceneFamily:
 
 
 def read_any(text: str, folder: Path, *, files: bool = True) -> SceneFamily | MeasuredScene:
-    """The same; or a scene whose responses are measured, in ``files`` of that folder; SceneError if these are not read."""
+    """The same; or a scene whose responses are measured, in ``files`` of that folder; SceneError if
+    these are not read."""
     table = _toml(text)
     if not files and _is_measured(table):
         raise SceneError("file: names a file, and with --no-files none that a scene names is read")
@@ -272,13 +339,18 @@ def _formulas(table: Table, text: str) -> SceneFamily:
             shared["friction"] = read_friction(evaluation["friction"])
     if "confidence" in evaluation:
         shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
-    scenes = ((name, Scene(own, effects, band, threshold, rendered, **shared)) for name, own, rendered in rows)
+    scenes = (
+        (name, Scene(own, effects, band, threshold, rendered, **shared))
+        for name, own, rendered in rows
+    )
     return named(scenes, title, source)
 
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
     if "environment" not in table:
-        raise SceneError('[environment] is missing: add it, with a model, as model = "mass-spring-damper"')
+        raise SceneError(
+            '[environment] is missing: add it, with a model, as model = "mass-spring-damper"'
+        )
     if isinstance(table["environment"], list):
         raise SceneError("environment: write [environment] for one, [[environments]] for several")
     rendered = _environment(table["rendered"], "rendered") if "rendered" in table else None
@@ -292,7 +364,9 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
         raise SceneError("environments: write [[environments]] once for each environment")
     for key in ("environment", "rendered"):
         if key in table:
-            raise SceneError(f"{key}: give either [{key}] or [[environments]], each with its own {key}")
+            raise SceneError(
+                f"{key}: give either [{key}] or [[environments]], each with its own {key}"
+            )
     for position, one in enumerate(given, 1):
         own = dict(_table(one, f"environments[{position}]"))
         name, rendered = own.pop("name", None), own.pop("rendered", None)
@@ -301,7 +375,11 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
         if not isinstance(name, str) or not name:
             raise SceneError(f'environments[{position}]: name: "{name}": give a name, as "mine"')
         environment = _environment(own, place)
-        yield name, environment, None if rendered is None else _rendered(rendered, environment, f"{place}: rendered")
+        yield (
+            name,
+            environment,
+            None if rendered is None else _rendered(rendered, environment, f"{place}: rendered"),
+        )
 
 
 def _rendered(given: Any, environment: Environment, place: str) -> Environment:
@@ -347,12 +425,29 @@ def _hands(table: Table) -> Iterable[Hand]:
 
 
 _COMMON = {
-    "voi": "kelvin-voigt", "spring": "mass-spring-damper", "delay": "delay", "latency": "delay", "zoh": "zero-order-hold",
-    "hold": "zero-order-hold", "sampl": "sampled-loop", "control": "sampled-loop", "discrete": "sampled-loop",
-    "mass": "shunt", "inertia": "shunt", "damp": "shunt", "device": "shunt", "friction": "coulomb-friction",
-    "low": "second-order-lowpass", "lag": "first-order-lag", "motor": "first-order-lag", "actuator": "first-order-lag",
-    "shaft": "compliance", "belt": "compliance", "coupling": "compliance", "transfer": "series",
-}  # fmt: skip
+    "voi": "kelvin-voigt",
+    "spring": "mass-spring-damper",
+    "delay": "delay",
+    "latency": "delay",
+    "zoh": "zero-order-hold",
+    "hold": "zero-order-hold",
+    "sampl": "sampled-loop",
+    "control": "sampled-loop",
+    "discrete": "sampled-loop",
+    "mass": "shunt",
+    "inertia": "shunt",
+    "damp": "shunt",
+    "device": "shunt",
+    "friction": "coulomb-friction",
+    "low": "second-order-lowpass",
+    "lag": "first-order-lag",
+    "motor": "first-order-lag",
+    "actuator": "first-order-lag",
+    "shaft": "compliance",
+    "belt": "compliance",
+    "coupling": "compliance",
+    "transfer": "series",
+}
 """Words for a model that are not its name; the first that an unknown name contains is meant."""
 
 
@@ -364,7 +459,9 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
     if not isinstance(name, str) or name not in catalogue:
         common = (x for word, x in _COMMON.items() if word in str(name).lower() and x in catalogue)
         hint = next((f'did you mean "{x}"? ' for x in common), "") or meant(str(name), catalogue)
-        raise SceneError(f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}')
+        raise SceneError(
+            f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}'
+        )
     return catalogue[name], table
 
 
@@ -377,7 +474,9 @@ def _built(model: Model, parameters: Table, place: str) -> Any:
 
 def _band(given: Any) -> tuple[Any, Any]:
     if not isinstance(given, list) or len(given) != 2:
-        raise SceneError(f'evaluation: band: "{given}": give two frequencies, as ["0 rad/s", "15 rad/s"]')
+        raise SceneError(
+            f'evaluation: band: "{given}": give two frequencies, as ["0 rad/s", "15 rad/s"]'
+        )
     for x in given:
         frequency("evaluation: band", x)
     low, high = given  # as they are written, for what may be said about them
@@ -387,20 +486,30 @@ def _band(given: Any) -> tuple[Any, Any]:
 def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
     for key in _APART:
         if key in table:
-            raise SceneError(f"{key}: a measured scene has [environment] and [perceived] only: leave it out")
+            raise SceneError(
+                f"{key}: a measured scene has [environment] and [perceived] only: leave it out"
+            )
     _only(table, _TABLES, "")
     for key in ("environment", "perceived"):
         if key not in table:
-            raise SceneError(f"[{key}] is missing: a measured scene needs [environment] and [perceived]")
+            raise SceneError(
+                f"[{key}] is missing: a measured scene needs [environment] and [perceived]"
+            )
     own = _table(table["environment"], "environment")
-    environment = _measurement(own, "environment", folder) if "file" in own else _environment(own, "environment")
+    environment = (
+        _measurement(own, "environment", folder)
+        if "file" in own
+        else _environment(own, "environment")
+    )
     perceived = _measurement(_table(table["perceived"], "perceived"), "perceived", folder)
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd"), "evaluation")
     band = _band(evaluation["band"]) if "band" in evaluation else None
     with within("evaluation: jnd"):
         threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
-    return MeasuredScene(environment, perceived, band, threshold, _text(table, "title"), _text(table, "source"))
+    return MeasuredScene(
+        environment, perceived, band, threshold, _text(table, "title"), _text(table, "source")
+    )
 
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
@@ -412,7 +521,9 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         name = table.get("file")
         if not isinstance(name, str) or not name or "\0" in name:
             raise SceneError("file: give the name of a CSV file in the folder of the scene")
-        averages, confidence, overlap = (_float(table, key) for key in ("averages", "confidence", "overlap"))
+        averages, confidence, overlap = (
+            _float(table, key) for key in ("averages", "confidence", "overlap")
+        )
         settings = {key: table[key] for key in (*RECORDS, *LAYOUT) if key in table}
         if overlap is not None:
             settings["overlap"] = overlap
@@ -445,7 +556,9 @@ def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
     for key in table:
         if key not in valid:
             where = f"{place}: " if place else ""
-            raise SceneError(f'{where}unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')
+            raise SceneError(
+                f'{where}unknown key "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}'
+            )
 
 
 _T = TypeVar("_T", SceneFamily, SceneFamily | MeasuredScene)
@@ -454,9 +567,11 @@ LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
 
 
 def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
-    """The scene of that name (one that the package ships) or in that file. SceneError says what is wrong with it.
+    """The scene of that name (one that the package ships) or in that file. SceneError says what is
+    wrong with it.
 
-    ``environment`` : which of several environments; without it a scene that has several is an error that lists them.
+    ``environment`` : which of several environments; without it a scene that has several is an error
+    that lists them.
 
     >>> load_scene("fu2019").environment.H
     9*s**2/5 + 15*s + 100
@@ -469,8 +584,8 @@ def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
 def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> SceneFamily:
     """The scenes in that file (or of that name), one for each of its environments: one or several.
 
-    ``environments`` : scenes whose environments (each with what is rendered for it) take the place of the scene's own;
-    named after their files. SceneError says what is wrong.
+    ``environments`` : scenes whose environments (each with what is rendered for it) take the place
+    of the scene's own; named after their files. SceneError says what is wrong.
 
     >>> list(load_scenes("palpation-device")), list(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
     (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])
@@ -480,18 +595,27 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
 
 
 def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]) -> SceneFamily:
-    """The displays of scenes with the environments of others, if there are any; ``name`` is what error messages call the file."""
+    """The displays of scenes with the environments of others, if there are any; ``name`` is what
+    error messages call the file."""
     given = [(label, x) for place in environments for label, x in _labelled(place)]
     if not given:
         return own
     with within(name):
-        return named(((label, _with_environment(own.first, label, x)) for label, x in given), own.title, own.source)
+        return named(
+            ((label, _with_environment(own.first, label, x)) for label, x in given),
+            own.title,
+            own.source,
+        )
 
 
-def open_scenes(scene: str | Path, *, files: bool = True) -> tuple[SceneFamily | MeasuredScene, str]:
-    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what error messages call it.
+def open_scenes(
+    scene: str | Path, *, files: bool = True
+) -> tuple[SceneFamily | MeasuredScene, str]:
+    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what
+    error messages call it.
 
-    ``files`` : whether files that the scene names are read; without them, a scene may come from anybody.
+    ``files`` : whether files that the scene names are read; without them, a scene may come from
+    anybody.
     """
     text, name = scene_text(scene)
     is_shipped = str(scene) in bench_names()
@@ -500,7 +624,8 @@ def open_scenes(scene: str | Path, *, files: bool = True) -> tuple[SceneFamily |
 
 
 def as_scene(given: Scene | str | Path) -> Scene:
-    """A scene as it is, or the one of that name or in that file: what every question about a scene begins with.
+    """A scene as it is, or the one of that name or in that file: what every question about a scene
+    begins with.
 
     >>> as_scene("fu2019").environment.H
     9*s**2/5 + 15*s + 100
@@ -513,9 +638,13 @@ def as_scene(given: Scene | str | Path) -> Scene:
 
 
 def _without_roots(scene: Scene) -> Scene:
-    """The scene; SceneError where it holds a root as sqrt(k*m), of which there are formulas alone."""
+    """The scene; SceneError where it holds a root as sqrt(k*m), of which there are formulas
+    alone."""
     for root in scene.chain.ring.roots.values():
-        raise SceneError(f"{root}: in a scene only s has fractional powers, as in 0.17*s^0.5: give it as a parameter")
+        raise SceneError(
+            f"{root}: in a scene only s has fractional powers, as in 0.17*s^0.5: give it as "
+            f"a parameter"
+        )
     return scene
 
 
@@ -536,7 +665,8 @@ def _with_environment(display: Scene, label: str, other: Scene) -> Scene:
 
 
 def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
-    """The environments of a scene as scenes, each by its name; the only one by the name of its file."""
+    """The environments of a scene as scenes, each by its name; the only one by the name of its
+    file."""
     text, name = scene_text(place)
     family = parse_scenes(text, name)
     if len(family) == 1:
@@ -545,7 +675,8 @@ def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
 
 
 def parse_scene(text: str, name: str = "scene", environment: str | None = None) -> Scene:
-    """The scene that a TOML text describes; ``name`` is what error messages call it, ``environment`` one of several.
+    """The scene that a TOML text describes; ``name`` is what error messages call it,
+    ``environment`` one of several.
 
     >>> parse_scene('environment = { model = "maxwell", k = 100, b = "5 N*s/m" }').band
     (0, 15)
@@ -554,9 +685,11 @@ def parse_scene(text: str, name: str = "scene", environment: str | None = None) 
 
 
 def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
-    """The scenes that a TOML text describes, one for each of its environments, by their names; exact numbers.
+    """The scenes that a TOML text describes, one for each of its environments, by their names;
+    exact numbers.
 
-    ``name`` : what error messages call the text. SceneError names table, key, value and rule of what is wrong.
+    ``name`` : what error messages call the text. SceneError names table, key, value and rule of
+    what is wrong.
 
     >>> text = 'environments = [{ name = "soft", model = "kelvin-voigt", k = "1 N/mm", b = 2 }]'
     >>> parse_scenes(text)["soft"].environment.H
@@ -578,7 +711,8 @@ def _chosen(text: str, name: str, environment: str | None) -> Scene:
 
 
 def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
-    """One environment of several, or the only one; ``name`` is what error messages call the file."""
+    """One environment of several, or the only one; ``name`` is what error messages call the
+    file."""
     with within(name):
         if environment is None:
             return family.only()
@@ -587,7 +721,8 @@ def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
 
 
 def scene_text(scene: str | Path) -> tuple[str, str]:
-    """The text of a shipped scene or of a file, and what error messages call it. A file is read once, as pipes can only be."""
+    """The text of a shipped scene or of a file, and what error messages call it. A file is read
+    once, as pipes can only be."""
     if not isinstance(scene, str | Path) or "\n" in str(scene):
         raise SceneError(_instead(scene))
     name = str(scene)
@@ -609,7 +744,10 @@ def _instead(given: object) -> str:
         both = "evaluate_all(scenes) or answer_each(scenes, hs.stability)"
         way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with {both}'
     elif isinstance(given, Distortion):
-        way = "it has no band and no threshold; make one with Scene(environment, effects, band, threshold)"
+        way = (
+            "it has no band and no threshold; make one with Scene(environment, effects, band, "
+            "threshold)"
+        )
     elif isinstance(given, Environment | Effect):
         way = "make one with Scene(environment, effects, band, threshold)"
     elif isinstance(getattr(given, "scene", None), Scene):
@@ -622,7 +760,9 @@ def _instead(given: object) -> str:
 def _read_in_scenefile(path: Path) -> str:
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST_FILE + 1)  # of a pipe or device nothing else tells how much there is
+            data = file.read(
+                LARGEST_FILE + 1
+            )  # of a pipe or device nothing else tells how much there is
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: {_no_such_scene(path, error)}") from None
     if len(data) > LARGEST_FILE:

@@ -1,10 +1,13 @@
-"""What the package ships, by name: scenes, scenes with several environments, bench runs; to be listed without SymPy."""
+"""What the package ships, by name: scenes, scenes with several environments, bench runs; to be
+listed without SymPy."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-SHIPPED = Path(__file__).parents[1]  # ``importlib.resources`` takes longer than the evaluation of a scene
+SHIPPED = Path(__file__).parents[
+    1
+]  # ``importlib.resources`` takes longer than the evaluation of a scene
 
 
 def scene_names() -> tuple[str, ...]:
@@ -26,7 +29,8 @@ def family_names() -> tuple[str, ...]:
 
 
 def bench_names() -> tuple[str, ...]:
-    """The names of the measured scenes that the package ships: simulated bench runs, which ``evaluate`` and ``identify`` take.
+    """The names of the measured scenes that the package ships: simulated bench runs, which
+    ``evaluate`` and ``identify`` take.
 
     >>> bench_names()
     ('delayed-spring-bench', 'fu2019-bench', 'fu2019-clipped-bench')
@@ -44,4 +48,8 @@ def shipped_text(name: str) -> str | None:
 
 def _names(folder: str) -> tuple[str, ...]:
     entries = (SHIPPED / folder).iterdir()
-    return tuple(sorted(entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")))
+    return tuple(
+        sorted(
+            entry.name.removesuffix(".toml") for entry in entries if entry.name.endswith(".toml")
+        )
+    )

@@ -1,8 +1,10 @@
-"""From where to where the values of a number are asked about, and how far of that they are searched.
+"""From where to where the values of a number are asked about, and how far of that they are
+searched.
 
-A model allows the values of its rule; of these a question without a range is about all. Searched are those from a
-millionth to a million times the scene's own, and 0; of times, such as delays and periods, up to a thousand times it, as
-a longer one asks for more frequencies than a question is worth. What was not searched is said to be so.
+A model allows the values of its rule; of these a question without a range is about all. Searched
+are those from a millionth to a million times the scene's own, and 0; of times, such as delays and
+periods, up to a thousand times it, as a longer one asks for more frequencies than a question is
+worth. What was not searched is said to be so.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ ALLOWED: Mapping[Rule, Domain] = {
 """The values that a rule allows."""
 
 _REACH, _REACH_OF_TIMES = 10**6, 10**3
-"""How many times as large as the scene's own a value is that is still searched; 0 counts as 1 in SI, a time of 0 as 1 ms."""
+"""How many times as large as the scene's own a value is that is still searched; 0 counts as 1 in
+SI, a time of 0 as 1 ms."""
 
 
 def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
@@ -47,7 +50,9 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
         allowed.high is not None and sign_of_number(allowed.high - start) <= 0
     )
     if is_beyond:
-        raise SceneError(f"{free.path} {free.rule.value}: no value from {given[0]} to {given[1]} does")
+        raise SceneError(
+            f"{free.path} {free.rule.value}: no value from {given[0]} to {given[1]} does"
+        )
     return Domain(
         allowed.low if below > 0 else start,
         allowed.high if above > 0 else end,
@@ -57,12 +62,15 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
 
 
 def searched(free: Knob, asked: Domain) -> tuple[Expr, Expr]:
-    """From where to where values are searched: all between ends that were given; signed values on both sides alike.
+    """From where to where values are searched: all between ends that were given; signed values on
+    both sides alike.
 
-    0 is looked at by itself where a domain begins or ends there: what holds next to it is what holds at the least value
-    that is searched.
+    0 is looked at by itself where a domain begins or ends there: what holds next to it is what
+    holds at the least value that is searched.
     """
-    own = S.One if free.value.free_symbols or not free.value else abs(free.value)  # a limit may be a formula
+    own = (
+        S.One if free.value.free_symbols or not free.value else abs(free.value)
+    )  # a limit may be a formula
     most = _REACH * own
     if free.dimension is Dimension.TIME:
         most = _REACH_OF_TIMES * own if free.value else S.One

@@ -1,6 +1,8 @@
-"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its page and document.
+"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its
+page and document.
 
-As a script of SymPy it is its symbols with their assumptions, the dynamics, then the distortion in named steps.
+As a script of SymPy it is its symbols with their assumptions, the dynamics, then the distortion in
+named steps.
 """
 
 from __future__ import annotations
@@ -38,20 +40,20 @@ from haptisym.writing.mathml import mathml
 from haptisym.writing.plain import said
 
 MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
-MOST_TERMS = (
-    2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
-)
+MOST_TERMS = 2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
 
 
 @dataclass
 class Written:
-    """What a section says, as it is put together: equations, and what they mean or why there is none."""
+    """What a section says, as it is put together: equations, and what they mean or why there is
+    none."""
 
     lines: list[doc.Line] = field(default_factory=list)
     notes: list[Phrase] = field(default_factory=list)
 
     def solve(self, left: Box, solutions: Iterable[Solution], of: Phrase) -> None:
-        """Some solutions as formulas, and what is to be said about the others; ``of`` : what is solved."""
+        """Some solutions as formulas, and what is to be said about the others; ``of`` : what is
+        solved."""
         lines, said = answers(left, solutions)
         self.lines += lines
         self.notes += [(of, ": ", x) for x in said]
@@ -95,7 +97,8 @@ def _degree(equation: Expr) -> tuple[Phrase, ...]:
 
 
 def _power(x: Expr) -> int:
-    """The degree in omega of a polynomial whose sums are collected by its powers: nothing in them cancels."""
+    """The degree in omega of a polynomial whose sums are collected by its powers: nothing in them
+    cancels."""
     if x.is_Pow:
         return int(x.exp) * _power(x.base) if x.base.has(omega) else 0
     if x.is_Add or x.is_Mul:
@@ -111,10 +114,14 @@ _LARGEST = 200_000  # products of terms of both parts of dH: beyond, what decide
 def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]:
     """Where a criterion is broken, in words, and the functions that these name."""
     terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
-    names = [[_called(x, i, j, terms) for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)]
+    names = [
+        [_called(x, i, j, terms) for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)
+    ]
     said = listed((listed((name, " > 0") for name in row) for row in names), "or")
     what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
-    return (what, " exactly where ", said, "."), list(zip(chain(*names), chain(*terms), strict=True))
+    return (what, " exactly where ", said, "."), list(
+        zip(chain(*names), chain(*terms), strict=True)
+    )
 
 
 def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> Box:
@@ -123,7 +130,8 @@ def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> 
 
 
 def when_of_region(d: Derivation) -> doc.Section:
-    """Of a region, or of limits that are formulas in omega: its border, and each function in closed form where it is short."""
+    """Of a region, or of limits that are formulas in omega: its border, and each function in closed
+    form where it is short."""
     limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
     out = Written(notes=[(limits, region(d.scene.threshold), ".")])
     long: list[Phrase] = []
@@ -133,15 +141,25 @@ def when_of_region(d: Derivation) -> doc.Section:
             borders = [(named(f"q_{i}"), form) for i, form in enumerate(_borders(x.joint), 1)]
             one_of = "one of " if len(borders) > 1 else ""
             shown = listed((name for name, _ in borders), "or")
-            out.notes.append(("The ", x.joint.kind, " is left where ", one_of, shown, " is positive."))
-            out.lines += [_relative("x_r", "Re dH"), _relative("x_i", "Im dH"), *(doc.Line(*pair) for pair in borders)]
+            out.notes.append(
+                ("The ", x.joint.kind, " is left where ", one_of, shown, " is positive.")
+            )
+            out.lines += [
+                _relative("x_r", "Re dH"),
+                _relative("x_i", "Im dH"),
+                *(doc.Line(*pair) for pair in borders),
+            ]
         if not is_short:
             continue
         found = x.function(d.distortion)
         said, functions = ways(x, found)
         out.notes.append(said)
         for name, f in functions:
-            form = f.factored() if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS else None
+            form = (
+                f.factored()
+                if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS
+                else None
+            )
             if form is None or count_ops(form) > _LONGEST or len(long) + len(out.lines) >= _MOST:
                 long.append(name)
             else:
@@ -152,7 +170,9 @@ def when_of_region(d: Derivation) -> doc.Section:
     if not is_short:
         out.notes.append("Closed forms of this chain are long and not expanded here.")
     if long:
-        out.notes.append(("Too long to be expanded here: ", listed(long), "; fewer symbols make them shorter."))
+        out.notes.append(
+            ("Too long to be expanded here: ", listed(long), "; fewer symbols make them shorter.")
+        )
     out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
     return out.section("When it is noticed")
 
@@ -166,9 +186,14 @@ def _is_short(d: Derivation) -> bool:
 
 
 def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line], list[Phrase]]:
-    """Where what is judged meets its limit, solved for omega: of one function its crossings, of several where they may lie."""
+    """Where what is judged meets its limit, solved for omega: of one function its crossings, of
+    several where they may lie."""
     terms: Sequence[Sequence[Signed]] = found.terms if isinstance(found, Lattice) else ((found,),)
-    if not any(isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS for row in terms for f in row):
+    if not any(
+        isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS
+        for row in terms
+        for f in row
+    ):
         return [], []
     conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
     is_one = len(terms) == len(terms[0]) == 1
@@ -179,11 +204,17 @@ def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line],
             if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS:
                 place = "" if is_one else f"_{i + 1}{j}"
                 own, said = answers(named(f"omega_{x.name}{place}"), solve(f))
-                lines += [line for line in own if line.value not in [known.value for known in lines]]
+                lines += [
+                    line for line in own if line.value not in [known.value for known in lines]
+                ]
                 notes += [note for note in said if note not in notes]
     if lines and not is_one:
         notes.insert(
-            0, "each crossing is one of the solutions, or a frequency at which another function changes its sign."
+            0,
+            (
+                "each crossing is one of the solutions, or a frequency at which another function "
+                "changes its sign."
+            ),
         )
     return lines, [(named(x.symbol), ": ", note) for note in notes]
 
@@ -198,18 +229,24 @@ def _borders(of: Joint) -> list[Expr]:
     assert isinstance(of, Cornered | Ellipse)
     u, v = x / of.real, y / of.imag
     if isinstance(of, Cornered):
-        return [Abs(p * u + q * v) - 1 for p, q in of.pairs] or [p * u + q * v - 1 for p, q in of.edges]
+        return [Abs(p * u + q * v) - 1 for p, q in of.pairs] or [
+            p * u + q * v - 1 for p, q in of.edges
+        ]
     return [u**2 - 2 * of.tilt * u * v + v**2 - (1 - of.tilt**2)]
 
 
 LONGEST = 120  # operations of a closed form that is written out unasked
 _MOST_PARAMETERS = 20  # beyond which groups are many, and take long to prove
 _RATIOS = {Part.REAL: "r_r", Part.IMAG: "r_i"}
-_SHOWN = dict(zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)"), DISTORTION, strict=True))
+_SHOWN = dict(
+    zip(("Re dH", "Im dH", "r_r", "r_i", "Re(dH/H_env)", "Im(dH/H_env)"), DISTORTION, strict=True)
+)
 """Names of quantities, and of the results of ``Steps``."""
 
 
-def _section(title: Phrase, rows: Iterable[doc.Line] = (), notes: Iterable[Phrase] = ()) -> doc.Section:
+def _section(
+    title: Phrase, rows: Iterable[doc.Line] = (), notes: Iterable[Phrase] = ()
+) -> doc.Section:
     """A heading, sentences that say what the equations mean or what is missing, and these."""
     return Written(list(rows), list(notes)).section(title)
 
@@ -220,17 +257,30 @@ def sections(d: Derivation) -> tuple[doc.Section, ...]:
         return asked(d, d.of)
     when = _when(d) if d.scene.threshold.is_plain else when_of_region(d)
     found = [
-        _dynamics(d), _in_steps(d), _written_out(d), when, _changeovers(d), *_dimensionless(d), *_slow(d), *_fast(d),
-    ]  # fmt: skip
+        _dynamics(d),
+        _in_steps(d),
+        _written_out(d),
+        when,
+        _changeovers(d),
+        *_dimensionless(d),
+        *_slow(d),
+        *_fast(d),
+    ]
     return tuple(section for section in found if section.blocks)
 
 
 def beyond(d: Derivation) -> tuple[doc.Section, ...]:
-    """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading terms."""
+    """What closed forms alone do not show: short steps, crossings solved for omega, groups, leading
+    terms."""
     found = [
-        _in_steps(d), *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []), *_dimensionless(d), *_fast(d),
-    ]  # fmt: skip
-    return tuple(section for section in found if any(isinstance(x, doc.Equations) for x in section.blocks))
+        _in_steps(d),
+        *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []),
+        *_dimensionless(d),
+        *_fast(d),
+    ]
+    return tuple(
+        section for section in found if any(isinstance(x, doc.Equations) for x in section.blocks)
+    )
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[doc.Section, ...]:
@@ -256,8 +306,12 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
     part, knob = _part(letter), d.scene.knobs[parameter]
     if knob.symbol not in d.kept and part not in {*knob.parts} & {*d.kept_thresholds}:
-        raise SceneError(f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}')
-    above, below = (Product((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name))
+        raise SceneError(
+            f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}'
+        )
+    above, below = (
+        Product((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name)
+    )
     return doc.Line(Fraction(above, below), d.sensitivity(part, knob.symbol))
 
 
@@ -267,8 +321,12 @@ def _part(letter: str) -> Part:
 
 def _touches(d: Derivation, letter: str) -> list[Phrase]:
     """Where the formula of a sensitivity does not hold."""
-    crossings = d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
-    places = [x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1]
+    crossings = (
+        d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
+    )
+    places = [
+        x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1
+    ]
     at = f", here at {' and '.join(places)} rad/s" if places else ""
     said = f": at a crossing. Undefined where the display only touches its threshold{at}."
     return [("d ", named(f"omega_{letter}"), said)]
@@ -283,7 +341,9 @@ def canonical(name: str) -> str:
     """The name of a quantity as it is listed; SceneError for any other."""
     known = listed_name(name)
     if known is None:
-        valid = ", ".join([*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"])
+        valid = ", ".join(
+            [*QUANTITIES, *_SOLVED.values(), "d omega_r/d PARAMETER", "d omega_i/d PARAMETER"]
+        )
         raise SceneError(f'"{name}" is not a quantity: these are {valid}')
     return known
 
@@ -302,7 +362,11 @@ def _named(name: str, value: Expr, relation: str = "=") -> doc.Line:
 
 def _dynamics(d: Derivation) -> doc.Section:
     chain = " then ".join(e.name for e in d.scene.effects)
-    note = f"From the environment to the hand: {chain}." if chain else "No effects between environment and hand."
+    note = (
+        f"From the environment to the hand: {chain}."
+        if chain
+        else "No effects between environment and hand."
+    )
     rows = [_named("H_env", d["H_env"])]
     perceived = d["H_perc"] if d.steps.operations <= MOST_STEPS else None
     if perceived is not None and count_ops(perceived) <= LONGEST:
@@ -345,12 +409,16 @@ def _when(d: Derivation) -> doc.Section:
             continue
         written = d.excess(part).written
         terms = sum(len(factor) for factor, _ in written.ring.factors(written.numerator)[1])
-        if terms > LONGEST:  # each takes an operation at least; to put them together in SymPy takes seconds
+        if (
+            terms > LONGEST
+        ):  # each takes an operation at least; to put them together in SymPy takes seconds
             found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
         elif (operations := count_ops(polynomial := d[f"p_{letter}"])) <= LONGEST:
             found.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            found.notes.append((named(f"p_{letter}"), f" takes {operations} operations; --of prints it."))
+            found.notes.append(
+                (named(f"p_{letter}"), f" takes {operations} operations; --of prints it.")
+            )
         found.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
     return found.section(title)
 
@@ -381,13 +449,23 @@ def _dimensionless(d: Derivation) -> Iterator[doc.Section]:
     except SceneError as error:
         yield _section(title, notes=[f"Not possible: {error}."])
         return
-    named = [x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)]  # what stays is not told
+    named = [
+        x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)
+    ]  # what stays is not told
     rows = [_defined(group.symbol, group.value) for group in named]
-    before, after = (_counted(len(x), what) for x, what in ((d.scene.parameters, "parameter"), (found.groups, "group")))
+    before, after = (
+        _counted(len(x), what)
+        for x, what in ((d.scene.parameters, "parameter"), (found.groups, "group"))
+    )
     note = (
-        f"{before} and ", layout(omega), " become ", layout(found.frequency.symbol), f" and {after}; H is in units of ",
-        layout(found.stiffness), ". The ratios, as functions of these:",
-    )  # fmt: skip
+        f"{before} and ",
+        layout(omega),
+        " become ",
+        layout(found.frequency.symbol),
+        f" and {after}; H is in units of ",
+        layout(found.stiffness),
+        ". The ratios, as functions of these:",
+    )
     yield _section(title, rows, [note])
     steps = _in_x(found, found.chain.at(found.values).steps)
     yield _section((), _steps(steps))
@@ -419,7 +497,11 @@ def _fast(d: Derivation) -> Iterator[doc.Section]:
     if not rows:
         return
     low, high = (layout(x) for x in d.scene.band)
-    errors = [(f"{x.enclosure(1)[1]} in ", named(_RATIOS[part])) for part, x in found.bounds.items() if x is not None]
+    errors = [
+        (f"{x.enclosure(1)[1]} in ", named(_RATIOS[part]))
+        for part, x in found.bounds.items()
+        if x is not None
+    ]
     on = " on ", low, " to ", high, " rad/s with the scene's numbers: proven."
     said: Phrase = ("The terms left out change at most ", listed(errors), *on)
     fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
@@ -448,30 +530,41 @@ def _direction(d: Derivation, fast: Symbol) -> str:
     return "small" if dimension is Dimension.TIME else "large"
 
 
-_HOW_SURE = "Proven: all equations, by exact algebra; haptisym.verify compares them with independent evaluations."
+_HOW_SURE = (
+    "Proven: all equations, by exact algebra; haptisym.verify compares them with independent "
+    "evaluations."
+)
 
 
 def page(d: Derivation) -> Document:
     """The parameters, and the sections."""
     mixed = 0 < len(d.kept) < len(d.scene.parameters)
     shown = table(
-        d.scene.parameters, "The parameters, in SI units.", Field("symbol", lambda p: named(p.symbol.name)),
-        Field("quantity", lambda p: _meaning(p, d.scene.motion)), Field("in the scene", lambda p: layout(p.value)),
+        d.scene.parameters,
+        "The parameters, in SI units.",
+        Field("symbol", lambda p: named(p.symbol.name)),
+        Field("quantity", lambda p: _meaning(p, d.scene.motion)),
+        Field("in the scene", lambda p: layout(p.value)),
         Field("", lambda p: ("kept" if p.symbol in d.kept else "inserted") * mixed),
-    )  # fmt: skip
+    )
     blocks = *((shown,) if shown.rows else ()), *sections(d)
     return page_about(d.scene, (), blocks, (_HOW_SURE,), "Derivation", _asides(d))
 
 
 def latex(d: Derivation) -> str:
-    r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``; amsmath is all it needs."""
-    return fragment((*(doc.Paragraph(doc.coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
+    r"""LaTeX for a paper: a paragraph for each section, its equations in an ``align*``; amsmath is
+    all it needs."""
+    return (
+        fragment((*(doc.Paragraph(doc.coded(x)) for x in _asides(d)), *sections(d)), depth=2) + "\n"
+    )
 
 
 def _asides(d: Derivation) -> list[str]:
     """That parameters vary, and what of the formulas holds for all of their values."""
     kept = any(p.interval for p in d.scene.parameters if p.symbol in d.kept)
-    return [note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()]
+    return [
+        note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()
+    ]
 
 
 def _meaning(p: Parameter, motion: MotionKind | None) -> str:
@@ -493,27 +586,42 @@ def body(d: Derivation) -> dict[str, Any]:
 def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
     shown = {"text": plain(p.value), "latex": formula(p.value)}
     return {
-        "name": p.symbol.name, "meaning": _meaning(p, d.scene.motion), "symbol": p.symbol in d.kept, "value": shown,
-    }  # fmt: skip
+        "name": p.symbol.name,
+        "meaning": _meaning(p, d.scene.motion),
+        "symbol": p.symbol in d.kept,
+        "value": shown,
+    }
 
 
 def _section_in_derive(section: doc.Section) -> dict[str, Any]:
     boxes = [line.equation for line in lines_of(section)]
     rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
-    notes = [said(x) for block in section.blocks if isinstance(block, doc.Notes) for x in block.entries]
+    notes = [
+        said(x) for block in section.blocks if isinstance(block, doc.Notes) for x in block.entries
+    ]
     return {"title": said(section.title), "notes": notes, "equations": rows}
 
 
 def lines_of(section: doc.Section) -> Iterator[doc.Line]:
     """The equations of a section."""
-    return (line for block in section.blocks if isinstance(block, doc.Equations) for line in block.lines)
+    return (
+        line for block in section.blocks if isinstance(block, doc.Equations) for line in block.lines
+    )
 
 
 # A script of SymPy.
 
 
 _FUNCTIONS = frozenset(dir(sympy)) - {"s"}
-_ALWAYS = ("Abs", "I", "Rational", "Symbol", "exp", "pi", "sqrt")  # what a script may call, whatever its names
+_ALWAYS = (
+    "Abs",
+    "I",
+    "Rational",
+    "Symbol",
+    "exp",
+    "pi",
+    "sqrt",
+)  # what a script may call, whatever its names
 _ASSUMED = ("positive", "nonnegative", "real")
 _FACTORED = 400  # operations of H_perc up to which it is written in lowest terms
 
@@ -565,12 +673,22 @@ def _lines(d: Derivation) -> Iterator[str]:
     words = {word for _, value in (*rows, *above) for word in re.findall(r"[A-Za-z]\w*", value)}
     used = words & _FUNCTIONS - {*names.values()}
     yield f'"""{comment(d.scene.title or "Distortion of a haptic display")}'
-    yield from ("", "H is force per position; s the Laplace variable, omega the frequency in rad/s. SI units.", '"""')
+    yield from (
+        "",
+        "H is force per position; s the Laplace variable, omega the frequency in rad/s. SI units.",
+        '"""',
+    )
     yield from ("", f"from sympy import {', '.join(sorted({*used, 'Symbol'}))}", "")
     for x in (s, omega, *own):
         assumed = next((f", {a}=True" for a in _ASSUMED if getattr(x, f"is_{a}")), "")
         yield f'{names[x.name]} = Symbol("{comment(x.name)}"{assumed})'
     yield ""
     yield from (f"{name} = {value}" for name, value in above)
-    yield from ("", "# Re and Im of dH = H_perc - H_env at s = j omega, over |H_env|, and of dH/H_env: in named steps")
+    yield from (
+        "",
+        (
+            "# Re and Im of dH = H_perc - H_env at s = j omega, over |H_env|, and of dH/H_env: "
+            "in named steps"
+        ),
+    )
     yield from (f"{name} = {value}" for name, value in rows)

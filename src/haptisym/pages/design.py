@@ -1,4 +1,5 @@
-"""The page of the best values: what they are, how large the bandwidth can be, what limits it, and what it costs to miss them."""
+"""The page of the best values: what they are, how large the bandwidth can be, what limits it, and
+what it costs to miss them."""
 
 from __future__ import annotations
 
@@ -12,7 +13,17 @@ from haptisym.model.scene import Knob
 from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
 from haptisym.verbs.design.attained import PASSIVE, STABLE, STEADY, Attained
 from haptisym.verbs.design.entry import Design
-from haptisym.writing.document import FREQUENCY_UNIT, Block, Column, Document, Figure, Phrase, Real, Table, listed
+from haptisym.writing.document import (
+    FREQUENCY_UNIT,
+    Block,
+    Column,
+    Document,
+    Figure,
+    Phrase,
+    Real,
+    Table,
+    listed,
+)
 from haptisym.writing.layout import named
 
 _DIGITS = 17  # as many as a float has: of values that are rounded further the bandwidth may be another one
@@ -22,17 +33,27 @@ def page(a: Design) -> Document:
     """The whole page."""
     further = [_require(a)] if a.is_whole and len(a.free) < 3 else []
     return page_about(
-        a.about, _answer(a), _blocks(a), _proven(a), "Values with the largest bandwidth", a.asides(), further
+        a.about,
+        _answer(a),
+        _blocks(a),
+        _proven(a),
+        "Values with the largest bandwidth",
+        a.asides(),
+        further,
     )
 
 
 def _require(a: Design) -> str:
     """The call that gives all values with which nothing is noticed."""
     ranges = zip(a.free, a.ranges, strict=True)
-    free = " ".join(f"--free {x.path} --range {_bare(low)} {_bare(high)}" for x, (low, high) in ranges)
+    free = " ".join(
+        f"--free {x.path} --range {_bare(low)} {_bare(high)}" for x, (low, high) in ranges
+    )
     goals = "".join(f" --that {x}" for x in ("transparent", *a.keep)) if a.keep else ""
     hands = {quote(x.name) for x in a.scene.hands} if {STABLE, STEADY} & {*a.keep} else set()
-    hand = f" --hand {hands.pop()}" if len(hands) == 1 else ""  # of several the scene itself names them
+    hand = (
+        f" --hand {hands.pop()}" if len(hands) == 1 else ""
+    )  # of several the scene itself names them
     return f"haptisym require SCENE {free}{goals}{hand}"
 
 
@@ -47,7 +68,10 @@ def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
         yield "Bandwidth", "none" if a.certified else ("at most ", both(a.bandwidth[1], Way.UP))
         return
     values = zip(a.free, a.best.values, strict=True)
-    yield "Best values", listed((named(x.name), " = ", _written(x, v), _now(x, v)) for x, v in values)
+    yield (
+        "Best values",
+        listed((named(x.name), " = ", _written(x, v), _now(x, v)) for x, v in values),
+    )
     yield "Bandwidth", _bandwidth(a)
     if not a.is_whole:
         yield "Limited by", _limits(a)
@@ -67,7 +91,11 @@ def _written(x: Knob, value: Expr) -> Real:
 
 
 def _now(x: Knob, best: Expr) -> Phrase:
-    return " (as in the scene)" if best == x.value else (" (is ", value_of(x, x.value, Way.NEAREST), ")")
+    return (
+        " (as in the scene)"
+        if best == x.value
+        else (" (is ", value_of(x, x.value, Way.NEAREST), ")")
+    )
 
 
 def _bandwidth(a: Design) -> Phrase:
@@ -94,7 +122,9 @@ def _limits(a: Design) -> Phrase:
         return "the low end of the band: noticed from there on"
     several = len(a.family) > 1
     first = a.binding[0]
-    said = [(named(x.criterion.symbol), f" with {x.environment}" if several else "") for x in a.binding]
+    said = [
+        (named(x.criterion.symbol), f" with {x.environment}" if several else "") for x in a.binding
+    ]
     together = " at once" if len(said) > 1 else ""
     return listed(said), f"{together} from ", both(first.omega), " on"
 
@@ -107,7 +137,11 @@ def _blocks(a: Design) -> Iterator[Block]:
             *[Column(("Kept: ", listed(a.keep)))] * bool(a.keep),
         )
         rows = [
-            (_percent(x.relative), ("at least ", cell(x.bandwidth, Way.DOWN)), *((_KEPT[x.kept],) if a.keep else ()))
+            (
+                _percent(x.relative),
+                ("at least ", cell(x.bandwidth, Way.DOWN)),
+                *((_KEPT[x.kept],) if a.keep else ()),
+            )
             for x in a.loss
         ]
         yield Table(columns, tuple(rows), "What it costs to miss the best values.")
@@ -130,7 +164,17 @@ def _percent(x: Expr) -> str:
 def _proven(a: Design) -> Iterator[Phrase]:
     spans = (_range(x, *ends, Way.UP, Way.DOWN) for x, ends in zip(a.free, a.ranges, strict=True))
     low, high = (cell(float(x), Way.NEAREST) for x in a.family.band)
-    yield "Range searched: ", listed(spans), "; band: ", low, " to ", high, "\xa0", FREQUENCY_UNIT, "."
+    yield (
+        "Range searched: ",
+        listed(spans),
+        "; band: ",
+        low,
+        " to ",
+        high,
+        "\xa0",
+        FREQUENCY_UNIT,
+        ".",
+    )
     if a.best is not None and len(a.clusters):
         boxes = [
             listed(_range(x, *ends, Way.DOWN, Way.UP) for x, ends in zip(a.free, box, strict=True))
@@ -141,7 +185,9 @@ def _proven(a: Design) -> Iterator[Phrase]:
     if a.certified and a.best is None:
         yield proof(a.scene, ("no values in the range are ", listed(a.keep)))
     elif a.certified:
-        most = "" if a.is_whole else ", and that no other values in the range have more than the bound"
+        most = (
+            "" if a.is_whole else ", and that no other values in the range have more than the bound"
+        )
         yield proof(a.scene, f"the bandwidth at these values{most}")
     else:
         yield undecided(("whether other values have up to ", both(a.bandwidth[1], Way.UP), _why(a)))

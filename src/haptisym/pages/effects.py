@@ -1,4 +1,5 @@
-"""The page of which effects matter: by how much each changes the ratios, where, and what is proven."""
+"""The page of which effects matter: by how much each changes the ratios, where, and what is
+proven."""
 
 from __future__ import annotations
 
@@ -9,7 +10,16 @@ from haptisym.kernel.reals import Way
 from haptisym.model.jnd import Part
 from haptisym.pages import words as w
 from haptisym.verbs.effects.relevance import CrossingEnclosure, Relevance
-from haptisym.writing.document import Block, Document, Figure, Notes, Paragraph, Phrase, Section, listed
+from haptisym.writing.document import (
+    Block,
+    Document,
+    Figure,
+    Notes,
+    Paragraph,
+    Phrase,
+    Section,
+    listed,
+)
 
 
 def page(r: Relevance) -> Document:
@@ -20,10 +30,18 @@ def page(r: Relevance) -> Document:
 
 def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
-    yield "Matter", (listed(kept) if kept else "none", f" ({len(kept)} of {counted(len(r.scene.effects), 'effect')})")
+    yield (
+        "Matter",
+        (
+            listed(kept) if kept else "none",
+            f" ({len(kept)} of {counted(len(r.scene.effects), 'effect')})",
+        ),
+    )
     if dropped:
         full, few = r.operations
-        changes = w.phrased("changes {} on the band (tolerance {})", w.bounds(r.bound), w.near(float(r.tolerance)))
+        changes = w.phrased(
+            "changes {} on the band (tolerance {})", w.bounds(r.bound), w.near(float(r.tolerance))
+        )
         yield "Left out", (listed(dropped), ": ", changes)
         yield "Operations", f"{few} for the distortion in intermediate steps, instead of {full}"
 
@@ -33,14 +51,20 @@ def _effects(r: Relevance) -> Iterator[Block]:
         yield Paragraph("The scene has no effects.")
         return
     ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
-    changes = (w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most)) for part in Part)  # type: ignore[misc]
+    changes = (
+        w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most))
+        for part in Part
+    )  # type: ignore[misc]
     names = w.Field("effect", lambda x: x.effect.name), w.Field("model", lambda x: x.effect.model)
     kept = w.Field("", lambda x: "kept" if x.kept and r.dropped else "")
     blocks: list[Block] = [w.table(ranked, "Upper bounds, proven.", *names, *changes, kept)]
     if any(not change.is_finite for x in r.effects for change in x.change.values()):
         why = "Unbounded: near a frequency where {} or a dynamics is infinite, no bound exists."
         blocks.append(Notes((w.phrased(why, w.compared(w.H_ENV, "=")),)))
-    shown = "Change of both ratios without each effect; in the strip above, the effect that changes them most."
+    shown = (
+        "Change of both ratios without each effect; in the strip above, the effect that changes "
+        "them most."
+    )
     figure = Figure("influences", shown, r.figure, wide=True)
     yield Section("Largest change of each ratio on the band without that effect", (*blocks, figure))
 
@@ -59,21 +83,30 @@ def _crossings(r: Relevance) -> Block:
         return Paragraph(f"The {scene} has no crossing on the band.")
     count = w.Field("crossings", lambda x: "at least one" if x.certain else "none, one or several")
     shown = w.table(
-        r.crossings, f"Where crossings of the {scene} are; outside of these intervals it has none.",
-        w.Field("part", lambda x: x.criterion.name), w.Field(w.IN_UNIT, _interval), *[count] * bool(r.dropped),
-    )  # fmt: skip
+        r.crossings,
+        f"Where crossings of the {scene} are; outside of these intervals it has none.",
+        w.Field("part", lambda x: x.criterion.name),
+        w.Field(w.IN_UNIT, _interval),
+        *[count] * bool(r.dropped),
+    )
     return Section(f"Where the {scene}'s crossings are", (shown,))
 
 
 def _interval(x: CrossingEnclosure) -> Phrase:
     low, high = x.bounds
-    return w.cell(low) if high - low < 1e-6 * high else (w.cell(low, Way.DOWN), " to ", w.cell(high, Way.UP))
+    return (
+        w.cell(low)
+        if high - low < 1e-6 * high
+        else (w.cell(low, Way.DOWN), " to ", w.cell(high, Way.UP))
+    )
 
 
 def _proven(r: Relevance) -> Iterator[Phrase]:
     what = "bounds on the whole band"
     if r.dropped:
         what += ", for all effects left out together; no crossing of the full scene elsewhere"
-    yield w.proof(r.scene, what + "; no smaller set of effects stays within the tolerance" * r.smallest)
+    yield w.proof(
+        r.scene, what + "; no smaller set of effects stays within the tolerance" * r.smallest
+    )
     if not r.smallest:
         yield "Not proven: that no smaller set of effects exists."

@@ -1,7 +1,8 @@
-"""The page of an evaluation: the answer in three lines, step 1 (when a hand notices), step 2 (as what), what is proven.
+"""The page of an evaluation: the answer in three lines, step 1 (when a hand notices), step 2 (as
+what), what is proven.
 
-The same document is printed, set in LaTeX and HTML, and shown in a notebook; a report has more of it: the scene, which values
-would do, an explorer, the derivation.
+The same document is printed, set in LaTeX and HTML, and shown in a notebook; a report has more of
+it: the scene, which values would do, an explorer, the derivation.
 
 The pages of several environments at once, and of the peaks of the ratios, follow it.
 """
@@ -44,7 +45,16 @@ def page(e: Evaluation) -> Document:
     full = _InFull(e)
     low, high = (w.cell(e.chart.points[i].omega) for i in (0, -1))
     judged = w.limits(e.scene.threshold), published_words(e.scene.threshold)
-    step_1: Phrase = ("Step 1: crossings on ", low, " to ", high, "\xa0", FREQUENCY_UNIT, ", JND ", judged)
+    step_1: Phrase = (
+        "Step 1: crossings on ",
+        low,
+        " to ",
+        high,
+        "\xa0",
+        FREQUENCY_UNIT,
+        ", JND ",
+        judged,
+    )
     blocks = (
         *_left_out(e),
         doc.Section("Scene", (doc.Versions((), full.scene),), "scene"),
@@ -54,14 +64,25 @@ def page(e: Evaluation) -> Document:
         doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
         *_movement(e),
         *w.noted(_remarks(e)),
-        doc.Section("Formulas", (doc.Versions((doc.Formulas(lambda: [doc.Facts(tuple(_dynamics(e)))]),)),), "formulas"),
-        doc.Section("Which values satisfy the JND?", (doc.Versions((), full.design),), "which-values"),
+        doc.Section(
+            "Formulas",
+            (doc.Versions((doc.Formulas(lambda: [doc.Facts(tuple(_dynamics(e)))]),)),),
+            "formulas",
+        ),
+        doc.Section(
+            "Which values satisfy the JND?", (doc.Versions((), full.design),), "which-values"
+        ),
         doc.Section("Explorer", (doc.Live(full.explorer),), "explorer"),
         *w.caveats(e.caveats),
         w.certificate(e, e.scene),
-        doc.Section("Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True),
+        doc.Section(
+            "Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True
+        ),
     )
-    kind, further = "Two-step evaluation of a haptic display", ("--formulas", "haptisym stability SCENE --hand NAME")
+    kind, further = (
+        "Two-step evaluation of a haptic display",
+        ("--formulas", "haptisym stability SCENE --hand NAME"),
+    )
     return w.page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
 
 
@@ -70,7 +91,11 @@ def _percent(x: float) -> str:
     return f"{100 * x:+{'.1f' if not x or abs(x) >= 5e-4 else '.3g'}}\xa0%"
 
 
-_FITTED = {"k": ("stiffness", Dimension.STIFFNESS), "b": ("damping", Dimension.DAMPING), "m": ("mass", Dimension.MASS)}
+_FITTED = {
+    "k": ("stiffness", Dimension.STIFFNESS),
+    "b": ("damping", Dimension.DAMPING),
+    "m": ("mass", Dimension.MASS),
+}
 
 
 def _movement(e: Evaluation) -> Iterator[doc.Block]:
@@ -88,17 +113,25 @@ def _movement(e: Evaluation) -> Iterator[doc.Block]:
         w.number("change", lambda x: "" if (own := found.change[x]) is None else _percent(own)),
     )
     said: list[Phrase] = [
-        f"Least squares over a {found.spectrum}: what a fit to this movement reports, not what a person was shown to perceive."
+        (
+            f"Least squares over a {found.spectrum}: what a fit to this movement reports, not "
+            f"what a person was shown to perceive."
+        )
     ]
     for name, places in found.poles.items():
         at = listed(w.both(x) for x in places)
         said.append((w.SYSTEMS[name], " is infinite at ", at, ": there is no fit of it."))
     largest = max(_FITTED, key=lambda x: abs(found.change[x] or 0.0))
     own = found.change[largest] or 0.0
-    if e.bandwidth is not None and found.band[1] <= float(e.bandwidth) and abs(own) > float(e.scene.threshold.real):
+    if (
+        e.bandwidth is not None
+        and found.band[1] <= float(e.bandwidth)
+        and abs(own) > float(e.scene.threshold.real)
+    ):
         more = "higher" if own > 0 else "lower"
         said.append(
-            f"Nothing is noticed at any one frequency of this movement; still the fitted {_FITTED[largest][0]} is"
+            f"Nothing is noticed at any one frequency of this movement; still the fitted "
+            f"{_FITTED[largest][0]} is"
             f" {abs(100 * own):.1f}\xa0% {more}."
         )
     yield doc.Section("What a fit to a movement reports", (rows, *w.noted(said)), "movement")
@@ -162,9 +195,20 @@ def _bandwidth(e: Evaluation) -> Phrase:
         return Strong("none"), ": ", onward
     if w.is_transparent_throughout(e):
         low, high = (w.cell(e.chart.points[i].omega) for i in (0, -1))
-        return Strong("the whole band"), ", ", low, " to ", high, "\xa0", FREQUENCY_UNIT, _range_of(e)
+        return (
+            Strong("the whole band"),
+            ", ",
+            low,
+            " to ",
+            high,
+            "\xa0",
+            FREQUENCY_UNIT,
+            _range_of(e),
+        )
     by = listed(dict.fromkeys(_limit(c) for c in e.crossings if c.omega is e.bandwidth))
-    more: Phrase = ("; transparent again ", w.spans(e.transparent[1:])) if len(e.transparent) > 1 else ""
+    more: Phrase = (
+        ("; transparent again ", w.spans(e.transparent[1:])) if len(e.transparent) > 1 else ""
+    )
     return Strong((w.both(e.bandwidth),)), (", limited by ", by) if by else "", _range_of(e), more
 
 
@@ -184,7 +228,8 @@ def _range_of(e: Evaluation) -> Phrase:
 
 
 def felt_as(e: Evaluation) -> Phrase:
-    """How each part is felt where it is first noticed: ``lower mass from 7.979 rad/s, higher damping from 11.94 rad/s``."""
+    """How each part is felt where it is first noticed: ``lower mass from 7.979 rad/s, higher
+    damping from 11.94 rad/s``."""
     first = {x.part: x for x in reversed(e.felt)}
     found = sorted(first.values(), key=lambda x: float(x.band.low.omega))
     if not found:
@@ -198,8 +243,10 @@ def stability(e: Evaluation) -> Phrase:
     if e.passivity is not None and e.passivity.holds:
         return Strong("passive"), ": stable in the hand of any passive operator"
     prescribed: dict[bool | None, Phrase] = {
-        True: "stable", False: (Strong("unstable"), ""), None: (Strong("undecided"), ""),
-    }  # fmt: skip
+        True: "stable",
+        False: (Strong("unstable"), ""),
+        None: (Strong("undecided"), ""),
+    }
     found = e.passivity
     passive: Phrase = "passivity undecided"
     if found is not None and found.holds is False:
@@ -220,12 +267,17 @@ def _active(found: Passivity) -> Phrase:
         return ", active at all frequencies"
     last: Phrase = ("above ", w.both(shown[-1].low.omega)) if on else ""
     before: Phrase = w.spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
-    more = ", …" if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE) else ""
+    more = (
+        ", …"
+        if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE)
+        else ""
+    )
     return ", active ", before, " and " if before and last else "", last, more
 
 
 def not_looked_at(found: Passivity) -> Phrase:
-    """Of a sign that settles only after very many turns of a delay: where it settles, and from where on it was not tested."""
+    """Of a sign that settles only after very many turns of a delay: where it settles, and from
+    where on it was not tested."""
     high = w.both(ExactNumber(found.high))
     if found.active_from is None:
         return " (not tested above ", high, ")"
@@ -239,15 +291,29 @@ def _left_out(e: Evaluation) -> Iterator[Block]:
     if r is None or not r.dropped:
         return
     found = listed(
-        (w.cell(x.bounds[0], Way.DOWN), " to ", w.cell(x.bounds[1], Way.UP), f" ({x.criterion.name})")
+        (
+            w.cell(x.bounds[0], Way.DOWN),
+            " to ",
+            w.cell(x.bounds[1], Way.UP),
+            f" ({x.criterion.name})",
+        )
         for x in r.crossings
     )
     lie: Phrase = "The full scene has no crossings."
     if found:
         lie = w.phrased("Crossings of the full scene: {}\xa0{}.", found, FREQUENCY_UNIT)
-    words = "Without {}, which changes {} anywhere on the band (proven; tolerance {}). All below is for the scene without. {}"
+    words = (
+        "Without {}, which changes {} anywhere on the band (proven; tolerance {}). All below is "
+        "for the scene without. {}"
+    )
     yield doc.Paragraph(
-        w.phrased(words, listed(x.name for x in r.dropped), w.bounds(r.bound), w.near(float(r.tolerance)), lie)
+        w.phrased(
+            words,
+            listed(x.name for x in r.dropped),
+            w.bounds(r.bound),
+            w.near(float(r.tolerance)),
+            lie,
+        )
     )
 
 
@@ -270,7 +336,9 @@ def joint(criteria: Iterable[Criterion]) -> Joint | None:
 def nothing_meets(region: Joint | None) -> str:
     """That what is judged crosses no limit."""
     return (
-        f"The distortion does not reach the border of the {region.kind}" if region else "No ratio crosses its threshold"
+        f"The distortion does not reach the border of the {region.kind}"
+        if region
+        else "No ratio crosses its threshold"
     )
 
 
@@ -281,10 +349,14 @@ def crossings(e: Evaluation) -> Block:
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
     enclosure = ("enclosure of ", named("omega"), " (rad/s)")
     return w.table(
-        e.crossings, f"All crossings of the thresholds on the band, {how_sure(e)}.", w.Field("part", lambda c: c.criterion.name),
-        w.hertz(lambda c: w.cell(c.omega)), w.Field("ratio", event), w.Field("distortion", sense),
+        e.crossings,
+        f"All crossings of the thresholds on the band, {how_sure(e)}.",
+        w.Field("part", lambda c: c.criterion.name),
+        w.hertz(lambda c: w.cell(c.omega)),
+        w.Field("ratio", event),
+        w.Field("distortion", sense),
         w.Field(enclosure, lambda c: "[{}, {}]".format(*c.omega.enclosure(e.digits)), full=True),
-    )  # fmt: skip
+    )
 
 
 def how_sure(e: Evaluation) -> str:
@@ -294,11 +366,16 @@ def how_sure(e: Evaluation) -> str:
     return "proven" if e.certified else "proven up to what is undecided"
 
 
-VERBS = {CrossingKind.EXCEEDS: "exceeds", CrossingKind.RETURNS: "returns below", CrossingKind.TOUCHES: "is tangent to"}
+VERBS = {
+    CrossingKind.EXCEEDS: "exceeds",
+    CrossingKind.RETURNS: "returns below",
+    CrossingKind.TOUCHES: "is tangent to",
+}
 
 
 def event(c: Crossing, kind: str | None = None) -> Phrase:
-    """``r_r exceeds 10 %``, ``ΔH leaves the ellipse``; ``kind`` : what a region is called, if not by its shape."""
+    """``r_r exceeds 10 %``, ``ΔH leaves the ellipse``; ``kind`` : what a region is called, if not
+    by its shape."""
     times = f" ({c.multiplicity}-fold)" if c.multiplicity > 1 else ""
     if c.criterion.joint:
         return w.CHANGE, f" {_LEAVES[c.kind]} the {kind or c.criterion.joint.kind}{times}"
@@ -309,7 +386,11 @@ def event(c: Crossing, kind: str | None = None) -> Phrase:
     return ratio, f" {VERBS[c.kind]} ", limit, times
 
 
-_LEAVES = {CrossingKind.EXCEEDS: "leaves", CrossingKind.RETURNS: "returns into", CrossingKind.TOUCHES: "is tangent to"}
+_LEAVES = {
+    CrossingKind.EXCEEDS: "leaves",
+    CrossingKind.RETURNS: "returns into",
+    CrossingKind.TOUCHES: "is tangent to",
+}
 _JUMPS = {
     CrossingKind.EXCEEDS: "exceeded above",
     CrossingKind.RETURNS: "exceeded below",
@@ -319,24 +400,37 @@ _JUMPS = {
 
 def sense(c: Crossing) -> Phrase:
     """``Re dH > 0``; nothing where both parts are judged."""
-    return w.compared(Prefixed(Operator(c.criterion.component), w.CHANGE), ">" if c.sign > 0 else "<") if c.sign else ""
+    return (
+        w.compared(Prefixed(Operator(c.criterion.component), w.CHANGE), ">" if c.sign > 0 else "<")
+        if c.sign
+        else ""
+    )
 
 
 def undecided_table(e: Evaluation) -> doc.Table:
     """What stayed undecided at the precision limit."""
     return w.table(
-        e.undecided, "Undecided at the precision limit: whether the ratio is tangent to its threshold here, crosses it twice or "
-        "stays clear.", w.Field("part", lambda x: x[0].name),
-        w.Field(("near ", named("omega"), " (rad/s)"), lambda x: "[{}, {}]".format(*x[1].omega.enclosure(e.digits))),
-    )  # fmt: skip
+        e.undecided,
+        "Undecided at the precision limit: whether the ratio is tangent to its threshold "
+        "here, crosses it twice or "
+        "stays clear.",
+        w.Field("part", lambda x: x[0].name),
+        w.Field(
+            ("near ", named("omega"), " (rad/s)"),
+            lambda x: "[{}, {}]".format(*x[1].omega.enclosure(e.digits)),
+        ),
+    )
 
 
 _RATIOS = (
-    "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is transparent. A dot "
-    "marks where the ratio of the real part crosses its threshold, a ring that of the imaginary part."
+    "Distortion ratios over the band. Grey: neither exceeds its threshold, the display is "
+    "transparent. A dot "
+    "marks where the ratio of the real part crosses its threshold, a ring that of the "
+    "imaginary part."
 )
 _JOINT_RATIOS = (
-    "How many times the region must be enlarged to hold the distortion, over the band. Grey: not more than once, the display is "
+    "How many times the region must be enlarged to hold the distortion, over the band. Grey: "
+    "not more than once, the display is "
     "transparent. A dot marks where the distortion leaves or enters the region."
 )
 
@@ -350,11 +444,14 @@ def ratios_caption(e: Evaluation) -> str:
 
 
 def bandwidths(e: Evaluation) -> Iterator[Block]:
-    """Where the threshold is a range: the least and the largest bandwidth, what between is not attained, a drawing."""
+    """Where the threshold is a range: the least and the largest bandwidth, what between is not
+    attained, a drawing."""
     found, threshold = e.bandwidths, e.scene.threshold
     if found is None:
         return
-    yield doc.Paragraph(("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold)))
+    yield doc.Paragraph(
+        ("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold))
+    )
     if found.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
         yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
@@ -370,7 +467,12 @@ def _range(threshold: Threshold) -> Phrase:
     if limits and equal and threshold.region.lower == (None, None):
         found = [("thresholds ", _ends(limits["real"]))]
     elif limits:
-        found = [("thresholds ", listed((_ends(x), f" ({_named(name, threshold)})") for name, x in limits.items()))]
+        found = [
+            (
+                "thresholds ",
+                listed((_ends(x), f" ({_named(name, threshold)})") for name, x in limits.items()),
+            )
+        ]
     if "floor" in ranges:
         found.append(("a floor ", _from_to(ranges["floor"]), f" {_unit(threshold)}"))
     return listed(found)
@@ -409,13 +511,18 @@ def _between(found: Bandwidths, threshold: Threshold) -> Phrase:
         return "the bandwidth is at most ", w.both(found.most, Way.UP), "; for some there is none."
     least, most = found.least, found.most
     if least is most or least.bounds(200) == most.bounds(200):
-        return "the bandwidth is ", w.both(least), ", where there is one." if found.blocked else " for all."
+        return (
+            "the bandwidth is ",
+            w.both(least),
+            ", where there is one." if found.blocked else " for all.",
+        )
     between: Phrase = ", and each value between"
     if found.undecided:
         between = ""
     elif found.ends_alone:
         between = (
-            ", as the region increases with each of these numbers; which values between are attained is not tested"
+            ", as the region increases with each of these numbers; which values between are "
+            "attained is not tested"
         )
     elif found.jumps:
         between = (between, " but those ", listed(_jump(x, threshold) for x in found.jumps))
@@ -424,11 +531,18 @@ def _between(found: Bandwidths, threshold: Threshold) -> Phrase:
 
 
 def _jump(x: Jump, threshold: Threshold) -> Phrase:
-    gap: Phrase = "above " if x.includes_low else "from ", w.both(x.low), " to below ", w.both(x.high)
+    gap: Phrase = (
+        "above " if x.includes_low else "from ",
+        w.both(x.low),
+        " to below ",
+        w.both(x.high),
+    )
     if x.threshold is None:
         return gap
     name = next(iter(threshold.ranges))
-    passed = "the threshold passes a peak of " if name not in ("scale", "floor") else f"at a {name} of "
+    passed = (
+        "the threshold passes a peak of " if name not in ("scale", "floor") else f"at a {name} of "
+    )
     return gap, " (", passed, _size(x.threshold, name, threshold), ")"
 
 
@@ -447,7 +561,9 @@ def _blocked(found: Bandwidths, threshold: Threshold) -> Phrase:
     below: list[Phrase] = []
     for name, x in found.blocked.items():
         what = f" {name}" if name in ("scale", "floor") else " threshold"
-        whose = f" for the {_of_part(name, threshold)}" if name not in ("scale", "floor", "jnd") else ""
+        whose = (
+            f" for the {_of_part(name, threshold)}" if name not in ("scale", "floor", "jnd") else ""
+        )
         below.append((f"a{what} below ", _size(x, name, threshold), whose))
     return " There is none for ", listed(below), "."
 
@@ -463,97 +579,156 @@ def published_words(threshold: Threshold) -> Phrase:
 
 _SURVIVES = "Does it hold for another JND model?"
 _PLANE = (
-    "The distortion relative to the environment over the band, and the regions within which it is not noticed; a dot where it "
-    "first meets the border of each. A region that depends on the frequency is drawn as it is there, or else at the high end."
+    "The distortion relative to the environment over the band, and the regions within which "
+    "it is not noticed; a dot where it "
+    "first meets the border of each. A region that depends on the frequency is drawn as it "
+    "is there, or else at the high end."
 )
-_WIDTHS = "Bandwidth of each environment, and of all together, by JND region; none: no transparent band starts at the low end."
+_WIDTHS = (
+    "Bandwidth of each environment, and of all together, by JND region; none: no transparent "
+    "band starts at the low end."
+)
 _KINDS = {"disc": "disc"}
 """Of a region that is more than its shape says."""
 
 
 def regions(e: Evaluation) -> Iterator[Block]:
-    """A sentence that says how far the models are apart, a row for each, and a drawing; nothing where that was not asked."""
+    """A sentence that says how far the models are apart, a row for each, and a drawing; nothing
+    where that was not asked."""
     if not e.regions:
         return
     rows = w.table(
-        different(e.regions), "Bandwidth and first crossing by region, proven.", *_REGION,
+        different(e.regions),
+        "Bandwidth and first crossing by region, proven.",
+        *_REGION,
         w.hertz(lambda x: _width(e.chart, x.bandwidth), "bandwidth"),
         w.hertz(lambda x: w.cell(x.crossing.omega) if x.crossing else "none", "first crossing"),
-        w.Field("what happens there", lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else ""),
-    )  # fmt: skip
+        w.Field(
+            "what happens there",
+            lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else "",
+        ),
+    )
     figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
 _DECIDING = (
-    "The regions of the models, the numbers of the changes that would decide between them, and the distortion of the display "
-    "over the band. Regions that depend on the frequency are drawn as they are at that of the first change."
+    "The regions of the models, the numbers of the changes that would decide between them, "
+    "and the distortion of the display "
+    "over the band. Regions that depend on the frequency are drawn as they are at that of "
+    "the first change."
 )
 
 
 def deciding(e: Evaluation) -> Iterator[Block]:
-    """Which changes would decide between models of the JND, and where the display is one; nothing where that was not asked."""
+    """Which changes would decide between models of the JND, and where the display is one; nothing
+    where that was not asked."""
     found = e.discrimination
     if found is None:
         return
     place = {id(x): i for i, x in enumerate(found.stimuli, 1)}
     who = w.Field("noticed by", lambda x: x.noticed_by), w.Field("not by", lambda x: x.not_by)
     margin = w.number("margin", lambda x: w.near(x.margin))
-    more, units = named("Delta"), [w.unit(x, e.scene.motion) for x in (Dimension.STIFFNESS, Dimension.DAMPING)]
+    more, units = (
+        named("Delta"),
+        [w.unit(x, e.scene.motion) for x in (Dimension.STIFFNESS, Dimension.DAMPING)],
+    )
     rows = w.table(
-        found.stimuli, "For each two models the change of stiffness and damping that one notices and the other does not by the "
+        found.stimuli,
+        "For each two models the change of stiffness and damping that one notices and the "
+        "other does not by the "
         "largest margin, computed.",
-        w.Field("", lambda x: str(place[id(x)])), *who, w.number(w.IN_UNIT, lambda x: w.cell(x.omega)),
-        w.number((Titled("dk", Prefixed(more, named("k"))), f" ({units[0]})"), lambda x: w.near(x.stiffness)),
-        w.number((Titled("db", Prefixed(more, named("b"))), f" ({units[1]})"), lambda x: w.near(x.damping)), margin,
-    )  # fmt: skip
+        w.Field("", lambda x: str(place[id(x)])),
+        *who,
+        w.number(w.IN_UNIT, lambda x: w.cell(x.omega)),
+        w.number(
+            (Titled("dk", Prefixed(more, named("k"))), f" ({units[0]})"),
+            lambda x: w.near(x.stiffness),
+        ),
+        w.number(
+            (Titled("db", Prefixed(more, named("b"))), f" ({units[1]})"),
+            lambda x: w.near(x.damping),
+        ),
+        margin,
+    )
     words = (
-        "Computed predictions of the models, not results with persons. Each change exceeds the limit of one model by its margin, "
-        "and stays below that of the other by the same factor. The opposite change is judged equally."
+        "Computed predictions of the models, not results with persons. Each change exceeds "
+        "the limit of one model by its margin, "
+        "and stays below that of the other by the same factor. The opposite change is judged "
+        "equally."
     )
     near = listed(map(w.both, found.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
     figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
-    yield doc.Section("Which changes would decide between the models?", (rows, *w.noted(said), figure), "discriminate")
+    yield doc.Section(
+        "Which changes would decide between the models?",
+        (rows, *w.noted(said), figure),
+        "discriminate",
+    )
     display: Block = doc.Paragraph("All models judge the display equally on the whole band.")
     if found.display:
         display = w.table(
-            found.display, "Where two models judge the display differently, proven; where by the largest margin, computed.",
-            *who, w.Field(w.IN_UNIT, lambda x: w.ends(x.interval)), w.number("clearest at", lambda x: w.cell(x.omega)), margin,
-        )  # fmt: skip
+            found.display,
+            (
+                "Where two models judge the display differently, proven; where by the largest "
+                "margin, computed."
+            ),
+            *who,
+            w.Field(w.IN_UNIT, lambda x: w.ends(x.interval)),
+            w.number("clearest at", lambda x: w.cell(x.omega)),
+            margin,
+        )
     yield doc.Section("Where does the display decide?", (display,), "display-decides")
 
 
-_REGION = w.Field("region", region_label), w.Field("what it is", lambda x: w.limits(x.threshold), full=True)
+_REGION = (
+    w.Field("region", region_label),
+    w.Field("what it is", lambda x: w.limits(x.threshold), full=True),
+)
 
 
 def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
-    """How far the models are apart in the worst case, a row for each, and a row for each environment."""
+    """How far the models are apart in the worst case, a row for each, and a row for each
+    environment."""
     if not many.regions:
         return
     worst = w.table(
-        different(many.regions), "Common bandwidth by region, and what limits it, proven.", *_REGION,
+        different(many.regions),
+        "Common bandwidth by region, and what limits it, proven.",
+        *_REGION,
         w.hertz(lambda x: _width(many.chart, x.bandwidth), "bandwidth"),
-        w.Field("limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)),
-    )  # fmt: skip
+        w.Field(
+            "limited by", lambda x: listed(f"{y.environment} ({y.criterion.name})" for y in x.first)
+        ),
+    )
     together = "all together"
 
     def width(name: str, x: FamilyCompared) -> Phrase:
         return _width(many.chart, x.bandwidth if name == together else x.answers[name].bandwidth)
 
     each = w.table(
-        [*many.family, together], ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
-        w.Field("environment", str), *(w.number(region_label(x), partial(width, x=x)) for x in different(many.regions)),
-    )  # fmt: skip
+        [*many.family, together],
+        ("Bandwidth of each environment by region, ", FREQUENCY_UNIT, ", proven."),
+        w.Field("environment", str),
+        *(w.number(region_label(x), partial(width, x=x)) for x in different(many.regions)),
+    )
     figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
     yield doc.Section(
-        _SURVIVES, (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure), "regions"
+        _SURVIVES,
+        (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure),
+        "regions",
     )
 
 
 def _width(chart: Chart, x: RealNumber | None) -> Phrase:
     """A bandwidth as a cell has it."""
-    return "none" if x is None else "whole band" if float(x) == float(chart.points[-1].omega) else w.cell(x)
+    return (
+        "none"
+        if x is None
+        else "whole band"
+        if float(x) == float(chart.points[-1].omega)
+        else w.cell(x)
+    )
 
 
 def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth") -> Phrase:
@@ -563,13 +738,29 @@ def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth")
         return f"With each region: no {what}."
     least, most = min(widths, key=float), max(widths, key=float)
     if len(widths) < len(found):
-        between: Phrase = ("from ", w.cell(least, Way.DOWN), " to ", w.cell(most, Way.UP), "\xa0", FREQUENCY_UNIT)
-        return f"The {what} depends on the JND model: none with some regions, ", between, " with the others."
+        between: Phrase = (
+            "from ",
+            w.cell(least, Way.DOWN),
+            " to ",
+            w.cell(most, Way.UP),
+            "\xa0",
+            FREQUENCY_UNIT,
+        )
+        return (
+            f"The {what} depends on the JND model: none with some regions, ",
+            between,
+            " with the others.",
+        )
     if float(least) == float(most):
         return f"The {what} is the same with all regions: ", w.both(most), "."
     times: Phrase = (", a factor of ", w.near(float(most) / float(least))) if float(least) else ""
     ends_ = w.cell(least, Way.DOWN), w.cell(most, Way.UP)
-    return w.phrased(f"The {what} is from {{}} to {{}}\xa0{{}} with these regions{{}}.", *ends_, FREQUENCY_UNIT, times)
+    return w.phrased(
+        f"The {what} is from {{}} to {{}}\xa0{{}} with these regions{{}}.",
+        *ends_,
+        FREQUENCY_UNIT,
+        times,
+    )
 
 
 def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
@@ -579,7 +770,10 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
     band = e.scene.band
     yield "environment", w.in_numbers("H_env", d.env, s, band, unit)
     if rendered:
-        yield "rendered", w.in_numbers("H_rendered", d.env.ring.convert(e.scene.rendering.H), s, band, unit)
+        yield (
+            "rendered",
+            w.in_numbers("H_rendered", d.env.ring.convert(e.scene.rendering.H), s, band, unit),
+        )
     yield "perceived", w.in_numbers("H_perc", d.perc, s, band, unit)
     yield "distortion", w.in_numbers("Re dH", d.difference_response.real.written, omega, band)
     yield "", w.in_numbers("Im dH", d.difference_response.imag.written, omega, band)
@@ -592,17 +786,26 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
     yield percepts(e)
     for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
         yield _figure(
-            e, f"projections-{part.value}", f"Magnitude of the {name} part of environment and perceived dynamics: bold where the "
+            e,
+            f"projections-{part.value}",
+            f"Magnitude of the {name} part of environment and perceived dynamics: bold where "
+            f"the "
             "difference is noticed, with what it is felt as.",
-        )  # fmt: skip
+        )
     yield _figure(
-        e, "nyquist", "Environment (solid) and perceived dynamics (dashed) in the complex plane; arrows towards "
+        e,
+        "nyquist",
+        "Environment (solid) and perceived dynamics (dashed) in the complex plane; arrows "
+        "towards "
         "higher frequencies.",
-    )  # fmt: skip
+    )
     yield _figure(
-        e, "jnd-square", "Environment and perceived dynamics at one frequency; the grey region holds the changes that "
+        e,
+        "jnd-square",
+        "Environment and perceived dynamics at one frequency; the grey region holds the "
+        "changes that "
         "are not noticed.",
-    )  # fmt: skip
+    )
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
@@ -613,25 +816,39 @@ def percepts(e: Evaluation) -> Block:
     """What is felt where a ratio exceeds its threshold."""
     region = joint(e.criteria)
     if not e.felt:
-        why = f"the distortion never leaves the {region.kind}" if region else "neither ratio exceeds its threshold"
+        why = (
+            f"the distortion never leaves the {region.kind}"
+            if region
+            else "neither ratio exceeds its threshold"
+        )
         return doc.Paragraph(f"Nothing is noticed on the band: {why}.")
     where = f"outside the {region.kind}" if region else "where a ratio exceeds its threshold"
     return w.table(
-        e.felt, f"What is felt {where}, {how_sure(e)}.", w.Field("part", lambda x: x.part.value if x.part else JOINT),
-        w.Field(w.IN_UNIT, lambda x: w.ends(x.band)), w.Field("felt as", lambda x: x.words),
-    )  # fmt: skip
+        e.felt,
+        f"What is felt {where}, {how_sure(e)}.",
+        w.Field("part", lambda x: x.part.value if x.part else JOINT),
+        w.Field(w.IN_UNIT, lambda x: w.ends(x.band)),
+        w.Field("felt as", lambda x: x.words),
+    )
 
 
 def _remarks(e: Evaluation) -> Iterator[Phrase]:
     """What else there is, a line each."""
     yield from _friction(e)
     if e.changeovers_environment or e.changeovers_perceived:
-        env, perc = (w.places(x) if x else "none" for x in (e.changeovers_environment, e.changeovers_perceived))
+        env, perc = (
+            w.places(x) if x else "none"
+            for x in (e.changeovers_environment, e.changeovers_perceived)
+        )
         yield "Changeover frequency: ", env, " (environment), ", perc, " (perceived)."
     yield from _any_environment(e)
     if e.outside_model:
         active = w.compared(Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC), "<")
-        noticed = ": no property applies to the imaginary part there." if e.unnamed else ", not noticed there."
+        noticed = (
+            ": no property applies to the imaginary part there."
+            if e.unnamed
+            else ", not noticed there."
+        )
         yield "Active (", active, ") ", w.spans(e.outside_model), noticed
     if e.unbounded:
         why = (w.compared(w.H_ENV, "="), ", or ", w.CHANGE, " infinite")
@@ -650,31 +867,47 @@ def _any_environment(e: Evaluation) -> Iterator[Phrase]:
     low: Phrase = "noticed with some at the low end of the band"
     if below is not None:
         low = "unnoticed up to ", w.both(below, Way.DOWN)
-    yield "For any environment: ", low, () if above is None else (", noticed above ", w.both(above, Way.UP)), "."
+    yield (
+        "For any environment: ",
+        low,
+        () if above is None else (", noticed above ", w.both(above, Way.UP)),
+        ".",
+    )
 
 
 def _friction(e: Evaluation) -> Iterator[Phrase]:
     x, newton = e.friction, w.unit(Dimension.FORCE, e.scene.motion)
     if x is None:
         return
-    force, source = w.near(float(x.force)), "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
+    force, source = (
+        w.near(float(x.force)),
+        "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)",
+    )
     if x.noticed is None or x.least is None:
         words = (
-            f"Friction of {{}} {newton} in the display has a separate threshold {source}, which the scene does not give: "
+            f"Friction of {{}} {newton} in the display has a separate threshold {source}, "
+            f"which the scene does not give: "
             "{} in {}."
         )
-        yield w.phrased(words, force, doc.Code('friction = { weber = ..., floor = "... N" }'), doc.Code("[evaluation]"))
+        yield w.phrased(
+            words,
+            force,
+            doc.Code('friction = { weber = ..., floor = "... N" }'),
+            doc.Code("[evaluation]"),
+        )
         return
     words = (
         f"Friction of {{}} {newton} in the display is {{}} as friction: it differs by "
-        f"{'more than' if x.noticed else 'at most'} {{}} {newton} from the {{}} {newton} that should be felt {source}."
+        f"{'more than' if x.noticed else 'at most'} {{}} {newton} from the {{}} {newton} "
+        f"that should be felt {source}."
     )
     verdict: Phrase = Strong("noticed") if x.noticed else "not noticed"
     yield w.phrased(words, force, verdict, w.near(float(x.least)), w.near(float(x.reference or 0)))
 
 
 def _energy(e: Evaluation) -> Iterator[Phrase]:
-    """Of a display that is not passive: the energy that it generates, and the damping of a hand that compensates it."""
+    """Of a display that is not passive: the energy that it generates, and the damping of a hand
+    that compensates it."""
     found = e.passivity
     if found is None or not found.is_active or found.holds is not False:
         return
@@ -692,14 +925,22 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
     if e.undecided:
         where = listed((w.both(point.omega), f" ({x.name})") for x, point in e.undecided)
         yield w.undecided(
-            ("whether a ratio is tangent to its threshold, crosses it twice or stays clear of it near ", where)
+            (
+                (
+                    "whether a ratio is tangent to its threshold, crosses it twice or stays "
+                    "clear of it near "
+                ),
+                where,
+            )
         )
         yield "Proven: everything else."
         return
     if e.movement is not None and e.movement.undecided:
         yield w.undecided("what a fit to this movement reports, where no number stands")
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
-    but = ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
+    but = (
+        ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
+    )
     yield w.proof(e.scene, f"all crossings on the band{passive}, and all digits printed{but}")
     if e.bandwidths is not None and e.bandwidths.undecided:
         yield w.undecided(e.bandwidths.undecided)
@@ -710,10 +951,21 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
 
 def page_family(many: FamilyEvaluation) -> Document:
     """The page of several environments: one row each, and the worst case."""
-    blocks = _each(many), *_worst(many), *family_regions(many), *w.caveats(cautions(many.family.first))
+    blocks = (
+        _each(many),
+        *_worst(many),
+        *family_regions(many),
+        *w.caveats(cautions(many.family.first)),
+    )
     further = ("haptisym evaluate SCENE --environment NAME",)
     return w.page_about(
-        many.family, _answer(many), blocks, _proven_family(many), "Evaluation with several environments", None, further
+        many.family,
+        _answer(many),
+        blocks,
+        _proven_family(many),
+        "Evaluation with several environments",
+        None,
+        further,
     )
 
 
@@ -722,19 +974,26 @@ def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
     words: dict[str, list[str]] = {}
     for name, e in many.answers.items():
         if e.felt:  # the change that is noticed first
-            words.setdefault(min(e.felt, key=lambda x: float(x.band.low.omega)).words, []).append(name)
+            words.setdefault(min(e.felt, key=lambda x: float(x.band.low.omega)).words, []).append(
+                name
+            )
     felt = listed(f"{first} ({', '.join(names)})" for first, names in words.items())
     yield "Felt as", felt or "nothing noticed with any"
     unstable = [name for name, e in many.answers.items() if e.stable is False]
     undecided_ = [name for name, e in many.answers.items() if e.stable is None]
     stable: Phrase = "stable with each environment"
     if unstable or undecided_:
-        stable = Strong("unstable" if unstable else "undecided"), f" with {', '.join(unstable or undecided_)}"
+        stable = (
+            Strong("unstable" if unstable else "undecided"),
+            f" with {', '.join(unstable or undecided_)}",
+        )
     yield "Stability", (stable, " under prescribed motion; ", _passive(many))
 
 
 def _passive(many: FamilyEvaluation) -> str:
-    found = {name: None if e.passivity is None else e.passivity.holds for name, e in many.answers.items()}
+    found = {
+        name: None if e.passivity is None else e.passivity.holds for name, e in many.answers.items()
+    }
     if all(found.values()):
         return "passive with each"
     kinds = (("not passive", False), ("passivity undecided", None))
@@ -747,14 +1006,22 @@ def _passive(many: FamilyEvaluation) -> str:
 
 def _bandwidth_of_all(many: FamilyEvaluation) -> Phrase:
     if many.bandwidth is not None:
-        by = listed(f"{x.environment} ({_part(x.criterion)})" for x in many.binding if x.omega is many.bandwidth)
+        by = listed(
+            f"{x.environment} ({_part(x.criterion)})"
+            for x in many.binding
+            if x.omega is many.bandwidth
+        )
         width: Phrase = w.both(many.bandwidth)
         if many.bandwidth is many.chart.points[-1].omega:
             return "the whole band with each environment, up to ", width
         return Strong(width), " common to all environments", (", limited by ", by) if by else ""
-    onward: Phrase = ("; all are transparent only ", w.spans(many.transparent)) if many.transparent else ""
+    onward: Phrase = (
+        ("; all are transparent only ", w.spans(many.transparent)) if many.transparent else ""
+    )
     first = [name for name, e in many.answers.items() if e.bandwidth is None]
-    low: Phrase = (": noticed from the low end of the band with ", ", ".join(first)) if first else ""
+    low: Phrase = (
+        (": noticed from the low end of the band with ", ", ".join(first)) if first else ""
+    )
     return Strong("none"), " common to all environments", low, onward
 
 
@@ -763,7 +1030,8 @@ def _part(x: Criterion) -> str:
 
 
 def _each(many: FamilyEvaluation) -> Block:
-    """A row for each environment: the lowest frequencies beyond which ratios exceed their thresholds, and as what."""
+    """A row for each environment: the lowest frequencies beyond which ratios exceed their
+    thresholds, and as what."""
 
     def first(name: str, x: Criterion) -> Phrase:
         exceeded = many.answers[name].chart.where(lambda signs: signs[x] > 0)
@@ -780,15 +1048,27 @@ def _each(many: FamilyEvaluation) -> Block:
         )
 
     shown = w.table(
-        many.answers, ("Each environment: where each part is first noticed, and as what, ", FREQUENCY_UNIT, ", proven."),
+        many.answers,
+        (
+            "Each environment: where each part is first noticed, and as what, ",
+            FREQUENCY_UNIT,
+            ", proven.",
+        ),
         w.Field("environment", str),
-        *(w.number((named(x.symbol), " > c from"), partial(first, x=x)) for x in noticed(many.family.threshold)),
-        w.number("bandwidth", bandwidth), w.Field("felt as", lambda name: _felt(many.answers[name])),
-    )  # fmt: skip
+        *(
+            w.number((named(x.symbol), " > c from"), partial(first, x=x))
+            for x in noticed(many.family.threshold)
+        ),
+        w.number("bandwidth", bandwidth),
+        w.Field("felt as", lambda name: _felt(many.answers[name])),
+    )
     low, high = (w.cell(many.chart.points[i].omega) for i in (0, -1))
     words = "First crossings on {} to {}\xa0{}, in {}, JND {}"
     return doc.Section(
-        w.phrased(words, low, high, FREQUENCY_UNIT, FREQUENCY_UNIT, w.limits(many.family.threshold)), (shown,)
+        w.phrased(
+            words, low, high, FREQUENCY_UNIT, FREQUENCY_UNIT, w.limits(many.family.threshold)
+        ),
+        (shown,),
     )
 
 
@@ -805,19 +1085,29 @@ def _worst(many: FamilyEvaluation) -> Iterator[Block]:
         yield doc.Notes((("All environments are transparent ", w.spans(many.transparent), "."),))
     if further:
         shown = w.table(
-            further, "What limits the other transparent intervals.", w.hertz(lambda x: w.cell(x.omega)),
-            w.Field("environment", lambda x: x.environment), w.Field("part", lambda x: x.criterion.name),
-        )  # fmt: skip
+            further,
+            "What limits the other transparent intervals.",
+            w.hertz(lambda x: w.cell(x.omega)),
+            w.Field("environment", lambda x: x.environment),
+            w.Field("part", lambda x: x.criterion.name),
+        )
         yield doc.Section("Further limits", (shown,))
-    words = "The largest ratio of all environments, with the thresholds; grey: the band on which all are transparent."
+    words = (
+        "The largest ratio of all environments, with the thresholds; grey: the band on which all "
+        "are transparent."
+    )
     yield doc.Figure("worst-case", words, many.figure)
 
 
 def _proven_family(many: FamilyEvaluation) -> Iterator[Phrase]:
     if not many.certified:
-        yield w.undecided("a crossing of some environment, at the precision limit: evaluate each alone")
+        yield w.undecided(
+            "a crossing of some environment, at the precision limit: evaluate each alone"
+        )
     else:
-        yield w.proof(many.family, "all crossings of every environment, their order, and all digits printed")
+        yield w.proof(
+            many.family, "all crossings of every environment, their order, and all digits printed"
+        )
 
 
 # Peaks.
@@ -827,17 +1117,30 @@ def page_peaks(found: Peaks) -> Document:
     """The page of the peaks of the ratios: where each is largest inside the band, and how large."""
     if found:
         shown = w.table(
-            found, "All local maxima of the ratios inside the band.",
-            w.Field("ratio", lambda x: (w.symbol(x.criterion.symbol), " over its limit" if x.in_limits and x.part else "")),
-            w.hertz(lambda x: w.cell(x.omega)), w.number("value", lambda x: w.near(x.ratio)),
-        )  # fmt: skip
+            found,
+            "All local maxima of the ratios inside the band.",
+            w.Field(
+                "ratio",
+                lambda x: (
+                    w.symbol(x.criterion.symbol),
+                    " over its limit" if x.in_limits and x.part else "",
+                ),
+            ),
+            w.hertz(lambda x: w.cell(x.omega)),
+            w.number("value", lambda x: w.near(x.ratio)),
+        )
         block: Block = doc.Section(
             "Where a ratio is larger than on either side", (shown, *w.noted(_remarks_peaks(found)))
         )
     else:
         block = doc.Paragraph("No ratio has a local maximum inside the band.")
     return w.page_about(
-        found.scene, tuple(_answer_peaks(found)), (block,), _proven_peaks(found), "Peaks of the ratios", found.asides()
+        found.scene,
+        tuple(_answer_peaks(found)),
+        (block,),
+        _proven_peaks(found),
+        "Peaks of the ratios",
+        found.asides(),
     )
 
 
@@ -851,17 +1154,25 @@ def _answer_peaks(found: Peaks) -> Iterator[tuple[Phrase, Phrase]]:
 def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
     region = joint(x.criterion for x in found)
     if region:
-        yield "The value is how many times the ", region.kind, " must be enlarged to hold the distortion."
+        yield (
+            "The value is how many times the ",
+            region.kind,
+            " must be enlarged to hold the distortion.",
+        )
     for x in found:
         if x.jump:
-            words = "At {} the limit changes: the ratio comes arbitrarily near to the value, and drops."
+            words = (
+                "At {} the limit changes: the ratio comes arbitrarily near to the value, and drops."
+            )
             yield w.phrased(words, w.both(x.omega))
 
 
 def _proven_peaks(found: Peaks) -> Iterator[Phrase]:
     if found.undecided:
         where = listed(map(w.both, found.undecided))
-        yield w.undecided(("whether a slope changes its sign at ", where, ", at the precision limit"))
+        yield w.undecided(
+            ("whether a slope changes its sign at ", where, ", at the precision limit")
+        )
         yield "Proven: all others."
     else:
         yield w.proof(found.scene, "all local maxima inside the band, and all digits printed")

@@ -1,8 +1,10 @@
-"""What works on a page of HTML: the explorer, and the certificate with a program that proves it anew where the page is read.
+"""What works on a page of HTML: the explorer, and the certificate with a program that proves it
+anew where the page is read.
 
-The explorer has sliders for a scene's parameters and those of its JND, and its closed forms as JavaScript, drawn anew as they
-move. The program that proves (``data/checker.js``) is for quotients of polynomials alone. Whatever else has a certificate is
-checked by ``python -m haptisym_check``, and the page says so.
+The explorer has sliders for a scene's parameters and those of its JND, and its closed forms as
+JavaScript, drawn anew as they move. The program that proves (``data/checker.js``) is for quotients
+of polynomials alone. Whatever else has a certificate is checked by ``python -m haptisym_check``,
+and the page says so.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ from haptisym.writing.layout import named
 
 
 def is_provable(e: Evaluation) -> bool:
-    """Whether the page's checker can find the crossings anew, at other values too: of a rational scene as its file has it."""
+    """Whether the page's checker can find the crossings anew, at other values too: of a rational
+    scene as its file has it."""
     ring = ring_of(e.distortion.difference)
     if e.relevance or ring.lags or ring.orders or has_broken_powers(e.scene.text):
         return False
@@ -49,36 +52,57 @@ def is_provable(e: Evaluation) -> bool:
 
 
 def checked(answer: Answer, scene: Scene) -> Html:
-    """Certificate, scene file, checker, and where it says what it found; where there is none, why."""
+    """Certificate, scene file, checker, and where it says what it found; where there is none,
+    why."""
     checker = _checker(scene) if isinstance(answer, Evaluation) and is_provable(answer) else []
     try:
         certificate = answer.certificate()
     except HaptisymError as error:
-        none = element("p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}.")
+        none = element(
+            "p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}."
+        )
         return joined([none, *checker])
     proof = json.loads(certificate)["proof"]
     if proof.get("delays") or proof.get("orders") or has_broken_powers(scene.text):
-        return element("p", "The scene is not rational: its certificate (", element("code", "--certificate FILE"),
-                       ") is checked with ", element("code", "python -m haptisym_check FILE SCENE.toml"), ".")  # fmt: skip
+        return element(
+            "p",
+            "The scene is not rational: its certificate (",
+            element("code", "--certificate FILE"),
+            ") is checked with ",
+            element("code", "python -m haptisym_check FILE SCENE.toml"),
+            ".",
+        )
     told = (
         "the table of crossings above"
         if isinstance(answer, Evaluation)
         else "the answer that this page carries as JSON"
     )
     note = (
-        "This page carries a certificate, the scene's file, and a program that shares no line with haptisym. That program proves "
+        "This page carries a certificate, the scene's file, and a program that shares no "
+        "line with haptisym. That program proves "
         f"the certificate anew in your browser, and compares it with {told}."
     )
-    found = element("p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"})
+    found = element(
+        "p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"}
+    )
     own = data(json.dumps(certificate), "certificate")
-    return joined([element("p", note), found, own, *(checker or _checker(scene)), _script("checked.js")])
+    return joined(
+        [element("p", note), found, own, *(checker or _checker(scene)), _script("checked.js")]
+    )
 
 
 def _checker(scene: Scene) -> list[Html]:
     """What finds crossings anew, and what it reads."""
-    catalogue = tomllib.loads((files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8"))
+    catalogue = tomllib.loads(
+        (files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8")
+    )
     own = data(json.dumps(scene.text), "certificate-scene")
-    return [own, data(json.dumps(catalogue), "certificate-catalogue"), _script("scene.js"), _script("checker.js")]
+    return [
+        own,
+        data(json.dumps(catalogue), "certificate-catalogue"),
+        _script("scene.js"),
+        _script("checker.js"),
+    ]
 
 
 def _script(name: str) -> Html:
@@ -90,7 +114,8 @@ def _script(name: str) -> Html:
 
 @dataclass(frozen=True)
 class Slider:
-    """A number that can be moved: from ``low`` to ``high`` by the slider, to any value that ``rule`` allows by typing."""
+    """A number that can be moved: from ``low`` to ``high`` by the slider, to any value that
+    ``rule`` allows by typing."""
 
     identity: str
     label: str
@@ -107,19 +132,37 @@ class Slider:
     def record(self) -> dict[str, Any]:
         """What the script needs to know."""
         return {
-            "id": self.identity, "unit": self.unit, "value": self.value, "low": self.low, "high": self.high,
-            "log": self.is_logarithmic, "least": self.least if self.rule is Rule.ANY else 0,
+            "id": self.identity,
+            "unit": self.unit,
+            "value": self.value,
+            "low": self.low,
+            "high": self.high,
+            "log": self.is_logarithmic,
+            "least": self.least if self.rule is Rule.ANY else 0,
             "open": self.rule in (Rule.POSITIVE, Rule.FRACTION),
             "most": 1 - 2**-53 if self.rule is Rule.FRACTION else self.most,
-        }  # fmt: skip
+        }
 
     def control(self, words: str) -> Html:
-        """The slider and the box that shows its value, each with its label; ``words``: what it is, for a screen reader."""
+        """The slider and the box that shows its value, each with its label; ``words``: what it is,
+        for a screen reader."""
         unit = f", {self.unit}" if self.unit else ""
         label = element("label", self.label, given={"for": self.identity, "title": words})
-        slide = element("input", given={"type": "range", "id": self.identity, "aria-label": words, "step": "1"})
-        box = {"type": "number", "id": f"{self.identity}-value", "step": "any", "aria-label": f"{words}{unit}"}
-        shown = element("span", element("input", given=box), element("span", self.unit), given={"class": "readout"})
+        slide = element(
+            "input", given={"type": "range", "id": self.identity, "aria-label": words, "step": "1"}
+        )
+        box = {
+            "type": "number",
+            "id": f"{self.identity}-value",
+            "step": "any",
+            "aria-label": f"{words}{unit}",
+        }
+        shown = element(
+            "span",
+            element("input", given=box),
+            element("span", self.unit),
+            given={"class": "readout"},
+        )
         return element("div", label, slide, shown, given={"class": "control"})
 
     def reaching(self) -> Slider:
@@ -129,29 +172,40 @@ class Slider:
 
 
 Limits: TypeAlias = dict[str, tuple[Slider, str]]
-"""By the name of a number: ``real``, ``real.lower``, ``floor``, ``tilt``, ``size``; a slider, and words for a screen reader."""
+"""By the name of a number: ``real``, ``real.lower``, ``floor``, ``tilt``, ``size``; a slider, and
+words for a screen reader."""
 
 
 def limit_sliders(scene: Scene) -> Limits:
     """One for both half widths where they are the same number; one for how large a polygon is."""
     t = scene.threshold
     if t.region.corners:
-        size = Slider("explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True)
+        size = Slider(
+            "explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True
+        )
         return {"size": (size, "how many times the polygon is as large")}
     alike = t.real == t.imag and not t.real.has(omega) and t.region.lower == (None, None)
     found: Limits = {}
     if alike:
-        found = dict.fromkeys(("real", "imag"), (_share("explorer-c", inline(named("c")), t.real), "threshold c"))
+        found = dict.fromkeys(
+            ("real", "imag"), (_share("explorer-c", inline(named("c")), t.real), "threshold c")
+        )
     else:
         found = {key: own for part in Part for key, own in _of_part(t, part)}
     return found | dict(_others(scene))
 
 
 def _of_part(t: Threshold, part: Part) -> Iterator[tuple[str, tuple[Slider, str]]]:
-    name, identity, lower = inline(named(f"c_{part.value}")), f"explorer-c-{part.value}", t.lower(part)
+    name, identity, lower = (
+        inline(named(f"c_{part.value}")),
+        f"explorer-c-{part.value}",
+        t.lower(part),
+    )
     words = f"threshold c of the {PART_NAMES[part]} part"
     if not t[part].has(omega):
-        label, way = (name, "") if lower is None else (joined([name, Html(" ↑")]), " where it grows")
+        label, way = (
+            (name, "") if lower is None else (joined([name, Html(" ↑")]), " where it grows")
+        )
         yield part.value, (_share(identity, label, t[part]), f"{words}{way}")
     if lower is not None and not lower.has(omega):
         slider = _share(f"{identity}-lower", joined([name, Html(" ↓")]), lower)
@@ -168,24 +222,44 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
         stiffness = unit(Dimension.STIFFNESS, scene.motion)
         value = nearest_double(region.floor)
         slider = Slider(
-            "explorer-floor", Html("floor"), stiffness, value, value / 10, value * 10, Rule.POSITIVE, is_logarithmic=True,
-        )  # fmt: skip
+            "explorer-floor",
+            Html("floor"),
+            stiffness,
+            value,
+            value / 10,
+            value * 10,
+            Rule.POSITIVE,
+            is_logarithmic=True,
+        )
         yield "floor", (slider, "least change that is noticed")
     if region.shape is Shape.ELLIPSE and not region.tilt.has(omega):
         value = nearest_double(region.tilt)
         slider = Slider(
-            "explorer-tilt", Html("tilt"), "", value, -0.99, 0.99, Rule.ANY, most=1 - 2**-53, least=-1 + 2**-53
+            "explorer-tilt",
+            Html("tilt"),
+            "",
+            value,
+            -0.99,
+            0.99,
+            Rule.ANY,
+            most=1 - 2**-53,
+            least=-1 + 2**-53,
         )
         yield "tilt", (slider, "tilt of the ellipse")
 
 
 def region_record(t: Threshold, limits: Limits) -> dict[str, Any]:
-    """The region's shape, and each of its numbers: a slider, or a quotient of polynomials in omega."""
+    """The region's shape, and each of its numbers: a slider, or a quotient of polynomials in
+    omega."""
     region = t.region
     corners = [[_quotient(x) for x in corner] for corner in region.corners or region.shape.corners]
     if region.corners:
         size = _numbers({}, limits)["size"]
-        return {"shape": region.shape.value, "numbers": {"real": size, "imag": size}, "corners": corners}
+        return {
+            "shape": region.shape.value,
+            "numbers": {"real": size, "imag": size},
+            "corners": corners,
+        }
     named_ = {part.value: t[part] for part in Part}
     named_ |= {f"{part.value}.lower": x for part in Part if (x := t.lower(part)) is not None}
     named_ |= {"floor": region.floor} if region.floor is not None else {}
@@ -210,9 +284,11 @@ def _quotient(x: Expr) -> dict[str, list[float]]:
 
 
 def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
-    """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing from elsewhere.
+    """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing
+    from elsewhere.
 
-    ``proving`` : on a report of a rational scene it proves the crossings at its own values; not where haptisym itself does.
+    ``proving`` : on a report of a rational scene it proves the crossings at its own values; not
+    where haptisym itself does.
     """
     is_small = forms.symbolic is not None
     is_proven = proving and is_small and is_provable(e)
@@ -223,53 +299,94 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
     controls = dict([*sliders.values(), *limits.values(), probe])
     names = [a.symbol for a in program.arguments[1:]]
     record = {
-        "band": [probe[0].low, probe[0].high], "unit": unit(Dimension.STIFFNESS, e.scene.motion),
-        "arguments": [sliders[x][0].identity for x in names], "region": region_record(e.scene.threshold, limits),
+        "band": [probe[0].low, probe[0].high],
+        "unit": unit(Dimension.STIFFNESS, e.scene.motion),
+        "arguments": [sliders[x][0].identity for x in names],
+        "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
-        "sliders": [slider.record() for slider in controls], "paths": _paths(e, sliders),
+        "sliders": [slider.record() for slider in controls],
+        "paths": _paths(e, sliders),
         "environment": name_in_file(e.scene) if is_proven else None,
-    }  # fmt: skip
+    }
     code = program.code(Language.JAVASCRIPT)
     own = files("haptisym") / "data"
-    page = "".join((own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js"))
+    page = "".join(
+        (own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js")
+    )
     shown = [slider.control(words) for slider, words in controls.items()]
-    return joined([
-        _body(shown, e.scene.threshold, is_small=is_small, is_proven=is_proven, proving=proving),
-        data(json.dumps(record), "explorer-data"), script(code), script(page),
-    ])  # fmt: skip
+    return joined(
+        [
+            _body(
+                shown, e.scene.threshold, is_small=is_small, is_proven=is_proven, proving=proving
+            ),
+            data(json.dumps(record), "explorer-data"),
+            script(code),
+            script(page),
+        ]
+    )
 
 
 def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[list[Any]]:
-    """Where in the scene file the number of each slider stands: a table, or the place of an effect, and its key there."""
+    """Where in the scene file the number of each slider stands: a table, or the place of an effect,
+    and its key there."""
     effects = {f"effects.{x.name}": i for i, x in enumerate(e.scene.effects)}
     found: list[list[Any]] = []
     for p in e.scene.parameters:
         if p.symbol in sliders:
             identity = sliders[p.symbol][0].identity
             also = [path.partition(".") for path in p.also]
-            found += [[identity, effects.get(p.place, p.place), p.key], *([identity, x, key] for x, _, key in also)]
+            found += [
+                [identity, effects.get(p.place, p.place), p.key],
+                *([identity, x, key] for x, _, key in also),
+            ]
     return found
 
 
-def _body(controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool, proving: bool) -> Html:
-    fixed = "" if is_small else " The parameters are too many for a formula in all of them, so only the JND moves."
-    again = " When the sliders rest, crossings are found once more in exact arithmetic: that line is proven."
+def _body(
+    controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool, proving: bool
+) -> Html:
+    fixed = (
+        ""
+        if is_small
+        else " The parameters are too many for a formula in all of them, so only the JND moves."
+    )
+    again = (
+        " When the sliders rest, crossings are found once more in exact arithmetic: that line is "
+        "proven."
+    )
     tables = " The tables above are proven, for the scene as it is."
-    answered = " A moment after they rest, their values are in the scene, and the answer is proven for them."
+    answered = (
+        " A moment after they rest, their values are in the scene, and the answer is proven for "
+        "them."
+    )
     note = element(
-        "p", "Move the sliders, or type values: the closed forms are drawn anew, the scene's own curves stay in grey. ",
+        "p",
+        (
+            "Move the sliders, or type values: the closed forms are drawn anew, the scene's own "
+            "curves stay in grey. "
+        ),
         element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and does not test stability.", tables if proving else answered, fixed,
+        "; it sees no tangency, and does not test stability.",
+        tables if proving else answered,
+        fixed,
         again if is_proven else "",
-    )  # fmt: skip
+    )
     lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
     says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]
     told = element("div", *says, given={"aria-live": "polite", "class": "told"})
-    reset = element("button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"})
+    reset = element(
+        "button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"}
+    )
     form = element("div", *controls, given={"class": "controls"})
     plots = element("div", *_plots(threshold), told, given={"class": "plots"})
     whole = element("div", plots, form, reset, given={"id": "explorer-panel", "hidden": ""})
-    return joined([note, whole, element("noscript", element("p", "The explorer needs JavaScript; all else does not."))])
+    return joined(
+        [
+            note,
+            whole,
+            element("noscript", element("p", "The explorer needs JavaScript; all else does not.")),
+        ]
+    )
 
 
 def _plots(threshold: Threshold) -> list[Html]:
@@ -281,7 +398,11 @@ def _plots(threshold: Threshold) -> list[Html]:
             CHANGE,
             ", more than once where it is noticed",
         )
-    region = "the changes that are not noticed at the frequency of the dot (grey), and ", CHANGE, " over the band"
+    region = (
+        "the changes that are not noticed at the frequency of the dot (grey), and ",
+        CHANGE,
+        " over the band",
+    )
     return [
         _plot(
             "explorer-ratios",
@@ -299,7 +420,11 @@ def _plots(threshold: Threshold) -> list[Html]:
 
 def _plot(identity: str, title: str, caption: str) -> Html:
     given = {"id": identity, "viewBox": "0 0 480 300", "role": "img"}
-    return element("figure", element("svg", element("title", title), given=given), element("figcaption", caption))
+    return element(
+        "figure",
+        element("svg", element("title", title), given=given),
+        element("figcaption", caption),
+    )
 
 
 def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
@@ -312,12 +437,19 @@ def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, 
     return found
 
 
-_MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}  # of a slider whose parameter is zero in the scene
+_MOST_AT_ZERO = {
+    Dimension.TIME: 0.1,
+    Dimension.FORCE: 1.0,
+}  # of a slider whose parameter is zero in the scene
 
 
 def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | None) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    own = "" if p.dimension is Dimension.RATIO else unit_text(p.unit_in(motion or MotionKind.TRANSLATION))
+    own = (
+        ""
+        if p.dimension is Dimension.RATIO
+        else unit_text(p.unit_in(motion or MotionKind.TRANSLATION))
+    )
     value, rule = nearest_double(p.value), p.rule
     if rule is Rule.FRACTION:
         return Slider(identity, label, own, value, 0.01, 0.99, rule)
@@ -325,7 +457,9 @@ def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | Non
         reach = 2 * abs(value) or 1.0
         return Slider(identity, label, own, value, -reach, reach, rule)
     if value > 0:
-        return Slider(identity, label, own, value, value / 10, value * 10, rule, is_logarithmic=True)
+        return Slider(
+            identity, label, own, value, value / 10, value * 10, rule, is_logarithmic=True
+        )
     return Slider(identity, label, own, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule)
 
 
@@ -333,5 +467,7 @@ def _probe(e: Evaluation) -> tuple[Slider, str]:
     """The frequency at which the explorer says the values: at first the middle of the band."""
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
     middle = float(f"{(low + high) / 2:.4g}")
-    slider = Slider("explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high)
+    slider = Slider(
+        "explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high
+    )
     return slider, "frequency at which values are printed"

@@ -1,4 +1,5 @@
-"""The page of one question about several environments: what does for all, then the answer for each of them."""
+"""The page of one question about several environments: what does for all, then the answer for each
+of them."""
 
 from __future__ import annotations
 
@@ -11,24 +12,37 @@ from haptisym.writing.document import Document, Phrase, Strong, listed
 
 
 def page(many: FamilyAnswers) -> Document:
-    """The whole page: a section for each environment, with what its page has but for model and source; what all say, once."""
+    """The whole page: a section for each environment, with what its page has but for model and
+    source; what all say, once."""
     pages = {name: x.document().blocks for name, x in many.answers.items()}
-    notes = {name: x[-2].entries if isinstance(x[-2], doc.Notes) else () for name, x in pages.items()}
+    notes = {
+        name: x[-2].entries if isinstance(x[-2], doc.Notes) else () for name, x in pages.items()
+    }
     shared = [x for x in next(iter(notes.values())) if all(x in own for own in notes.values())]
     sections = tuple(
-        doc.Section(name, (*x[:-2], *w.noted(y for y in notes[name] if y not in shared))) for name, x in pages.items()
+        doc.Section(name, (*x[:-2], *w.noted(y for y in notes[name] if y not in shared)))
+        for name, x in pages.items()
     )
-    proof = "Proven: the values common to all environments." if many.common else "Each environment is examined alone."
+    proof = (
+        "Proven: the values common to all environments."
+        if many.common
+        else "Each environment is examined alone."
+    )
     proven = *w.left_open(many.left), *shared, proof
     further = ("haptisym evaluate SCENE",)
-    return w.page_about(many.family, _common(many), sections, proven, "Several environments", None, further)
+    return w.page_about(
+        many.family, _common(many), sections, proven, "Several environments", None, further
+    )
 
 
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
     if many.common is None:
         return
     free = next(iter(many.answers.values())).free
-    yield "For all environments", w.values_of(many.common, free) if many.common.feasible else Strong("no value")
+    yield (
+        "For all environments",
+        w.values_of(many.common, free) if many.common.feasible else Strong("no value"),
+    )
     if many.common.undecided:
         yield "Undecided", f"{len(many.common.undecided)} intervals of values"
     if many.binding:

@@ -1,4 +1,5 @@
-"""The page of an identification: the parameters with their intervals, whether the model fits, and what that rests on."""
+"""The page of an identification: the parameters with their intervals, whether the model fits, and
+what that rests on."""
 
 from __future__ import annotations
 
@@ -26,7 +27,10 @@ _CORRELATED = 0.95
 
 def page(a: Identification) -> Document:
     """The whole page."""
-    shown = "The model over the measured points, with discs, and the residuals in units of their standard error."
+    shown = (
+        "The model over the measured points, with discs, and the residuals in units of their "
+        "standard error."
+    )
     blocks: tuple[Block, ...] = (
         doc.Facts(tuple(_answer(a)), "findings"),
         doc.Section("Parameters", (_table(a), doc.Notes(tuple(_remarks(a)))), "parameters"),
@@ -45,11 +49,20 @@ def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:
     if a.verdict.fits is None:
         yield "Fit", "not tested: the uncertainty of the points is unknown"
     elif a.verdict.fits:
-        yield "Fit", "good: neither size nor order of the residuals contradicts the model, which does not prove it"
+        yield (
+            "Fit",
+            (
+                "good: neither size nor order of the residuals contradicts the model, which does "
+                "not prove it"
+            ),
+        )
     else:
         yield (
             "Fit",
-            (Strong("rejected"), ": the model does not fit; its parameters are only those nearest to the points"),
+            (
+                Strong("rejected"),
+                ": the model does not fit; its parameters are only those nearest to the points",
+            ),
         )
     if a.fit.others:
         yield "Unique", (Strong("no"), ": other values give the same response (below)")
@@ -85,9 +98,14 @@ def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> do
     """A number to the second digit of the error."""
     last = floor(log10(x.error)) - 1 if x.error > 0 else -12
     least = floor(log10(abs(value))) - 7 if value else last
-    exact = Decimal(value).quantize(Decimal(1).scaleb(max(last, least)), rounding=way, context=Context(prec=60))
+    exact = Decimal(value).quantize(
+        Decimal(1).scaleb(max(last, least)), rounding=way, context=Context(prec=60)
+    )
     return doc.Number(
-        f"{float(exact):.{max(0, -max(last, least))}f}" if abs(exact) < 10**7 else f"{float(exact):.8g}", value
+        f"{float(exact):.{max(0, -max(last, least))}f}"
+        if abs(exact) < 10**7
+        else f"{float(exact):.8g}",
+        value,
     )
 
 
@@ -95,13 +113,15 @@ def _tests(a: Identification) -> Iterator[Phrase]:
     v = a.verdict
     if v.square is not None and v.chance is not None:
         words = (
-            "Size of the residuals: chi^2 = {}, {} degrees of freedom; as large or larger with a probability {} if the "
+            "Size of the residuals: chi^2 = {}, {} degrees of freedom; as large or larger "
+            "with a probability {} if the "
             "model holds."
         )
         yield phrased(words, near(v.square), str(v.freedom), _chance(v.chance))
     if v.neighbours is not None and v.neighbours_chance is not None:
         words = (
-            "Order: residuals of neighbouring points correlate by {}; as much or more with a probability {} if they are "
+            "Order: residuals of neighbouring points correlate by {}; as much or more with a "
+            "probability {} if they are "
             "independent."
         )
         yield phrased(words, near(v.neighbours, most=2), _chance(v.neighbours_chance))
@@ -118,16 +138,20 @@ def _chance(x: float) -> tuple[Phrase, ...]:
 
 def _table(a: Identification) -> Block:
     caption = (
-        "Each parameter: its standard error, its confidence interval by itself, and its range where all parameters are "
+        "Each parameter: its standard error, its confidence interval by itself, and its "
+        "range where all parameters are "
         "estimated together."
     )
     return table(
-        a.estimates, caption, Field("parameter", lambda x: _name(a, x)),
-        number("value", lambda x: _certain_digits(x, x.value)), number("± error", lambda x: near(x.error, most=2)),
+        a.estimates,
+        caption,
+        Field("parameter", lambda x: _name(a, x)),
+        number("value", lambda x: _certain_digits(x, x.value)),
+        number("± error", lambda x: near(x.error, most=2)),
         Field(f"{100 * a.fit.lines.confidence:g}\xa0% interval", lambda x: _ends(x, x.low, x.high)),
         Field("joint range", lambda x: _ends(x, x.least, x.most)),
         Field("", lambda x: "" if a.unit(x) == "1" else unit_text(a.unit(x))),
-    )  # fmt: skip
+    )
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
@@ -137,7 +161,11 @@ def _ends(x: Estimate, low: float, high: float) -> Phrase:
 def _name(a: Identification, x: Estimate) -> Phrase:
     """Its name, where no other parameter has that, else its path."""
     names = [other.parameter.name for other in a.estimates]
-    return named(x.parameter.name) if names.count(x.parameter.name) == 1 else doc.Code(x.parameter.path)
+    return (
+        named(x.parameter.name)
+        if names.count(x.parameter.name) == 1
+        else doc.Code(x.parameter.path)
+    )
 
 
 def _remarks(a: Identification) -> Iterator[Phrase]:
@@ -145,25 +173,35 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         yield undecided("whether other values give the same response")
     elif not a.fit.others:
         yield (
-            "No other positive values give the same response: equal coefficients, solved at these values to three "
+            "No other positive values give the same response: equal coefficients, solved at "
+            "these values to three "
             "digits, delays kept."
         )
     else:
         for values in a.fit.others:
             yield Strong("The same response"), f" at every frequency: {a.moved(values)}."
         paths = " or ".join(a.ambiguous)
-        fix = doc.Code("model:key=value"), "), or measure the response of the environment without the effects."
+        fix = (
+            doc.Code("model:key=value"),
+            "), or measure the response of the environment without the effects.",
+        )
         yield f"No point of this response distinguishes them. Fix {paths} (", *fix
     if a.fit.period is not None:
         step, more = near(2 * np.pi / a.fit.period), near(a.fit.period)
-        words = "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the shortest is kept."
+        words = (
+            "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the "
+            "shortest is kept."
+        )
         yield phrased(words, step, more)
     yield from _unidentified(a)
     if a.has_ranges:
         yield (
-            "The scene file (", doc.Code("--scene FILE"), ") has the joint ranges, for ", doc.Code("haptisym tolerances"),
+            "The scene file (",
+            doc.Code("--scene FILE"),
+            ") has the joint ranges, for ",
+            doc.Code("haptisym tolerances"),
             ".",
-        )  # fmt: skip
+        )
     else:
         yield (
             "The scene file (",
@@ -182,20 +220,29 @@ def _unidentified(a: Identification) -> Iterator[Phrase]:
     for i, j in np.argwhere(shares > _CORRELATED).tolist():
         one, other = (_name(a, a.estimates[k]) for k in (i, j))
         words = (
-            f"{{}} and {{}} are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly identify them separately."
+            f"{{}} and {{}} are correlated ({correlation(a.fit)[i, j]:.3g}): the data hardly "
+            f"identify them separately."
         )
         yield phrased(words, one, other)
 
 
 def _how_sure(a: Identification) -> Phrase:
     start = (
-        f"Estimated ({100 * a.fit.lines.confidence:g} %): errors from the curvature at the least sum of squares, "
+        f"Estimated ({100 * a.fit.lines.confidence:g} %): errors from the curvature at the "
+        f"least sum of squares, "
         f"if the model is right"
     )
     if a.verdict.square is None:
-        return start, "; their size is that of the residuals. Nothing follows for other frequencies."
+        return (
+            start,
+            "; their size is that of the residuals. Nothing follows for other frequencies.",
+        )
     return (
-        start, (f", the discs are, and neighbouring points are independent; confidence of the joint ranges: "
-        f"{a.confidence_words}. "),
+        start,
+        (
+            f", the discs are, and neighbouring points are independent; confidence of the joint "
+            f"ranges: "
+            f"{a.confidence_words}. "
+        ),
         "Nothing follows for other frequencies.",
-    )  # fmt: skip
+    )

@@ -1,7 +1,7 @@
 """The pages of just-noticeable differences.
 
-Of one that was measured: the threshold, how certain it is, the line for a scene, and the answers beside the curve; and of the
-published ones.
+Of one that was measured: the threshold, how certain it is, the line for a scene, and the answers
+beside the curve; and of the published ones.
 """
 
 from __future__ import annotations
@@ -22,18 +22,28 @@ from haptisym.writing.layout import named
 
 def page(p: Psychometric) -> Document:
     """The whole page."""
-    caption = "Shares of the answers at each level (the larger a dot, the more answers) and the fitted curve."
+    caption = (
+        "Shares of the answers at each level (the larger a dot, the more answers) and the fitted "
+        "curve."
+    )
     blocks: tuple[Block, ...] = (
-        doc.Facts(tuple(_found(p)), "findings"), *_warned(p), *_for_a_scene(p),
-        doc.Section("The curve", (doc.Equations((_equation(p),)), doc.Facts(tuple(_facts(p)))), "curve"),
-        doc.Figure("answers", caption, p.figure), doc.Section("The responses", (_answers(p),), "answers"), *noted(p.notes),
+        doc.Facts(tuple(_found(p)), "findings"),
+        *_warned(p),
+        *_for_a_scene(p),
+        doc.Section(
+            "The curve", (doc.Equations((_equation(p),)), doc.Facts(tuple(_facts(p)))), "curve"
+        ),
+        doc.Figure("answers", caption, p.figure),
+        doc.Section("The responses", (_answers(p),), "answers"),
+        *noted(p.notes),
         doc.Notes((_ESTIMATED, f"Method: {METHODS[p.method]}.")),
-    )  # fmt: skip
+    )
     return Document(p.answers.name, (), blocks, "A just-noticeable difference, measured")
 
 
 _ESTIMATED = (
-    "Estimated from these responses: another person, or another day, gives others. The interval is what chance alone "
+    "Estimated from these responses: another person, or another day, gives others. The "
+    "interval is what chance alone "
     "makes of them, "
     "if the curve is the right one."
 )
@@ -54,7 +64,9 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
     """The JND, the fraction, how well the curve fits, and the line for a scene."""
     share, choices = _percent(p.asked.proportion), p.asked.alternatives
     of = "right" if choices else "“more”"
-    where = f", of {choices} alternatives" if choices else ", beyond the point of subjective equality"
+    where = (
+        f", of {choices} alternatives" if choices else ", beyond the point of subjective equality"
+    )
     curve, chance = p.fit.curve, p.asked.chance if choices else 0.0
     if curve.guess == chance and not curve.lapse:
         yield "JND", (_estimate(p, p.jnd), f", where {share} of the responses are {of}{where}")
@@ -62,7 +74,13 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
         level = p.jnd.value if choices else curve.mu + p.jnd.value
         without = "lapses" if choices else "guesses and lapses"
         seen = _percent(float(curve(np.array([level]))[0]))
-        yield "JND", (_estimate(p, p.jnd), f", where without {without} {share} of the responses would be {of}{where}")
+        yield (
+            "JND",
+            (
+                _estimate(p, p.jnd),
+                f", where without {without} {share} of the responses would be {of}{where}",
+            ),
+        )
         inner = (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)
         there: Phrase = "at no level"
         if 0 < inner < 1:
@@ -95,13 +113,15 @@ def _fit(p: Psychometric) -> Phrase:
 def _warned(p: Psychometric) -> Iterator[Block]:
     if p.deviance.fits is False:
         words = (
-            "The curve does {} fit these responses: neither the JND nor its interval can be relied on. See the figure; causes "
+            "The curve does {} fit these responses: neither the JND nor its interval can be "
+            "relied on. See the figure; causes "
             "are lapses, learning, or responses of several people put together."
         )
         yield doc.Paragraph(phrased(words, Strong("not")))
     if p.jnd.high is None:
         words = (
-            "The interval has {} upper end: these responses do not bound the JND. It takes more of them, or levels farther from "
+            "The interval has {} upper end: these responses do not bound the JND. It takes "
+            "more of them, or levels farther from "
             "the standard."
         )
         yield doc.Paragraph(phrased(words, Strong("no")))
@@ -114,7 +134,9 @@ def _equation(p: Psychometric) -> doc.Line:
     if not curve.guess and not curve.lapse:
         return doc.Line(Applied(named("psi"), (x,)), phi)
     share: Box = Sum(((1, Numeral("1")), (-1, named("gamma")), (-1, named("lambda"))))
-    return doc.Line(Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi))))))
+    return doc.Line(
+        Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi)))))
+    )
 
 
 def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
@@ -136,14 +158,20 @@ def _answers(p: Psychometric) -> Block:
     rows = p.answers.rows
     if len(rows) > _MOST_ROWS:
         trials = sum(x.trials for x in rows)
-        return doc.Paragraph(f"{trials} responses at {len(rows)} levels, from {rows[0].level:g} to {rows[-1].level:g}.")
+        return doc.Paragraph(
+            f"{trials} responses at {len(rows)} levels, from {rows[0].level:g} to "
+            f"{rows[-1].level:g}."
+        )
     curve = p.fit.curve(np.array([x.level for x in rows]))
     return table(
-        zip(rows, curve, strict=True), "The responses: how many (k) of how many (n) counted at each level, and the curve there.",
-        number("level", lambda x: near(x[0].level)), number("k", lambda x: str(x[0].count)),
-        number("n", lambda x: str(x[0].trials)), number("share", lambda x: f"{x[0].share:.3f}"),
+        zip(rows, curve, strict=True),
+        ("The responses: how many (k) of how many (n) counted at each level, and the curve there."),
+        number("level", lambda x: near(x[0].level)),
+        number("k", lambda x: str(x[0].count)),
+        number("n", lambda x: str(x[0].trials)),
+        number("share", lambda x: f"{x[0].share:.3f}"),
         number("curve", lambda x: f"{x[1]:.3f}"),
-    )  # fmt: skip
+    )
 
 
 def published_page(found: PublishedThresholds) -> Document:
@@ -152,19 +180,30 @@ def published_page(found: PublishedThresholds) -> Document:
     like = doc.Code(f'jnd = {{ like = "{named}" }}')
     lead = phrased("By its name in a scene: {}; a range gives a range of bandwidths.", like)
     shown = table(
-        found, "Published thresholds, and the share of answers at which each was taken where that is known.",
-        Field("name", lambda x: doc.Code(x.name)), Field("JND", lambda x: x.written.replace(" %", "\xa0%")),
-        Field("criterion", _criterion), Field("of what", lambda x: x.quantity),
-    )  # fmt: skip
+        found,
+        (
+            "Published thresholds, and the share of answers at which each was taken where that "
+            "is known."
+        ),
+        Field("name", lambda x: doc.Code(x.name)),
+        Field("JND", lambda x: x.written.replace(" %", "\xa0%")),
+        Field("criterion", _criterion),
+        Field("of what", lambda x: x.quantity),
+    )
     blocks = (
         shown,
-        doc.Section("Sources, and how far they were read", (doc.Notes(tuple(map(_reference, found))),)),
+        doc.Section(
+            "Sources, and how far they were read", (doc.Notes(tuple(map(_reference, found))),)
+        ),
         doc.Paragraph(_DIFFER),
     )
     return Document("Published thresholds", (lead,), blocks, "Just-noticeable differences")
 
 
-_DIFFER = "They differ in what was felt, by whom, in movement and criterion. None was measured on your display."
+_DIFFER = (
+    "They differ in what was felt, by whom, in movement and criterion. None was measured on your "
+    "display."
+)
 
 
 def _criterion(x: Published) -> str:

@@ -1,4 +1,5 @@
-"""The page of a measured evaluation: what the uncertainty discs show at each point, and what would resolve the rest."""
+"""The page of a measured evaluation: what the uncertainty discs show at each point, and what would
+resolve the rest."""
 
 from __future__ import annotations
 
@@ -28,8 +29,18 @@ _UNLIKELY = 0.01
 def measured_words(m: Measurement) -> Phrase:
     """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
-    where: Phrase = ("at ", w.cell(low)) if len(m) == 1 else ("from ", w.cell(low), " to ", w.cell(high))
-    lines: Phrase = (m.name, ": ", counted(len(m), "frequency point"), " ", where, "\xa0", FREQUENCY_UNIT)
+    where: Phrase = (
+        ("at ", w.cell(low)) if len(m) == 1 else ("from ", w.cell(low), " to ", w.cell(high))
+    )
+    lines: Phrase = (
+        m.name,
+        ": ",
+        counted(len(m), "frequency point"),
+        " ",
+        where,
+        "\xa0",
+        FREQUENCY_UNIT,
+    )
     if m.welch is not None:
         return lines, "; ", m.welch.words
     if m.coherence is None:
@@ -39,10 +50,14 @@ def measured_words(m: Measurement) -> Phrase:
 
 
 def linearity(found: Welch) -> Phrase | None:
-    """How far the force follows the cube of what the response predicts; None where that was not asked."""
+    """How far the force follows the cube of what the response predicts; None where that was not
+    asked."""
     if found.cube is None or found.cube_chance is None:
         return None
-    words = "the force has a cubic part of {} standard errors (probability if the display is linear: {})"
+    words = (
+        "the force has a cubic part of {} standard errors (probability if the display is linear: "
+        "{})"
+    )
     told = w.phrased(words, w.near(found.cube, most=3), w.near(found.cube_chance, most=2))
     if found.cube_chance >= _UNLIKELY:
         return told
@@ -52,7 +67,8 @@ def linearity(found: Welch) -> Phrase | None:
 
 
 MOST_ROWS = 40
-"""Of a table with a row for each frequency point; where there are more, neighbours with equal verdicts share one."""
+"""Of a table with a row for each frequency point; where there are more, neighbours with equal
+verdicts share one."""
 
 
 def shape(e: MeasuredEvaluation) -> str:
@@ -82,18 +98,24 @@ def _verdict_at(own: Any) -> w.Cell:
 def _lines(e: MeasuredEvaluation) -> Block:
     """All lines."""
     judged = [w.Field(name, _verdict_at(own)) for name, own in _judgements(e)]
-    caption = "Each frequency point: exceeds or below where the whole uncertainty disc does, else unresolved."
+    caption = (
+        "Each frequency point: exceeds or below where the whole uncertainty disc does, else "
+        "unresolved."
+    )
     if len(e) <= MOST_ROWS:
         rows = list(e.rows)
         numbers = (
-            w.hertz(lambda i: w.cell(rows[i].omega)), w.number(w.RATIOS[Part.REAL], lambda i: _ratio(rows[i].ratio_real)),
+            w.hertz(lambda i: w.cell(rows[i].omega)),
+            w.number(w.RATIOS[Part.REAL], lambda i: _ratio(rows[i].ratio_real)),
             w.number(w.RATIOS[Part.IMAG], lambda i: _ratio(rows[i].ratio_imag)),
             w.number("radius", lambda i: _ratio(rows[i].radius)),
-        )  # fmt: skip
+        )
         return w.table(range(len(e)), caption, *numbers, *judged)
     last = dict(islice(runs(_groups(e)), MOST_ROWS))
     points = w.number("points", lambda i: str(last[i] - i + 1))
-    return w.table(last, caption, w.Field(w.IN_UNIT, lambda i: ends(e, i, last[i])), points, *judged)
+    return w.table(
+        last, caption, w.Field(w.IN_UNIT, lambda i: ends(e, i, last[i])), points, *judged
+    )
 
 
 def cut(e: MeasuredEvaluation) -> Iterator[Block]:
@@ -101,7 +123,12 @@ def cut(e: MeasuredEvaluation) -> Iterator[Block]:
     groups = 1 + np.count_nonzero(np.diff(_groups(e)))
     if len(e) > MOST_ROWS and groups > MOST_ROWS:
         yield doc.Notes(
-            (f"The first {MOST_ROWS} of {groups} groups of points with equal verdicts; --json has every point.",)
+            (
+                (
+                    f"The first {MOST_ROWS} of {groups} groups of points with equal verdicts; "
+                    f"--json has every point."
+                ),
+            )
         )
 
 
@@ -140,7 +167,8 @@ _OF = {"perceived": "", "environment": " of the environment"}
 def stated(e: MeasuredEvaluation) -> str:
     """All bounds that were stated: ``|dH/dω| at most 40 N·s/m``."""
     bounds = (
-        (f"{x.bound:.6g} {unit_text(x.unit)}{' times |H|' * x.relative}", key) for key, x in e.scene.slopes.items()
+        (f"{x.bound:.6g} {unit_text(x.unit)}{' times |H|' * x.relative}", key)
+        for key, x in e.scene.slopes.items()
     )
     return "; ".join(f"|dH/dω| at most {bound}{_OF[key]}" for bound, key in bounds)
 
@@ -149,7 +177,8 @@ def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
     if found is None:
         return
     words = (
-        "With {} the disc of each point extends to its neighbours, larger by as much as the bound allows; half-way its radius is "
+        "With {} the disc of each point extends to its neighbours, larger by as much as the "
+        "bound allows; half-way its radius is "
         "at most {}\xa0% of |H_env|."
     )
     yield doc.Paragraph(w.phrased(words, stated(e), w.at_most(100 * found.grown)))
@@ -162,12 +191,19 @@ def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
         yield doc.Notes((_contradicted(found),))
     rows = list(_chosen(found))
     cells = [_row(e, part, found.told[part], i) for part, i in rows]
-    caption = "Intervals between points: exceeds or below where the extended discs do, else unresolved."
+    caption = (
+        "Intervals between points: exceeds or below where the extended discs do, else unresolved."
+    )
     yield w.table(cells, caption, *_each("part", w.IN_UNIT, "verdict"))
     count = sum(map(len, found.told.values()))
     if len(rows) < count:
         yield doc.Notes(
-            (f"The {_LONGEST} longest resolved intervals of each part, of {count} in all; --json has every one.",)
+            (
+                (
+                    f"The {_LONGEST} longest resolved intervals of each part, of {count} in all; "
+                    f"--json has every one."
+                ),
+            )
         )
 
 
@@ -177,15 +213,19 @@ def _chosen(found: Between) -> Iterator[tuple[Part | None, int]]:
     for part, own in found.told.items():
         length = np.where(own.code == 0, 0, own.high - own.low)
         longest = np.sort(np.argsort(-length, kind="stable")[:_LONGEST])
-        yield from ((part, int(i)) for i in (range(len(own)) if few else longest) if few or own.code[i])
+        yield from (
+            (part, int(i)) for i in (range(len(own)) if few else longest) if few or own.code[i]
+        )
 
 
 def _summary(e: MeasuredEvaluation, part: Part | None, own: Stretches) -> Phrase:
     exceeds, below, unresolved = (w.cell(own.length(code)) for code in (1, -1, 0))
     whole = w.cell(float(own.high[-1] - own.low[0]))
-    what: Phrase = (w.RATIOS[part], f" ({w.PART_NAMES[part]} part) exceeds its threshold") if part else (
-        f"The change lies outside the {shape(e)}"
-    )  # fmt: skip
+    what: Phrase = (
+        (w.RATIOS[part], f" ({w.PART_NAMES[part]} part) exceeds its threshold")
+        if part
+        else (f"The change lies outside the {shape(e)}")
+    )
     where = "is below it on " if part else "inside it on "
     words = f"{{}} on {{}} of {{}}\xa0{{}}, {where}{{}}, and is unresolved on {{}}."
     return w.phrased(words, what, exceeds, whole, FREQUENCY_UNIT, below, unresolved)
@@ -194,12 +234,20 @@ def _summary(e: MeasuredEvaluation, part: Part | None, own: Stretches) -> Phrase
 def _contradicted(found: Between) -> Phrase:
     low, high = found.contradicted[0]
     return (
-        Strong("Contradiction"), f": in {counted(len(found.contradicted), 'gap')}, the first from ", w.cell(low), " to ",
+        Strong("Contradiction"),
+        f": in {counted(len(found.contradicted), 'gap')}, the first from ",
+        w.cell(low),
+        " to ",
         w.cell(high),
-        "\xa0", FREQUENCY_UNIT, (", neighbouring points differ by more than their discs and the bound allow: the bound "
-        "is too small, "),
+        "\xa0",
+        FREQUENCY_UNIT,
+        (
+            ", neighbouring points differ by more than their discs and the bound allow: the "
+            "bound "
+            "is too small, "
+        ),
         "or a disc misses the true value. Nothing follows there.",
-    )  # fmt: skip
+    )
 
 
 def _row(e: MeasuredEvaluation, part: Part | None, own: Stretches, i: int) -> tuple[Phrase, ...]:
@@ -212,10 +260,16 @@ def page(e: MeasuredEvaluation) -> Document:
     blocks: tuple[Block, ...] = (
         doc.Facts(tuple(_about(e))),
         doc.Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
-        doc.Section("Between frequency points, by the bound on the slope", tuple(_blocks(e, e.between)), "between"),
+        doc.Section(
+            "Between frequency points, by the bound on the slope",
+            tuple(_blocks(e, e.between)),
+            "between",
+        ),
         doc.Section("Step 2: perceived change", tuple(_step_2(e)), "step-2"),
     )
-    return w.page_about(e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display")
+    return w.page_about(
+        e.scene, _answer(e), blocks, _how_sure(e), "Two-step evaluation of a measured display"
+    )
 
 
 def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
@@ -228,7 +282,10 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
         yield "Noticed", (Strong("first at "), w.both(float(e.lines.omega[at])), f", by {name}")
     else:
         open_ = any((codes == 0).any() for _, codes in verdicts)
-        yield "Noticed", "resolved at no point; some are unresolved" if open_ else "at no measured point"
+        yield (
+            "Noticed",
+            "resolved at no point; some are unresolved" if open_ else "at no measured point",
+        )
     felt: dict[Phrase, Phrase] = {}
     for ends_, _, part, words in _felt(e):
         felt.setdefault((words, f" ({part})"), ends_)
@@ -257,13 +314,17 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "read", felt.understood
     if e.is_turned_round:
         nearer = (
-            "at every point H is nearer to -H_env than to H_env. If the sensor measures the reaction, add sign = -1"
+            "at every point H is nearer to -H_env than to H_env. If the sensor measures the "
+            "reaction, add sign = -1"
         )
         yield "sign", (Strong("turned round?"), " ", nearer)
     if felt.welch and (told := linearity(felt.welch)):
         yield "linear", told
     if e.left_out:
-        yield "left out", f"{counted(e.left_out, 'point')}, off the band or without the environment's value"
+        yield (
+            "left out",
+            f"{counted(e.left_out, 'point')}, off the band or without the environment's value",
+        )
     if e.scene.band is not None:
         low, high = map(w.cell, e.scene.band)
         yield "band", (low, " to ", high, "\xa0", FREQUENCY_UNIT)
@@ -271,7 +332,10 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     if felt.coherence is not None and felt.averages is not None:
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
-        told = f"with {felt.averages:.4g} averages a radius of {_share(c)} needs a coherence of at least "
+        told = (
+            f"with {felt.averages:.4g} averages a radius of {_share(c)} needs a coherence of at "
+            f"least "
+        )
         yield "discs", (_discs(e), "; ", told, w.at_least(least))
     else:
         yield "discs", _discs(e)
@@ -282,10 +346,15 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
 def _discs(e: MeasuredEvaluation) -> Phrase:
     radius = e.lines.radius
     if radius is None:
-        return Strong("unknown"), ": neither coherence nor radius is given, each point is judged as if it were exact"
+        return Strong(
+            "unknown"
+        ), ": neither coherence nor radius is given, each point is judged as if it were exact"
     ends = [float(x) for x in (radius.min(), radius.max())]
     seen = tuple("unbounded" if np.isinf(x) else _share(x) for x in ends)
-    return f"{_share(e.scene.perceived.confidence)} confidence, radius {seen[0]} to {seen[1]} of ", _SIZE
+    return (
+        f"{_share(e.scene.perceived.confidence)} confidence, radius {seen[0]} to {seen[1]} of ",
+        _SIZE,
+    )
 
 
 _SIZE: Phrase = "|H_env|"
@@ -297,17 +366,26 @@ _SIZE: Phrase = "|H_env|"
 def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
     if e.joint is not None:
         outside = f"The change lies outside the {shape(e)}"
-        yield doc.Paragraph((*_counted(e, e.joint.verdict, outside, "inside it"), " Each part by itself:"))
+        yield doc.Paragraph(
+            (*_counted(e, e.joint.verdict, outside, "inside it"), " Each part by itself:")
+        )
     for part in Part:
         exceeds = f" ({w.PART_NAMES[part]} part) exceeds its threshold"
         yield doc.Paragraph((w.RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
     yield _lines(e)
     yield from cut(e)
-    yield _figure(e, "ratios", "Distortion ratios at the measured points. Bars: the uncertainty disc of each. Filled: the whole "
-                  "disc exceeds the threshold or is below it; open: unresolved.", wide=True)  # fmt: skip
+    yield _figure(
+        e,
+        "ratios",
+        "Distortion ratios at the measured points. Bars: the uncertainty disc of each. Filled: "
+        "the whole "
+        "disc exceeds the threshold or is below it; open: unresolved.",
+        wide=True,
+    )
     if e.joint is not None:
         shown = (
-            "The change at each point with its disc, in the plane of both parts, and the region that is not noticed."
+            "The change at each point with its disc, in the plane of both parts, and the region "
+            "that is not noticed."
         )
         yield _figure(e, "plane", shown)
     if e.needed is not None:
@@ -319,7 +397,8 @@ def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tup
     count = {code: int((codes == code).sum()) for code in CODES}
     points = counted(len(e), "point")
     said = (
-        f"{exceeds} at {count[1] or 'none'} of {points}, is {below} at {count[-1] or 'none'}, unresolved at "
+        f"{exceeds} at {count[1] or 'none'} of {points}, is {below} at "
+        f"{count[-1] or 'none'}, unresolved at "
         f"{count[0] or 'none'}"
     )
     if not count[1]:
@@ -333,16 +412,23 @@ def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
     assert found is not None
     half, every = (_bound(x, _share) for x in (found.radius.half, found.radius.all))
     yield (
-        (f"Unresolved in a part or in both: {counted(found.lines, 'point')}. With the same estimates half of them are "
-        f"resolved by "),
-        f"discs of at most {half}, all by {every} of ", _SIZE, ".",
-    )  # fmt: skip
+        (
+            f"Unresolved in a part or in both: {counted(found.lines, 'point')}. With the same "
+            f"estimates half of them are "
+            f"resolved by "
+        ),
+        f"discs of at most {half}, all by {every} of ",
+        _SIZE,
+        ".",
+    )
     if found.coherence and found.averages:
         yield (
-            f"With {felt.averages:.4g} averages that is a coherence of at least ", _half_and_all(found.coherence,
-            lambda x: f"{x:.7g}"),
-            "; with the measured coherence, ", _half_and_all(found.averages, lambda x: f"{x:.0f}"), " averages.",
-        )  # fmt: skip
+            f"With {felt.averages:.4g} averages that is a coherence of at least ",
+            _half_and_all(found.coherence, lambda x: f"{x:.7g}"),
+            "; with the measured coherence, ",
+            _half_and_all(found.averages, lambda x: f"{x:.0f}"),
+            " averages.",
+        )
 
 
 def _half_and_all(x: Share, words: Callable[[float], str]) -> Phrase:
@@ -361,13 +447,25 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
         yield w.table(rows[:MOST_ROWS], caption, *_each(w.IN_UNIT, "points", "part", "felt as"))
-    more = f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every point."
+    more = (
+        f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every "
+        f"point."
+    )
     active = "Active: Im H_perc < 0, where no property applies to the imaginary part."
-    yield from w.noted([*[more] * (len(rows) > MOST_ROWS), *[active] * (NOT_NAMED in (x[-1] for x in rows))])
+    yield from w.noted(
+        [*[more] * (len(rows) > MOST_ROWS), *[active] * (NOT_NAMED in (x[-1] for x in rows))]
+    )
     if not rows:
-        yield doc.Paragraph("At no point do the discs show that something is noticed, and in which part.")
+        yield doc.Paragraph(
+            "At no point do the discs show that something is noticed, and in which part."
+        )
     yield _figure(
-        e, "nyquist", "Environment and perceived dynamics in the complex plane, a disc around each measured point."
+        e,
+        "nyquist",
+        (
+            "Environment and perceived dynamics in the complex plane, a disc around each "
+            "measured point."
+        ),
     )
 
 
@@ -379,7 +477,12 @@ def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
         for first, last in runs(label):
             if noticed[first]:
                 words = _felt_words(e, part, first) if named[first] else NOT_NAMED
-                yield ends(e, first, last), str(last - first + 1), part.value if part else "both", words
+                yield (
+                    ends(e, first, last),
+                    str(last - first + 1),
+                    part.value if part else "both",
+                    words,
+                )
 
 
 def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
@@ -395,7 +498,10 @@ def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = Fals
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
     if e.between is not None:
-        yield "Measured: verdicts at these points, and between them by the stated bound on the slope, which is not tested."
+        yield (
+            "Measured: verdicts at these points, and between them by the stated bound on the "
+            "slope, which is not tested."
+        )
     else:
         yield "Measured: verdicts at these points alone, none between them."
     if e.lines.radius is None:
@@ -405,6 +511,10 @@ def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
     both_ = isinstance(e.scene.environment, Measurement) and e.scene.environment.discs is not None
     missed = min(1.0, share * (2 if both_ else 1)) * len(e)
     yield (
-        f"Estimated: each disc misses the true value with a probability of {_share(share)}, if the noise is as assumed; that is ",
-        w.near(missed, most=2), f" of {counted(len(e), 'point')}.",
-    )  # fmt: skip
+        (
+            f"Estimated: each disc misses the true value with a probability of {_share(share)}, "
+            f"if the noise is as assumed; that is "
+        ),
+        w.near(missed, most=2),
+        f" of {counted(len(e), 'point')}.",
+    )

@@ -1,4 +1,5 @@
-"""The page of the measures of transparency: for each its formulas, its numbers, its source, and what it says."""
+"""The page of the measures of transparency: for each its formulas, its numbers, its source, and
+what it says."""
 
 from __future__ import annotations
 
@@ -27,20 +28,33 @@ _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 
 def page(m: Metrics) -> Document:
     """The whole page."""
-    shown = "Distance of each measure from transparency over the band, and below where each measure is satisfied."
+    shown = (
+        "Distance of each measure from transparency over the band, and below where each measure "
+        "is satisfied."
+    )
     told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
     notes = doc.Section("Where they disagree", w.noted(map(formulated, told)))
     blocks: tuple[Block, ...] = (
-        _overview(m), notes, doc.Formulas(lambda: map(_measure, m.told)), doc.Figure("metrics", shown, m.figure),
+        _overview(m),
+        notes,
+        doc.Formulas(lambda: map(_measure, m.told)),
+        doc.Figure("metrics", shown, m.figure),
         *w.caveats(m.evaluation.caveats),
-    )  # fmt: skip
+    )
     return w.page_about(
-        m.scene, (("JND", jnd_verdict(m)),), blocks, _proven(m), "Measures of transparency", m.asides(), ("--all",)
+        m.scene,
+        (("JND", jnd_verdict(m)),),
+        blocks,
+        _proven(m),
+        "Measures of transparency",
+        m.asides(),
+        ("--all",),
     )
 
 
 def control_page(found: ControlLoading) -> Document:
-    """The report on a control by a rule: the tests, what was not tested and why, the JND's verdict."""
+    """The report on a control by a rule: the tests, what was not tested and why, the JND's
+    verdict."""
     tested = [x for x in found.trials if x.passes is not None]
     failed, left = len(found.failed), len(found.untested)
     result: Phrase = (
@@ -57,27 +71,45 @@ def control_page(found: ControlLoading) -> Document:
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
     judged = {True: "yes", False: "no", None: ""}
     shown = w.table(
-        [x for x in found.trials if x.environment is not None], caption,
-        w.Field("entry", lambda x: x.entry, full=True), w.Field("test", _test), w.Field("tolerance", _tolerance),
-        w.number("aircraft", lambda x: _plain(x.environment)), w.number("display", lambda x: _plain(x.display)),
+        [x for x in found.trials if x.environment is not None],
+        caption,
+        w.Field("entry", lambda x: x.entry, full=True),
+        w.Field("test", _test),
+        w.Field("tolerance", _tolerance),
+        w.number("aircraft", lambda x: _plain(x.environment)),
+        w.number("display", lambda x: _plain(x.display)),
         w.number("margin", lambda x: "" if x.margin is None else f"{100 * x.margin:.1f}\xa0%"),
-        w.Field("result", lambda x: _RESULT[x.passes]), w.Field("noticed", lambda x: judged[x.noticed]),
-    )  # fmt: skip
-    untested = doc.Section("Not tested", w.noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested))
+        w.Field("result", lambda x: _RESULT[x.passes]),
+        w.Field("noticed", lambda x: judged[x.noticed]),
+    )
+    untested = doc.Section(
+        "Not tested", w.noted((f"{x.entry} {x.name}", f": {x.why}") for x in found.untested)
+    )
     figure = doc.Figure(
         "free-response",
-        "Free response of the aircraft's control and of the display; dotted: 5 % of the displacement.",
+        (
+            "Free response of the aircraft's control and of the display; dotted: 5 % of the "
+            "displacement."
+        ),
         found.figure,
     )
     released = doc.Versions((), lambda: [figure])
     meanings = doc.Notes(tuple(map(formulated, _meanings(found))))
-    blocks: tuple[Block, ...] = shown, meanings, released, untested, *w.caveats(found.evaluation.caveats)
+    blocks: tuple[Block, ...] = (
+        shown,
+        meanings,
+        released,
+        untested,
+        *w.caveats(found.evaluation.caveats),
+    )
     proven = (
         (w.undecided("a test"),)
         if not found.certified
         else (w.proof(found.scene, "results, and all digits printed but margins"),)
     )
-    return w.page_about(found.scene, answer, blocks, proven, "Control-loading report", found.asides(), ())
+    return w.page_about(
+        found.scene, answer, blocks, proven, "Control-loading report", found.asides(), ()
+    )
 
 
 _RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), None: "not tested"}
@@ -87,27 +119,42 @@ def _meanings(found: ControlLoading) -> Iterator[str]:
     """What the names of the tests mean, those that were made."""
     tested = {x.name.partition(" ")[0] for x in found.trials if x.environment is not None}
     start = "the release" if found.rule is Rule.HELICOPTER else "90 % of A_d"
-    response = f"P_0: from {start} to the first zero crossing; P_1, P_2: periods; A_1, A_2: overshoots."
+    response = (
+        f"P_0: from {start} to the first zero crossing; P_1, P_2: periods; A_1, A_2: overshoots."
+    )
     swept = "Sweep: force above the slow one, per travel."
     known = [
-        x for x, made in ((response, tested - {"static", "breakout", "sweep"}), (swept, "sweep" in tested)) if made
+        x
+        for x, made in (
+            (response, tested - {"static", "breakout", "sweep"}),
+            (swept, "sweep" in tested),
+        )
+        if made
     ]
     if known:
         yield " ".join(known)
     yield (
-        "Margin: share of the tolerance left (100 %: no change, 0: at the limit). Noticed: by the JND, at the frequency of "
+        "Margin: share of the tolerance left (100 %: no change, 0: at the limit). Noticed: "
+        "by the JND, at the frequency of "
         "the test; of a free response, on the band."
     )
 
 
 def _test(x: Trial) -> Phrase:
     """A test in a few letters; what they mean is below the table."""
-    short = x.name.partition(",")[0].replace("time from ", "").replace(" of A_d", "").replace("above", ">")
+    short = (
+        x.name.partition(",")[0]
+        .replace("time from ", "")
+        .replace(" of A_d", "")
+        .replace("above", ">")
+    )
     return (formulated(short), f" ({unit_text(x.unit)})" if x.unit else "")
 
 
 def _tolerance(x: Trial) -> Phrase:
-    return formulated(x.tolerance.replace("the same number to within ", "±").replace(" above static", ""))
+    return formulated(
+        x.tolerance.replace("the same number to within ", "±").replace(" above static", "")
+    )
 
 
 def _plain(x: RealNumber | int | None) -> Phrase:
@@ -117,7 +164,13 @@ def _plain(x: RealNumber | int | None) -> Phrase:
 def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
     """What the JND evaluation says, in a line."""
     found = m.evaluation.transparent
-    return "transparent ", w.spans(found) if found else "nowhere on the band", " (", w.limits(m.scene.threshold), ")"
+    return (
+        "transparent ",
+        w.spans(found) if found else "nowhere on the band",
+        " (",
+        w.limits(m.scene.threshold),
+        ")",
+    )
 
 
 _DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"
@@ -129,8 +182,12 @@ def _overview(m: Metrics) -> doc.Table:
     for x in m.told:
         if x.name not in _DESCRIBED:
             names.setdefault(_at(x.verdict, x.at), []).append(x.name)
-    rows = [(x[0] if len(x) == 1 else x[0].partition(",")[0], verdict) for verdict, x in names.items()]
-    return doc.Table((doc.Column("measure"), doc.Column("verdict")), tuple(rows), "The verdict of each measure.")
+    rows = [
+        (x[0] if len(x) == 1 else x[0].partition(",")[0], verdict) for verdict, x in names.items()
+    ]
+    return doc.Table(
+        (doc.Column("measure"), doc.Column("verdict")), tuple(rows), "The verdict of each measure."
+    )
 
 
 def _at(words: str, omega: RealNumber | None) -> Phrase:
@@ -142,22 +199,31 @@ def _at(words: str, omega: RealNumber | None) -> Phrase:
 
 
 def _measure(x: Metric) -> doc.Section:
-    lines, values = tuple(written(x)), tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values)
+    lines, values = (
+        tuple(written(x)),
+        tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values),
+    )
     described = (f"{x.verdict[0].upper()}{x.verdict[1:]}.",) if x.name in _DESCRIBED else ()
     parts: tuple[Block | None, ...] = (
-        doc.Equations(lines) if lines else None, doc.Facts(values) if values else None,
+        doc.Equations(lines) if lines else None,
+        doc.Facts(values) if values else None,
         doc.Notes((*map(formulated, described), f"Source: {x.source} [{x.evidence}]")),
-    )  # fmt: skip
+    )
     return doc.Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
 
 
 _WHAT = {"Im H_perc beyond that": "Im H_perc above that"}
 _WORDS = {
-    Beyond.NEVER.value: "≥ 0 everywhere", Beyond.ALWAYS.value: "< 0 everywhere",
-    Beyond.AGAIN.value: "< 0 at infinitely many higher frequencies", Beyond.UNKNOWN.value: "undecided",
-    Beyond.CLOCK.value: "not tested: above half the sampling rate", "holds": "passive", "does not hold": "not passive",
-    Beyond.LATE.value: "not tested: the delays turn many times before it settles", "not decided": "undecided",
-}  # fmt: skip
+    Beyond.NEVER.value: "≥ 0 everywhere",
+    Beyond.ALWAYS.value: "< 0 everywhere",
+    Beyond.AGAIN.value: "< 0 at infinitely many higher frequencies",
+    Beyond.UNKNOWN.value: "undecided",
+    Beyond.CLOCK.value: "not tested: above half the sampling rate",
+    "holds": "passive",
+    "does not hold": "not passive",
+    Beyond.LATE.value: "not tested: the delays turn many times before it settles",
+    "not decided": "undecided",
+}
 """What a value of JSON is in words."""
 
 
@@ -172,14 +238,20 @@ def _value(x: Value) -> Phrase:
         return _number(x.value, x.unit)
     verdict: Phrase = "satisfied" if x.kept else Strong("not satisfied")
     return (
-        _number(x.value, x.unit), ", environment ", _number(x.reference, x.unit), f"; tolerance {x.tolerance}: ", verdict,
-    )  # fmt: skip
+        _number(x.value, x.unit),
+        ", environment ",
+        _number(x.reference, x.unit),
+        f"; tolerance {x.tolerance}: ",
+        verdict,
+    )
 
 
 def _number(x: RealNumber | int | str, unit: str) -> Phrase:
     if isinstance(x, RealNumber) and unit == "rad/s":
         return w.both(x)
-    return (w.near(x) if isinstance(x, RealNumber) else str(x)), f"\xa0{unit_text(unit)}" if unit else ""
+    return (
+        w.near(x) if isinstance(x, RealNumber) else str(x)
+    ), f"\xa0{unit_text(unit)}" if unit else ""
 
 
 _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b")
@@ -187,7 +259,9 @@ _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b"
 
 def formulated(words: str) -> Phrase:
     """Words in which the names of quantities are formulas."""
-    return tuple(named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥"))) if x)
+    return tuple(
+        named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥"))) if x
+    )
 
 
 def _proven(m: Metrics) -> Iterator[Phrase]:
@@ -195,7 +269,8 @@ def _proven(m: Metrics) -> Iterator[Phrase]:
         yield "Proven: all else."
     elif not m.certified:
         yield w.undecided(
-            "whether some function is tangent to its limit, crosses it twice or stays clear of it, at the precision limit"
+            "whether some function is tangent to its limit, crosses it twice or stays clear "
+            "of it, at the precision limit"
         )
         yield "Proven: all else."
     else:
@@ -224,7 +299,11 @@ def _closed(form: Form) -> doc.Line:
     if form.numeric is None:
         return doc.Line(left, means)
     found = form.numeric
-    shown = readable(found, s) if isinstance(found, RationalFunction) else readable(found.written, omega)
+    shown = (
+        readable(found, s)
+        if isinstance(found, RationalFunction)
+        else readable(found.written, omega)
+    )
     return doc.Line(left, *shown, means) if shown else doc.Line(left, means)
 
 
@@ -242,7 +321,9 @@ _ZERO, _TWO = boxes.Numeral("0"), boxes.Numeral("2")
 _DET = boxes.Sum(((1, boxes.Product((_A, _D))), (-1, boxes.Product((_B, _C)))))
 _SLOPE = boxes.Titled(
     "dH_perc/dH_env",
-    boxes.Fraction(boxes.Product((boxes.Operator("d"), _H_PERC)), boxes.Product((boxes.Operator("d"), _H_ENV))),
+    boxes.Fraction(
+        boxes.Product((boxes.Operator("d"), _H_PERC)), boxes.Product((boxes.Operator("d"), _H_ENV))
+    ),
 )
 _DEFINITIONS: dict[str, tuple[Box, Box]] = {
     "Gamma": (_of_s("Gamma"), boxes.Fraction(_H_PERC, _H_ENV)),
@@ -252,13 +333,18 @@ _DEFINITIONS: dict[str, tuple[Box, Box]] = {
     "Z_width": (_of_s("Z_width"), boxes.Fraction(_DET, boxes.Product((_C, _D)))),
     "dH_perc/dH_env": (
         _SLOPE,
-        boxes.Fraction(_DET, boxes.Power(boxes.Fenced(boxes.Sum(((1, boxes.Product((_C, _H_ENV))), (1, _D)))), _TWO)),
+        boxes.Fraction(
+            _DET,
+            boxes.Power(boxes.Fenced(boxes.Sum(((1, boxes.Product((_C, _H_ENV))), (1, _D)))), _TWO),
+        ),
     ),
     "g": (_G, boxes.Fraction(_DET, boxes.Power(_D, _TWO))),
     **{name: (quantity(name), meaning(name)) for name in ("k_perc", "m_perc", "b_perc")},
 }
 _FIRST, _SECOND = _im(boxes.Fraction(_B, _D)), _im(boxes.Fraction(_C, _D))
-_MARGIN = boxes.Sum(((1, boxes.Prefixed(boxes.Operator("Re"), _G)), (-1, boxes.Product((_TWO, _FIRST, _SECOND)))))
+_MARGIN = boxes.Sum(
+    ((1, boxes.Prefixed(boxes.Operator("Re"), _G)), (-1, boxes.Product((_TWO, _FIRST, _SECOND))))
+)
 _CONDITIONS = {
     "passivity": (doc.Line(_im(_H_PERC), _ZERO, "≥"),),
     "absolute stability": (

@@ -1,6 +1,8 @@
-"""How values show themselves: formulas as LaTeX, tables and sentences as HTML in notebooks, and LaTeX for a paper.
+"""How values show themselves: formulas as LaTeX, tables and sentences as HTML in notebooks, and
+LaTeX for a paper.
 
-The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is here when a value is shown.
+The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is here when a value is
+shown.
 """
 
 from __future__ import annotations
@@ -40,9 +42,11 @@ from haptisym.writing.plain import said
 
 @singledispatch
 def latex(value: Any, *, digits: int = DIGITS) -> str:
-    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an answer (its tables).
+    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an answer
+    (its tables).
 
-    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus; nothing in them is rounded.
+    Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus;
+    nothing in them is rounded.
     ``digits`` : of the numbers of tables.
     Raises TypeError for anything else.
 
@@ -54,7 +58,9 @@ def latex(value: Any, *, digits: int = DIGITS) -> str:
     >>> latex(omega_n**2 / (s**2 + 2 * zeta * omega_n * s + omega_n**2))
     '\\frac{\\omega_n^{2}}{s^{2} + 2 \\zeta \\omega_n s + \\omega_n^{2}}'
     """
-    raise TypeError(f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an answer")
+    raise TypeError(
+        f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an answer"
+    )
 
 
 @latex.register
@@ -122,13 +128,19 @@ def _solution(x: Solution) -> str:
     if x.omega is None:
         return _displayed(formula(x.equation), " = 0")
     turns = rf" + {formula(x.period)} n" if x.period else ""
-    return _displayed(rf"\omega = {formula(x.omega)}", turns, *(rf",\quad {formula(y)} \ge 0" for y in x.conditions))
+    return _displayed(
+        rf"\omega = {formula(x.omega)}",
+        turns,
+        *(rf",\quad {formula(y)} \ge 0" for y in x.conditions),
+    )
 
 
 def _given(parameters: Iterable[Parameter]) -> str:
     """The values of parameters that have one."""
     return "".join(
-        rf",\quad {_value(named(p.symbol.name), p.value)}{_unit(p)}" for p in parameters if p.value != p.symbol
+        rf",\quad {_value(named(p.symbol.name), p.value)}{_unit(p)}"
+        for p in parameters
+        if p.value != p.symbol
     )
 
 
@@ -184,13 +196,19 @@ def _short(x: RealNumber) -> str:
 
 def _crossing(x: Crossing) -> str:
     if x.criterion.region or x.criterion.threshold.free_symbols:
-        return _displayed(rf"\text{{{said(event(x))} at}}\ \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
+        return _displayed(
+            rf"\text{{{said(event(x))} at}}\ \omega = {_decimal(x.omega.digits())}{_PER_SECOND}"
+        )
     threshold = tex(named(f"c_{x.criterion.name}"))
-    return _displayed(rf"{_ratio(x)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
+    return _displayed(
+        rf"{_ratio(x)} = {threshold},\quad \omega = {_decimal(x.omega.digits())}{_PER_SECOND}"
+    )
 
 
 def _peak(x: Peak) -> str:
-    return _displayed(rf"{_ratio(x)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}")
+    return _displayed(
+        rf"{_ratio(x)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}"
+    )
 
 
 def _ratio(x: Judged) -> str:
@@ -202,13 +220,23 @@ def _point(x: Point) -> str:
 
 
 def _interval(x: Interval) -> str:
-    return _displayed(rf"\left[ {_short(x.low.omega)},\, {_short(x.high.omega)} \right]{_PER_SECOND}")
+    return _displayed(
+        rf"\left[ {_short(x.low.omega)},\, {_short(x.high.omega)} \right]{_PER_SECOND}"
+    )
 
 
 _LATEX: Mapping[type, Callable[[Any], str]] = {
-    Environment: _environment, Effect: _effect, Distortion: _distortion, Threshold: _threshold, RealNumber: _number,
-    Solution: _solution, Crossing: _crossing, Peak: _peak, Point: _point, Interval: _interval,
-}  # fmt: skip
+    Environment: _environment,
+    Effect: _effect,
+    Distortion: _distortion,
+    Threshold: _threshold,
+    RealNumber: _number,
+    Solution: _solution,
+    Crossing: _crossing,
+    Peak: _peak,
+    Point: _point,
+    Interval: _interval,
+}
 
 
 # HTML, for what is a table or a sentence.
@@ -216,7 +244,9 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
 
 def _answer_html(x: Answer) -> str:
     page = x.document()
-    return f'<pre class="haptisym">{escape(page)}</pre>' if isinstance(page, str) else fragment(page)
+    return (
+        f'<pre class="haptisym">{escape(page)}</pre>' if isinstance(page, str) else fragment(page)
+    )
 
 
 def _crossing_html(x: Crossing) -> str:
@@ -228,7 +258,17 @@ def _crossing_html(x: Crossing) -> str:
 
 
 def _peak_html(x: Peak) -> str:
-    return str(phrase((named(x.criterion.symbol), " has a local maximum of ", near(x.ratio), " at ", both(x.omega))))
+    return str(
+        phrase(
+            (
+                named(x.criterion.symbol),
+                " has a local maximum of ",
+                near(x.ratio),
+                " at ",
+                both(x.omega),
+            )
+        )
+    )
 
 
 def _percept_html(x: Percept) -> str:
@@ -238,6 +278,10 @@ def _percept_html(x: Percept) -> str:
 
 
 _HTML: Mapping[type, Callable[[Any], str]] = {
-    Answer: _answer_html, Scene: lambda x: fragment(scene_page.page(x)), Crossing: _crossing_html, Peak: _peak_html,
-    Distortion: lambda x: str(element("div", display(_rows(x)), given={"class": "haptisym"})), Percept: _percept_html,
-}  # fmt: skip
+    Answer: _answer_html,
+    Scene: lambda x: fragment(scene_page.page(x)),
+    Crossing: _crossing_html,
+    Peak: _peak_html,
+    Distortion: lambda x: str(element("div", display(_rows(x)), given={"class": "haptisym"})),
+    Percept: _percept_html,
+}

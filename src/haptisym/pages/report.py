@@ -1,4 +1,5 @@
-"""The report of an answer as a file: a page of HTML that holds all it needs, or a PDF, set by pdflatex."""
+"""The report of an answer as a file: a page of HTML that holds all it needs, or a PDF, set by
+pdflatex."""
 
 from __future__ import annotations
 
@@ -29,10 +30,11 @@ from haptisym.writing.plain import said
 
 
 def save(document: Document, record: str, path: str | Path) -> None:
-    """Write the report of an answer to a file: ``.html`` a page, ``.pdf`` the LaTeX document, set by pdflatex.
+    """Write the report of an answer to a file: ``.html`` a page, ``.pdf`` the LaTeX document, set
+    by pdflatex.
 
-    ``document`` : the page; ``record`` : the answer's document of JSON. Raises SceneError if the name ends otherwise, and for a
-    PDF if there is no pdflatex; OSError if it cannot be written.
+    ``document`` : the page; ``record`` : the answer's document of JSON. Raises SceneError if the
+    name ends otherwise, and for a PDF if there is no pdflatex; OSError if it cannot be written.
     """
     target = checked_report(path)
     if target.suffix.lower() == ".pdf":
@@ -44,7 +46,8 @@ def save(document: Document, record: str, path: str | Path) -> None:
 
 
 def page(answer: Answer) -> str:
-    """The page of HTML. The document of ``to_json`` is in it, and so is each number of it, as the nearest double.
+    """The page of HTML. The document of ``to_json`` is in it, and so is each number of it, as the
+    nearest double.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.verbs.evaluate.entry import evaluate
@@ -71,7 +74,8 @@ _COLOURS = {
     pen.UNSTABLE: "unstable",
     "#ffffff": "paper",
 }
-"""The figures' colours, and the names by which the page's style sheet gives them, in the light and in the dark."""
+"""The figures' colours, and the names by which the page's style sheet gives them, in the light and
+in the dark."""
 
 
 def _drawn(figure: Figure) -> Html:
@@ -79,7 +83,9 @@ def _drawn(figure: Figure) -> Html:
     with suppress(NothingToDrawError):
         drawing = _inline(_svg(figure.draw()), figure.name, said(figure.caption))
         below = element("figcaption", phrase(figure.caption))
-        return element("figure", drawing, below, given={"class": "wide" if figure.wide else figure.name})
+        return element(
+            "figure", drawing, below, given={"class": "wide" if figure.wide else figure.name}
+        )
     return Html()
 
 
@@ -91,9 +97,13 @@ def _svg(canvas: Canvas) -> str:
 
 
 def _inline(svg: str, name: str, label: str) -> Html:
-    """A drawing as an element of the page: no prologue, no comments, own names for its parts, the page's colours."""
+    """A drawing as an element of the page: no prologue, no comments, own names for its parts, the
+    page's colours."""
     body = re.sub(
-        r"<!--.*?-->|<metadata>.*?</metadata>|<style\b.*?</style>", "", svg[svg.index("<svg") :], flags=re.DOTALL
+        r"<!--.*?-->|<metadata>.*?</metadata>|<style\b.*?</style>",
+        "",
+        svg[svg.index("<svg") :],
+        flags=re.DOTALL,
     )
     body = re.sub(r'(\bid="|url\(#|xlink:href="#)', rf"\g<1>{name}-", body)
     body = re.sub(r"\s*\n\s*", " ", body)
@@ -106,7 +116,8 @@ def _inline(svg: str, name: str, label: str) -> Html:
 
 _RUNS = 2  # the second one knows the numbers of the tables
 _DATED = {"FORCE_SOURCE_DATE": "1"}
-"""Makes the day of the document that of SOURCE_DATE_EPOCH, where that is set: then the same evaluation gives the same file."""
+"""Makes the day of the document that of SOURCE_DATE_EPOCH, where that is set: then the same
+evaluation gives the same file."""
 _SECONDS = 300  # for one run; the longest document of a scene takes a few
 
 
@@ -115,11 +126,14 @@ def pdf(document: Document) -> bytes:
     program = which("pdflatex")
     if program is None:
         raise SceneError(
-            "report: a PDF needs pdflatex, which was not found (Debian: texlive-latex-base, texlive-latex-recommended); "
+            "report: a PDF needs pdflatex, which was not found (Debian: texlive-latex-base, "
+            "texlive-latex-recommended); "
             "an .html report needs nothing"
         )
     with TemporaryDirectory() as folder:
-        (Path(folder) / "report.tex").write_text(latex(document, _figures(document, Path(folder))), encoding="ascii")
+        (Path(folder) / "report.tex").write_text(
+            latex(document, _figures(document, Path(folder))), encoding="ascii"
+        )
         for _ in range(_RUNS):
             _run(program, folder)
         return (Path(folder) / "report.pdf").read_bytes()
@@ -135,7 +149,13 @@ def _figures(document: Document, folder: Path) -> dict[str, str]:
 
 
 def _run(program: str, folder: str) -> None:
-    command = [program, "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "report.tex"]
+    command = [
+        program,
+        "-interaction=nonstopmode",
+        "-halt-on-error",
+        "-no-shell-escape",
+        "report.tex",
+    ]
     try:
         done = subprocess.run(
             command,
@@ -150,5 +170,7 @@ def _run(program: str, folder: str) -> None:
         raise SceneError(f"report: pdflatex was not done after {_SECONDS} s") from None
     if done.returncode:
         said = done.stdout.decode(errors="replace")
-        wrong = [line for line in said.splitlines() if line.startswith("!")] or said.splitlines()[-1:]
+        wrong = [line for line in said.splitlines() if line.startswith("!")] or said.splitlines()[
+            -1:
+        ]
         raise SceneError(f"report: pdflatex could not set the document: {' '.join(wrong)}")

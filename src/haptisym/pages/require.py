@@ -1,6 +1,8 @@
-"""The pages of requirements: which values satisfy what is required, what limits them; of a report those of each parameter.
+"""The pages of requirements: which values satisfy what is required, what limits them; of a report
+those of each parameter.
 
-Of a map of two parameters: its exact slices, what is proven between them, and what is estimated there.
+Of a map of two parameters: its exact slices, what is proven between them, and what is estimated
+there.
 """
 
 from __future__ import annotations
@@ -31,10 +33,18 @@ from haptisym.writing.plain import said
 
 
 _PLACES = {
-    Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "a tangency inside the band",
-    Kind.AXIS: "poles on the imaginary axis", Kind.FAR: "high frequency",
-}  # fmt: skip
-_OF_ALL = {Kind.START: "low frequency", Kind.TOUCH: "a tangency", Kind.FAR: "high frequency", Kind.AXIS: "poles"}
+    Kind.EDGE: "the high end of the band",
+    Kind.START: "the low end of the band",
+    Kind.TOUCH: "a tangency inside the band",
+    Kind.AXIS: "poles on the imaginary axis",
+    Kind.FAR: "high frequency",
+}
+_OF_ALL = {
+    Kind.START: "low frequency",
+    Kind.TOUCH: "a tangency",
+    Kind.FAR: "high frequency",
+    Kind.AXIS: "poles",
+}
 """Where passivity limits, which is not about the band."""
 _MOST_LIMITS = 2  # that the answer has; more are a table
 
@@ -42,12 +52,22 @@ _MOST_LIMITS = 2  # that the answer has; more are a table
 def page(r: Requirement) -> Document:
     """The page of one parameter."""
     judged = any(x.name not in (*IN_HANDS, "passive") for x in r.criteria)
-    worst = "The worst case over the band against the parameter, with the threshold; grey: " if judged else "Grey: "
+    worst = (
+        "The worst case over the band against the parameter, with the threshold; grey: "
+        if judged
+        else "Grey: "
+    )
     caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
     blocks = (
-        *_nearest(r), *_ends(r), *_formulas(r), doc.Figure("requirement", caption, r.figure), w.certificate(r, r.scene),
-    )  # fmt: skip
-    return w.page_about(r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides())
+        *_nearest(r),
+        *_ends(r),
+        *_formulas(r),
+        doc.Figure("requirement", caption, r.figure),
+        w.certificate(r, r.scene),
+    )
+    return w.page_about(
+        r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides()
+    )
 
 
 def required(criteria: tuple[Criterion, ...]) -> str:
@@ -61,7 +81,11 @@ def kept(x: Criterion) -> str:
 
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
-    now = (" (is ", w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")") if r.free.value.is_number else ()
+    now = (
+        (" (is ", w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")")
+        if r.free.value.is_number
+        else ()
+    )
     what = required(r.criteria)
     known: Phrase = "for no value in the range" if r.certified else "for no value that is proven"
     if r.feasible:
@@ -77,7 +101,12 @@ def _range(r: Requirement) -> Phrase:
     """From where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
-    return zero, w.bare(w.value_of(r.free, low, Way.NEAREST)), " to ", w.value_of(r.free, high, Way.NEAREST)
+    return (
+        zero,
+        w.bare(w.value_of(r.free, low, Way.NEAREST)),
+        " to ",
+        w.value_of(r.free, high, Way.NEAREST),
+    )
 
 
 def _bindings(end: Point, r: Requirement) -> Iterator[Phrase]:
@@ -86,7 +115,8 @@ def _bindings(end: Point, r: Requirement) -> Iterator[Phrase]:
 
 
 def sets(r: Requirement) -> Phrase:
-    """The values, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward."""
+    """The values, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are
+    rounded inward."""
     return w.values_of(r.values, r.free)
 
 
@@ -94,17 +124,30 @@ def _nearest(r: Requirement) -> Iterator[Block]:
     """Where no value satisfies it: the nearest one found, and what limits it."""
     if r.alone:
         others = ", some others undecided"
-        alone = ((required(x.criteria), " for ", sets(x), others if x.undecided else "") for x in r.alone)
+        alone = (
+            (required(x.criteria), " for ", sets(x), others if x.undecided else "") for x in r.alone
+        )
         yield doc.Paragraph(("Each by itself: ", listed(alone), "."))
     x = _near(r)
     if x is None:
         return
     least = "" if x.at_least > 1 else " How near other values come is not proven."
     value, reached = w.value_of(r.free, float(x.value), Way.NEAREST), w.near(100 * float(x.ratio))
-    yield doc.Paragraph(w.phrased(
-        "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its threshold.{}", named(r.free.symbol.name),
-        value, _part(x.binding), reached, _where(x.binding, r), w.near(x.times), least,
-    ))  # fmt: skip
+    yield doc.Paragraph(
+        w.phrased(
+            (
+                "Nearest of those tried: {} = {}, where {} reaches {}\xa0% at {}, {} times its "
+                "threshold.{}"
+            ),
+            named(r.free.symbol.name),
+            value,
+            _part(x.binding),
+            reached,
+            _where(x.binding, r),
+            w.near(x.times),
+            least,
+        )
+    )
 
 
 def _near(r: Requirement) -> Nearest | None:
@@ -114,16 +157,21 @@ def _near(r: Requirement) -> Nearest | None:
 def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
     """What limits at each end, where that is more than the answer has room for."""
     ends = ((x.value, b) for x in r.ends for b in x.bindings)
-    rows = dict.fromkeys((w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends)
+    rows = dict.fromkeys(
+        (w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends
+    )
     return [*rows] if len(rows) > _MOST_LIMITS else []
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
     if rows := _rows(r):
         yield w.table(
-            rows, "What limits the values at each end, proven.", w.number(named(r.free.symbol.name), lambda x: x[0]),
-            w.Field("limited by", lambda x: x[1]), w.Field("at", lambda x: x[2]),
-        )  # fmt: skip
+            rows,
+            "What limits the values at each end, proven.",
+            w.number(named(r.free.symbol.name), lambda x: x[0]),
+            w.Field("limited by", lambda x: x[1]),
+            w.Field("at", lambda x: x[2]),
+        )
 
 
 def heading(free: Knob) -> Phrase:
@@ -137,7 +185,11 @@ def _part(b: Binding) -> Phrase:
         return "passivity"
     if b.criterion.name in IN_HANDS:
         return f"stability{b.criterion.kept.removeprefix(b.criterion.name)}"
-    return f"the {w.PART_NAMES[b.part]} part" if isinstance(b.part, Part) else w.symbol(b.criterion.symbol)
+    return (
+        f"the {w.PART_NAMES[b.part]} part"
+        if isinstance(b.part, Part)
+        else w.symbol(b.criterion.symbol)
+    )
 
 
 def _where(b: Binding, r: Requirement) -> Phrase:
@@ -145,16 +197,17 @@ def _where(b: Binding, r: Requirement) -> Phrase:
     if b.kind is Kind.AXIS and b.criterion.name in IN_HANDS and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
-    return place, "" if b.omega is None or (b.criterion.name == "passive" and not float(b.omega)) else (
-        joined,
-        w.both(b.omega),
-    )
+    return place, "" if b.omega is None or (
+        b.criterion.name == "passive" and not float(b.omega)
+    ) else (joined, w.both(b.omega))
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
     forms = tuple(doc.Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
-        yield doc.Section("Closed form, from the condition at the end of the band", (doc.Equations(forms),))
+        yield doc.Section(
+            "Closed form, from the condition at the end of the band", (doc.Equations(forms),)
+        )
 
 
 def _is_all(r: Requirement) -> bool:
@@ -169,9 +222,14 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     if r.undecided:
         first, last = searched(r.free, r.domain)
         where = listed(
-            (w.bare(_limit(r, x.low, first, Way.DOWN)), " to ", _limit(r, x.high, last, Way.UP)) for x in r.undecided
+            (w.bare(_limit(r, x.low, first, Way.DOWN)), " to ", _limit(r, x.high, last, Way.UP))
+            for x in r.undecided
         )
-        why = r.reason if r.limit is None else r.reason.replace(STOPPED, f"{STOPPED} of {r.limit:g} s")
+        why = (
+            r.reason
+            if r.limit is None
+            else r.reason.replace(STOPPED, f"{STOPPED} of {r.limit:g} s")
+        )
         yield w.undecided((named(r.free.symbol.name), " from ", where, f": {why}" if why else ""))
         if not _is_all(r):
             yield "Proven: all other values in the range."
@@ -179,7 +237,9 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
     exact = any(isinstance(end.value, Sliver) for piece in r.feasible for end in piece.ends)
     bounds = "; each end lies within the enclosure in --json" if exact else ""
     if r.feasible:
-        yield w.proof(r.scene, (what, " for every value in this set and for no other in the range", bounds))
+        yield w.proof(
+            r.scene, (what, " for every value in this set and for no other in the range", bounds)
+        )
     else:
         x = _near(r)
         least = w.phrased(_LEAST, w.at_least(x.at_least)) if x and x.at_least > 1 else ""
@@ -197,25 +257,31 @@ _MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
 
 
 def design(e: Evaluation) -> Iterator[Block]:
-    """A row for each parameter: the exact set of values, and what binds at its ends; all others keep the scene's values."""
+    """A row for each parameter: the exact set of values, and what binds at its ends; all others
+    keep the scene's values."""
     found = requirements(e)
     if not found:
         return
     yield doc.Paragraph(
-        "All values of one parameter for which neither ratio exceeds its threshold on the band, the others as in the scene."
+        "All values of one parameter for which neither ratio exceeds its threshold on the "
+        "band, the others as in the scene."
     )
     if e.scene.untied():
         yield doc.Paragraph(e.scene.untied_note())
     how = "proven" if e.scene.level is None else "of the fitted model"
     yield w.table(
-        found, f"Values for which the display is transparent on its whole band, {how}.",
-        w.Field("parameter", lambda r: layout(r.free.symbol)), w.Field("in the scene", _in_scene),
-        w.Field("transparent for", sets), w.Field("limited by", _binding),
-    )  # fmt: skip
+        found,
+        f"Values for which the display is transparent on its whole band, {how}.",
+        w.Field("parameter", lambda r: layout(r.free.symbol)),
+        w.Field("in the scene", _in_scene),
+        w.Field("transparent for", sets),
+        w.Field("limited by", _binding),
+    )
 
 
 def requirements(e: Evaluation) -> list[Requirement]:
-    """For each parameter and for the threshold, where that takes no more than moments; none for other scenes."""
+    """For each parameter and for the threshold, where that takes no more than moments; none for
+    other scenes."""
     if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
         return []
     return [require(e.scene, path) for path in (*(x.path for x in e.scene.parameters), THRESHOLD)]
@@ -229,7 +295,11 @@ def _in_scene(r: Requirement) -> Phrase:
 
 def _binding(r: Requirement) -> Phrase:
     limits = [(w.symbol(b.criterion.symbol), b.omega) for end in r.ends for b in end.bindings]
-    return listed((x, "" if omega is None else (" at ", w.both(omega))) for x, omega in limits) if limits else "–"
+    return (
+        listed((x, "" if omega is None else (" at ", w.both(omega))) for x, omega in limits)
+        if limits
+        else "–"
+    )
 
 
 # Two parameters.
@@ -239,15 +309,24 @@ _MOST_ROWS = 10  # of slices that are listed; the document of JSON has them all
 
 
 def page_map(m: DesignMap) -> Document:
-    """The page of a map: where values satisfy what is required, some of its slices, what is proven."""
-    shown = "Values that satisfy what is required, along exact slices, with what limits them at their ends."
+    """The page of a map: where values satisfy what is required, some of its slices, what is
+    proven."""
+    shown = (
+        "Values that satisfy what is required, along exact slices, with what limits them at "
+        "their ends."
+    )
     rows = _slices(m)
     left = len(m.slices) - len(rows.rows)
     more = [f"Printed: {len(rows.rows)} of {len(m.slices)} slices; --json has all."] if left else []
     drawn = doc.Figure("map", shown, m.figure)
     blocks = rows, *w.noted(more), *_stiffest(m), *_contours(m), *_classical(m), drawn, *_between(m)
     return w.page_about(
-        m.scene, _answer_map(m), blocks, (*_slices_proven(m), *_proven_map(m)), "Which values satisfy it", m.asides()
+        m.scene,
+        _answer_map(m),
+        blocks,
+        (*_slices_proven(m), *_proven_map(m)),
+        "Which values satisfy it",
+        m.asides(),
     )
 
 
@@ -261,15 +340,25 @@ def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
         words = "{}, from {} to {}; for {} see the table and --figure"
         on = w.phrased(words, on, w.bare(low), high, named(b.symbol.name))
     yield what[0].upper() + what[1:], on
-    kinds = sorted({_KINDS.get(y.kind, y.kind.value) for x in some for e in x.requirement.ends for y in e.bindings})
+    kinds = sorted(
+        {
+            _KINDS.get(y.kind, y.kind.value)
+            for x in some
+            for e in x.requirement.ends
+            for y in e.bindings
+        }
+    )
     if kinds:
         yield "Limited at", listed(kinds)
 
 
 _KINDS = {
-    Kind.EDGE: "the high end of the band", Kind.START: "the low end of the band", Kind.TOUCH: "tangencies inside the band",
-    Kind.AXIS: "poles on the boundary of stability", Kind.FAR: "high frequency",
-}  # fmt: skip
+    Kind.EDGE: "the high end of the band",
+    Kind.START: "the low end of the band",
+    Kind.TOUCH: "tangencies inside the band",
+    Kind.AXIS: "poles on the boundary of stability",
+    Kind.FAR: "high frequency",
+}
 
 
 def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
@@ -288,10 +377,16 @@ def _between(m: DesignMap) -> Iterator[Block]:
         return
     share: Phrase = (" (", w.at_most(100 * m.deviation / m.height), "\xa0% of the range)")
     apart = sum(1 for x in m.gaps if x.deviation is None)
-    others = f"; not between {apart} pair{'' if apart == 1 else 's'} of slices that differ in kind" if apart else ""
+    others = (
+        f"; not between {apart} pair{'' if apart == 1 else 's'} of slices that differ in kind"
+        if apart
+        else ""
+    )
     more = " --slices N gives more." if m.is_coarse or m.within is None else ""
     most = w.value_of(m.free[1], m.deviation, Way.UP)
-    words = "Estimated (from the curvature): straight lines between slices are off by at most {}{}{}.{}"
+    words = (
+        "Estimated (from the curvature): straight lines between slices are off by at most {}{}{}.{}"
+    )
     yield doc.Paragraph(w.phrased(words, most, share, others, more))
 
 
@@ -305,9 +400,16 @@ def _proven_map(m: DesignMap) -> Iterator[Phrase]:
         near: Phrase = ""
         if most:
             part: Phrase = (" (", w.at_most(100 * most / m.height), "\xa0% of the range)")
-            near = "; where lines join slices, within ", w.value_of(m.free[1], most, Way.UP), part, " of them"
+            near = (
+                "; where lines join slices, within ",
+                w.value_of(m.free[1], most, Way.UP),
+                part,
+                " of them",
+            )
         words = "Proven between slices: what is {}{}, and what is not{}."
-        left: Phrase = (", but for ", share, ", along the boundary", near) if x.rectangles.share_left else ""
+        left: Phrase = (
+            (", but for ", share, ", along the boundary", near) if x.rectangles.share_left else ""
+        )
         yield w.phrased(words, what, threshold, left)
 
 
@@ -320,7 +422,9 @@ def _stiffest(m: DesignMap) -> Iterator[Block]:
     stable = listed(kept(x) for x in m.criteria if x.name == "stable")
     value, damping = w.value_of(k, top, Way.DOWN), w.value_of(b, float(at.at), Way.NEAREST)
     words = "Stiffest wall of these slices that is {}: {} < {}, at {} = {}."
-    yield doc.Paragraph(w.phrased(words, stable, named(k.symbol.name), value, named(b.symbol.name), damping))
+    yield doc.Paragraph(
+        w.phrased(words, stable, named(k.symbol.name), value, named(b.symbol.name), damping)
+    )
 
 
 def _contours(m: DesignMap) -> Iterator[Block]:
@@ -329,11 +433,14 @@ def _contours(m: DesignMap) -> Iterator[Block]:
         found = [x.contours[i] for x in m.slices]
         held = sum(1 for r in found if r.feasible)
         left = "" if all(r.certified for r in found) else "; others are undecided"
-        yield doc.Paragraph(f"With a JND of {float(100 * jnd):.6g}\xa0%: transparent values on {held} slices{left}.")
+        yield doc.Paragraph(
+            f"With a JND of {float(100 * jnd):.6g}\xa0%: transparent values on {held} slices{left}."
+        )
 
 
 def _classical(m: DesignMap) -> Iterator[Block]:
-    """The classical bounds that the figure has beside what is exact, and what each takes for granted."""
+    """The classical bounds that the figure has beside what is exact, and what each takes for
+    granted."""
     if m.lines:
         yield doc.Paragraph("Classical bounds in the figure, computed, not proven:")
         yield doc.Facts(tuple((x.name, f"{x.rule} ({x.assumes})") for x in m.lines))

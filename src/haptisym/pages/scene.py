@@ -1,9 +1,10 @@
 """A scene on a page and its closed forms, and the derivation of a report.
 
-On a page stand the chain from the environment to the hand, the parameters, the band and the threshold. The formulas of a
-distortion are lines of equations, each denominator a sum of two squares where nothing cancels; in symbols where a person would
-read them, in numbers, rounded where these are long. A report derives them: from the dynamics to closed forms, threshold
-polynomials and what is perceived.
+On a page stand the chain from the environment to the hand, the parameters, the band and the
+threshold. The formulas of a distortion are lines of equations, each denominator a sum of two
+squares where nothing cancels; in symbols where a person would read them, in numbers, rounded where
+these are long. A report derives them: from the dynamics to closed forms, threshold polynomials and
+what is perceived.
 """
 
 from __future__ import annotations
@@ -35,17 +36,38 @@ from haptisym.pages.derive import beyond, ways
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS, both, page_about, region
 from haptisym.verbs.derive.derivation import derive
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Equation, Fenced, Numeral, Power, Prefixed, Product, Sum
+from haptisym.writing.boxes import (
+    Absolute,
+    Box,
+    Equation,
+    Fenced,
+    Numeral,
+    Power,
+    Prefixed,
+    Product,
+    Sum,
+)
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.latex import LINE, formula, is_long, width
-from haptisym.writing.layout import QUANTITIES, approximate, function, is_brief, layout, named, plain, quantity, rounded
+from haptisym.writing.layout import (
+    QUANTITIES,
+    approximate,
+    function,
+    is_brief,
+    layout,
+    named,
+    plain,
+    quantity,
+    rounded,
+)
 from haptisym.writing.rounding import DIGITS, Band, faithful, keeps_zeros
 
 # Closed forms.
 
 
 Written: TypeAlias = doc.Line | Box
-"""A formula as it is printed; its left side alone where no rounding of its numbers leaves it true."""
+"""A formula as it is printed; its left side alone where no rounding of its numbers leaves it
+true."""
 _OF_POLYNOMIALS = (10, 12, 15)
 """Digits of the numbers of what is printed for its zeros: fewer lose close ones."""
 
@@ -59,9 +81,16 @@ class ClosedForms:
     def all(self) -> list[doc.Line]:
         """All of them."""
         return [
-            *self.dynamics(), *self.difference(), *self.ratios(), *self.relative(), *self.properties("env"),
-            *self.properties("perc"), *self.parameter_jnds(), *self.forces("env"), *self.forces("perc"),
-        ]  # fmt: skip
+            *self.dynamics(),
+            *self.difference(),
+            *self.ratios(),
+            *self.relative(),
+            *self.properties("env"),
+            *self.properties("perc"),
+            *self.parameter_jnds(),
+            *self.forces("env"),
+            *self.forces("perc"),
+        ]
 
     def dynamics(self) -> list[doc.Line]:
         """H_env(s) and H_perc(s)."""
@@ -99,12 +128,18 @@ class ClosedForms:
         """By how much a single parameter must change to be noticed."""
         least = Symbol("c", positive=True) * sqrt(self._square)
         powers = {"k": 0, "b": 1, "m": 2}
-        return [_row(f"jnd {key}", least / omega**power, optional=True) for key, power in powers.items()]
+        return [
+            _row(f"jnd {key}", least / omega**power, optional=True) for key, power in powers.items()
+        ]
 
     def forces(self, system: str) -> list[doc.Line]:
-        """The phasors of spring or inertia force and of damping force (eqs. 5 and 6) for a motion X."""
+        """The phasors of spring or inertia force and of damping force (eqs. 5 and 6) for a motion
+        X."""
         real, imag = self._parts(system)
-        return [_row(f"F_si_{system}", X * real, optional=True), _row(f"F_d_{system}", X * imag * I, optional=True)]
+        return [
+            _row(f"F_si_{system}", X * real, optional=True),
+            _row(f"F_d_{system}", X * imag * I, optional=True),
+        ]
 
     @property
     def _square(self) -> Expr:
@@ -120,7 +155,9 @@ class ClosedForms:
         if system == "env":
             return real, imag
         if all(self.distortion.form(part)[1] for part in Part):
-            return on_axis(self.distortion.perc, Part.REAL), on_axis(self.distortion.perc, Part.IMAG)
+            return on_axis(self.distortion.perc, Part.REAL), on_axis(
+                self.distortion.perc, Part.IMAG
+            )
         return real + self._change(Part.REAL), imag + self._change(Part.IMAG)
 
     def _ratio(self, part: Part) -> Expr:
@@ -203,8 +240,11 @@ def page(scene: Scene) -> Document:
     return page_about(scene, (), scene_blocks(scene), ())
 
 
-def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE) -> Iterator[Block]:
-    """The chain, the table of parameters, and what is judged; ``short_names`` : other symbols for parameters."""
+def scene_blocks(
+    scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_ARE
+) -> Iterator[Block]:
+    """The chain, the table of parameters, and what is judged; ``short_names`` : other symbols for
+    parameters."""
     hand = (Strong("hand"), " feels ", H_PERC)
     yield doc.Flow((*(_link(place, part) for place, part in scene.elements()), hand))
     rows = tuple(_parameter(scene, short_names, x) for x in scene.parameters)
@@ -212,28 +252,43 @@ def scene_blocks(scene: Scene, short_names: Mapping[Symbol, Symbol] = _AS_THEY_A
         ranges = ("range",) * any(x.interval for x in scene.parameters)
         columns = ("symbol", "of", "parameter", "quantity", "value", *ranges, "unit")
         if ranges:
-            rows = tuple((*row[:-1], _range(x), row[-1]) for row, x in zip(rows, scene.parameters, strict=True))
+            rows = tuple(
+                (*row[:-1], _range(x), row[-1])
+                for row, x in zip(rows, scene.parameters, strict=True)
+            )
         yield doc.Table(
-            tuple(doc.Column(x, number=x == "value") for x in columns), rows, "The parameters, in SI units."
+            tuple(doc.Column(x, number=x == "value") for x in columns),
+            rows,
+            "The parameters, in SI units.",
         )
     low, high = (both(ExactNumber(x)) for x in scene.band)
-    yield doc.Paragraph(("The band of interest goes from ", low, " to ", high, ". ", noticeable(scene.threshold)))
+    yield doc.Paragraph(
+        ("The band of interest goes from ", low, " to ", high, ". ", noticeable(scene.threshold))
+    )
 
 
 def noticeable(c: Threshold) -> Phrase:
     """Which changes are noticed, in a sentence."""
     if c.is_plain:
         return (
-            "A change of the real or the imaginary part is noticed when it exceeds the fraction ", threshold(c), " of ",
-            Absolute(H_ENV), ".",
-        )  # fmt: skip
+            ("A change of the real or the imaginary part is noticed when it exceeds the fraction "),
+            threshold(c),
+            " of ",
+            Absolute(H_ENV),
+            ".",
+        )
     if c.region.shape is Shape.SQUARE:
-        return "A change of the real or the imaginary part is noticed when it exceeds ", region(c), "."
+        return (
+            "A change of the real or the imaginary part is noticed when it exceeds ",
+            region(c),
+            ".",
+        )
     return "A change, both parts together, is noticed when it leaves the region: ", region(c), "."
 
 
 def threshold(c: Threshold) -> Phrase:
-    """``c = 0.1``, or the thresholds of both parts where they differ; the region in words where it is none of that."""
+    """``c = 0.1``, or the thresholds of both parts where they differ; the region in words where it
+    is none of that."""
     if not c.is_plain:
         return region(c)
     if c.real == c.imag:
@@ -278,7 +333,8 @@ def _value(value: Expr) -> Phrase:
 
 
 class FormulaGroup(NamedTuple):
-    """Closed forms that belong together, and the function whose length decides whether they can be read."""
+    """Closed forms that belong together, and the function whose length decides whether they can be
+    read."""
 
     function: Callable[[Distortion], RationalFunction]
     rows: Callable[[ClosedForms], list[doc.Line]]
@@ -296,7 +352,8 @@ _MOST_TERMS = 50  # of a numerator in symbols: a third of a page
 
 @dataclass(frozen=True)
 class SceneForms:
-    """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for again."""
+    """The closed forms of an evaluated scene; what was found in symbols is kept, as it is asked for
+    again."""
 
     evaluation: Evaluation
     found: dict[FormulaGroup, list[doc.Line] | None] = field(default_factory=dict, repr=False)
@@ -304,7 +361,11 @@ class SceneForms:
     @cached_property
     def symbolic(self) -> Distortion | None:
         """The distortion in symbols, unless that would be far too long."""
-        return self.evaluation.scene.symbolic_distortion() if _size(self.evaluation) <= _LARGEST else None
+        return (
+            self.evaluation.scene.symbolic_distortion()
+            if _size(self.evaluation) <= _LARGEST
+            else None
+        )
 
     def in_symbols(self, group: FormulaGroup) -> list[doc.Line] | None:
         """Closed forms in symbols; None if they would be too long to read."""
@@ -322,27 +383,35 @@ class SceneForms:
         return None if any(is_long(row.value) for row in rows if not row.optional) else rows
 
     def in_numbers(self, group: FormulaGroup) -> list[Written]:
-        """Closed forms in numbers: exact, in the places of the symbols, if they are short; else rounded."""
+        """Closed forms in numbers: exact, in the places of the symbols, if they are short; else
+        rounded."""
         known = values(self.evaluation.scene.parameters)
         rows = self.in_symbols(group) or group.rows(ClosedForms(self.evaluation.distortion))
         return [_evaluated(row, known, self.evaluation.scene.band) for row in rows]
 
     def threshold(self, part: Part) -> doc.Line:
-        """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold, in factors.
+        """The polynomial in omega^2 that is positive exactly where the ratio exceeds its threshold,
+        in factors.
 
         Where it is not written with numbers, what it is a multiple of.
         """
         limits = self.evaluation.scene.threshold
-        found = next(x for x in noticed(limits) if x.part is part).function(self.evaluation.distortion)
+        found = next(x for x in noticed(limits) if x.part is part).function(
+            self.evaluation.distortion
+        )
         assert isinstance(found, RealFunction)  # of one part
         shown = self.polynomial(_excess(part), found)
         if isinstance(shown, doc.Line):
             return shown
         change = Power(Fenced(quantity(f"{_OPERATORS[part]} dH")), Numeral("2"))
-        return doc.Line(shown, Sum(((1, change), (-1, Product((layout(limits[part] ** 2), quantity("|H_env|^2")))))))
+        return doc.Line(
+            shown,
+            Sum(((1, change), (-1, Product((layout(limits[part] ** 2), quantity("|H_env|^2")))))),
+        )
 
     def polynomial(self, left: Box, found: RealFunction) -> Written:
-        """The numerator of a function that is positive where it is, in factors, rounded where that is long.
+        """The numerator of a function that is positive where it is, in factors, rounded where that
+        is long.
 
         Rounded it has the same zeros on the band, to four digits: certified.
         """
@@ -365,7 +434,10 @@ class SceneForms:
 
     def named(self, rows: Iterable[doc.Line]) -> list[doc.Line]:
         """The rows with short names for the parameters of effects with long names."""
-        return [replace(x, value=x.value.xreplace(self.short_names)) if isinstance(x.value, Expr) else x for x in rows]
+        return [
+            replace(x, value=x.value.xreplace(self.short_names)) if isinstance(x.value, Expr) else x
+            for x in rows
+        ]
 
     @cached_property
     def short_names(self) -> dict[Symbol, Symbol]:
@@ -376,8 +448,14 @@ class SceneForms:
         for i, effect in enumerate(scene.effects, 1):
             label = re.sub("[- ]", "_", effect.name)
             for symbol in (p.symbol for p in effect.parameters):
-                short_name = Symbol(f"{symbol.name.removesuffix(f'_{label}')}_{i}", **symbol.assumptions0)
-                if len(label) > 8 and symbol.name.endswith(f"_{label}") and formula(short_name) not in taken:
+                short_name = Symbol(
+                    f"{symbol.name.removesuffix(f'_{label}')}_{i}", **symbol.assumptions0
+                )
+                if (
+                    len(label) > 8
+                    and symbol.name.endswith(f"_{label}")
+                    and formula(short_name) not in taken
+                ):
                     found[symbol] = short_name
                     taken.add(formula(short_name))
         return found
@@ -441,7 +519,10 @@ def _size(e: Evaluation) -> int:
     above, below = _terms(e.scene.rendering.dynamics)
     for effect in e.scene.effects:
         (a, p), (b, q), (c, r), (d, t) = map(_terms, effect.dynamics)
-        above, below = a * q * r * t * above + b * p * r * t * below, c * p * q * t * above + d * p * q * r * below
+        above, below = (
+            a * q * r * t * above + b * p * r * t * below,
+            c * p * q * t * above + d * p * q * r * below,
+        )
     return above * below
 
 
@@ -467,14 +548,17 @@ _H = named("H")
 _VALUES = "the scene's values"
 _MOST_POLYNOMIALS = 12
 _WIDE = (
-    "Where terms cancel so that no coefficients of a readable length have these roots, the distortion stands for them. "
+    "Where terms cancel so that no coefficients of a readable length have these roots, the "
+    "distortion stands for them. "
 )
 
 
 def derivation(forms: SceneForms) -> Iterator[Block]:
-    """All steps, each below its heading, and what lies beyond them: short steps, crossings solved for omega, groups.
+    """All steps, each below its heading, and what lies beyond them: short steps, crossings solved
+    for omega, groups.
 
-    Closed forms stand in symbols; in numbers, rounded where they are long, if they would be too long to read.
+    Closed forms stand in symbols; in numbers, rounded where they are long, if they would be too
+    long to read.
     """
     steps = _Steps(forms)
     yield doc.Section("Dynamics", tuple(steps.dynamics()))
@@ -502,10 +586,18 @@ class _Steps:
 
     def dynamics(self) -> Iterator[Block]:
         scene = self.evaluation.scene
-        yield doc.Paragraph(("Dynamics are force per position, as functions of the Laplace variable ", named("s"), "."))
+        yield doc.Paragraph(
+            (
+                "Dynamics are force per position, as functions of the Laplace variable ",
+                named("s"),
+                ".",
+            )
+        )
         lines = [doc.Line(quantity("H_env"), scene.environment.dynamics)]
         if scene.rendered:
-            yield doc.Paragraph(("The controller renders ", quantity("H_rendered"), " for ", quantity("H_env"), "."))
+            yield doc.Paragraph(
+                ("The controller renders ", quantity("H_rendered"), " for ", quantity("H_env"), ".")
+            )
             lines.append(doc.Line(quantity("H_rendered"), scene.rendering.dynamics))
         said = []
         for i, effect in enumerate(scene.effects, 1):
@@ -516,16 +608,25 @@ class _Steps:
             yield doc.Paragraph(tuple(said))
         yield from self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
         if scene.parameters:
-            rounded_so = "here and below, long numbers are rounded so that four digits of a value are left, after ≈"
+            rounded_so = (
+                "here and below, long numbers are rounded so that four digits of a value are "
+                "left, after ≈"
+            )
             yield doc.Paragraph(f"With {_VALUES} ({rounded_so}):")
             yield from self._equations(self.forms.in_numbers(DYNAMICS))
 
     def distortion(self) -> Iterator[Block]:
         where = Equation((named("s"), layout(I * omega)), ("=",))
         change = Equation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
-        yield from self._formulas(("On ", where, " the distortion ", change, " has the parts"), DIFFERENCE)
-        yield from self._formulas("The distortion ratios, which the threshold judges, are", RATIO_FORMS)
-        yield from self._formulas("The relative distortion, not to be confused with them, is", RELATIVE)
+        yield from self._formulas(
+            ("On ", where, " the distortion ", change, " has the parts"), DIFFERENCE
+        )
+        yield from self._formulas(
+            "The distortion ratios, which the threshold judges, are", RATIO_FORMS
+        )
+        yield from self._formulas(
+            "The relative distortion, not to be confused with them, is", RELATIVE
+        )
         if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
             yield doc.Paragraph(f"With {_VALUES} the distortion is")
             yield from self._equations(self.forms.in_numbers(DIFFERENCE))
@@ -535,55 +636,94 @@ class _Steps:
             yield from self._regions()
             return
         functions = self.evaluation.distortion.squared_modulus.axis.functions
-        kind = "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
+        kind = (
+            "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
+        )
         lines = [self.forms.threshold(part) for part in Part]
         wide = "" if all(isinstance(x.value, Expr) for x in lines) else _WIDE
-        exceeds = listed((RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part)
-        yield doc.Paragraph((
-            "A ratio exceeds its threshold where its square does, and so no root is needed: ", exceeds, f". These are {kind} ",
-            "with exact coefficients; the crossings are their roots on the band, to four digits also where the ",
-            "coefficients are rounded, after ≈. ", wide, "Written up to a positive factor:",
-        ))  # fmt: skip
+        exceeds = listed(
+            (RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part
+        )
+        yield doc.Paragraph(
+            (
+                "A ratio exceeds its threshold where its square does, and so no root is needed: ",
+                exceeds,
+                f". These are {kind} ",
+                (
+                    "with exact coefficients; the crossings are their roots on the band, to four "
+                    "digits also where the "
+                ),
+                "coefficients are rounded, after ≈. ",
+                wide,
+                "Written up to a positive factor:",
+            )
+        )
         yield from self._equations(lines)
 
     def _regions(self) -> Iterator[Block]:
-        """Of what is judged by a region or by a formula in omega: which functions must not all be positive."""
+        """Of what is judged by a region or by a formula in omega: which functions must not all be
+        positive."""
         said: list[Phrase] = []
         lines: list[Written] = []
         for x in self.evaluation.criteria:
             found = x.function(self.evaluation.distortion)
             where, functions = ways(x, found)
             said += [where, " "]
-            moves = bool(x.joint) and not self.evaluation.scene.threshold.is_constant  # corners may change sign
+            moves = (
+                bool(x.joint) and not self.evaluation.scene.threshold.is_constant
+            )  # corners may change sign
             singles = ((name, f) for name, f in functions if isinstance(f, RealFunction))
             lines += [self.forms.polynomial(name, _whole(f) if moves else f) for name, f in singles]
         if len(lines) > _MOST_POLYNOMIALS:
-            yield doc.Paragraph(f"{len(lines)} functions of ω decide what is noticed: too many to be written here.")
+            yield doc.Paragraph(
+                f"{len(lines)} functions of ω decide what is noticed: too many to be written here."
+            )
             return
-        yield doc.Paragraph((*said, "Written up to a positive factor (after ≈ with the same roots, to four digits):"))
+        yield doc.Paragraph(
+            (
+                *said,
+                "Written up to a positive factor (after ≈ with the same roots, to four digits):",
+            )
+        )
         yield from self._equations(lines)
 
     def properties(self) -> Iterator[Block]:
         real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
         lead = (
-            real, " is felt as stiffness where it is positive and as mass where it is negative, ", imag, " as damping. The ",
+            real,
+            " is felt as stiffness where it is positive and as mass where it is negative, ",
+            imag,
+            " as damping. The ",
             "stiffness, mass and damping perceived are",
-        )  # fmt: skip
+        )
         yield from self._formulas(lead, FELT)
-        d, values = self.forms.symbolic, {p.symbol: p.value for p in self.evaluation.scene.parameters}
+        d, values = (
+            self.forms.symbolic,
+            {p.symbol: p.value for p in self.evaluation.scene.parameters},
+        )
         found = {name: d.changeover(name, values) for name in ("env", "perc")} if d else {}
-        shown = {name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5}
+        shown = {
+            name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5
+        }
         if shown:
             yield doc.Paragraph(f"The lowest frequencies of changeover, with {_VALUES}, are")
-            yield from self._equations([doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()])
+            yield from self._equations(
+                [doc.Line(quantity(f"omega_{name}"), x) for name, x in shown.items()]
+            )
 
     def _formulas(self, lead: Phrase, group: FormulaGroup) -> Iterator[Block]:
         """Closed forms in symbols; in numbers if they would be too long to read."""
         has_parameters = bool(self.evaluation.scene.parameters)
         in_symbols = self.forms.in_symbols(group) if has_parameters else None
         lines: Sequence[Written] = in_symbols or self.forms.in_numbers(group)
-        is_explained = in_symbols or not has_parameters or all(isinstance(x, doc.Line) and x.optional for x in lines)
-        yield doc.Paragraph(lead if is_explained else (lead, f" (with {_VALUES}; too long in symbols)"))
+        is_explained = (
+            in_symbols
+            or not has_parameters
+            or all(isinstance(x, doc.Line) and x.optional for x in lines)
+        )
+        yield doc.Paragraph(
+            lead if is_explained else (lead, f" (with {_VALUES}; too long in symbols)")
+        )
         yield from self._equations(lines)
 
     def _equations(self, lines: Iterable[Written]) -> Iterator[Block]:
@@ -592,9 +732,18 @@ class _Steps:
         if shown := self.forms.named(x for x in found if isinstance(x, doc.Line)):
             yield doc.Equations(tuple(shown))
         if left := [x for x in found if not isinstance(x, doc.Line)]:
-            why = " with numbers: large terms cancel, and rounded to a length that can be read it would be false. "
+            why = (
+                " with numbers: large terms cancel, and rounded to a length that can be read it "
+                "would be false. "
+            )
             yield doc.Paragraph(
-                ("Not written is ", listed(left), why, doc.Code("haptisym derive"), " has it in exact steps.")
+                (
+                    "Not written is ",
+                    listed(left),
+                    why,
+                    doc.Code("haptisym derive"),
+                    " has it in exact steps.",
+                )
             )
 
 
@@ -611,7 +760,14 @@ def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
     """What the effect of that number does to H, in words, and the formulas that the words name."""
     a, b, c, d = effect.dynamics
     if effect.renders and effect.setting("method"):
-        words = (f"renders it sampled ({effect.setting('method')}): ", _H, " becomes ", named(f"G_{i}"), " (", _H)
+        words = (
+            f"renders it sampled ({effect.setting('method')}): ",
+            _H,
+            " becomes ",
+            named(f"G_{i}"),
+            " (",
+            _H,
+        )
         return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
     names = {x: named(f"{x}_{i}") for x in "GZYABCD"}
     if (b, c, d) == (0, 0, 1):
@@ -622,7 +778,9 @@ def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
         return ("adds the compliance ", names["Y"], " in series"), [_of_s("Y", i, c)]
     above, below = ((names[x], "\xa0", _H, " + ", names[y]) for x, y in ("AB", "CD"))
     mapped = (_H, " becomes (", above, ")/(", below, ")")
-    return ("is a two-port: ", mapped), [_of_s(x, i, y) for x, y in zip("ABCD", effect.dynamics, strict=True)]
+    return ("is a two-port: ", mapped), [
+        _of_s(x, i, y) for x, y in zip("ABCD", effect.dynamics, strict=True)
+    ]
 
 
 def _of_s(letter: str, i: int, value: Expr) -> doc.Line:

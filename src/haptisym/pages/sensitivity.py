@@ -30,9 +30,13 @@ _FEW = 3
 def page(found: Sensitivities) -> Document:
     """The whole page."""
     blocks = [*_crossings(found), *_changeovers(found)]
-    further = ('haptisym derive SCENE --of "d omega_r/d NAME"',) if found.scene.threshold.is_plain else ()
+    further = (
+        ('haptisym derive SCENE --of "d omega_r/d NAME"',) if found.scene.threshold.is_plain else ()
+    )
     kind = "Sensitivity to each parameter"
-    return w.page_about(found.scene, _answer(found), blocks, _proven(found), kind, found.asides(), further)
+    return w.page_about(
+        found.scene, _answer(found), blocks, _proven(found), kind, found.asides(), further
+    )
 
 
 def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
@@ -52,7 +56,10 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
     there = [y for y in found.crossings if y.omega is x.omega]
     moved = [(y, _movers(y)) for y in there if _movers(y)]
     several = len(moved) > 1
-    rows = ((named(y.criterion.symbol), ": ", row) if several and y.criterion else row for y, row in moved)
+    rows = (
+        (named(y.criterion.symbol), ": ", row) if several and y.criterion else row
+        for y, row in moved
+    )
     if moved:
         yield "Moved most by", tuple(z for row in rows for z in ("; ", row))[1:]
 
@@ -67,16 +74,25 @@ def _crossings(found: Sensitivities) -> Iterator[Block]:
     if not found.crossings:
         yield Paragraph("No ratio crosses its threshold on the band.")
     yield from (
-        _moved(found.scene, ("Crossing of ", named(x.criterion.symbol)), x) for x in found.crossings if x.criterion
+        _moved(found.scene, ("Crossing of ", named(x.criterion.symbol)), x)
+        for x in found.crossings
+        if x.criterion
     )
 
 
 def _changeovers(found: Sensitivities) -> Iterator[Block]:
     systems = (("H_env", found.changeovers_environment), ("H_perc", found.changeovers_perceived))
-    moved = [_moved(found.scene, ("Changeover of ", named(name)), x) for name, listed in systems for x in listed]
+    moved = [
+        _moved(found.scene, ("Changeover of ", named(name)), x)
+        for name, listed in systems
+        for x in listed
+    ]
     yield from moved
     if found.crossings or moved:
-        words = "Elasticities: per cent by which each frequency moves as a parameter increases by 1 per cent."
+        words = (
+            "Elasticities: per cent by which each frequency moves as a parameter increases by 1 "
+            "per cent."
+        )
         yield Figure("elasticities", words, found.figure)
 
 
@@ -87,17 +103,27 @@ def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
     units = {p.path: scene.knobs[p.path].shown_unit(scene.motion) for p in x.ranked}
 
     def slope(p: Sensitivity) -> Phrase:
-        return _signed(p.derivative, scene.frequency.size / units[p.path].size), f" {p.side}" * bool(p.side)
+        return _signed(
+            p.derivative, scene.frequency.size / units[p.path].size
+        ), f" {p.side}" * bool(p.side)
 
-    still = [p for p in x.ranked if p.elasticity and p.derivative and not (float(p.elasticity) or float(p.derivative))]
+    still = [
+        p
+        for p in x.ranked
+        if p.elasticity and p.derivative and not (float(p.elasticity) or float(p.derivative))
+    ]
     shown = w.table(
-        [p for p in x.ranked if p not in still], "How it moves with each parameter, the one that moves it most first.",
-        w.Field("parameter", lambda p: named(p.name)), w.Field("path", lambda p: p.path),
+        [p for p in x.ranked if p not in still],
+        "How it moves with each parameter, the one that moves it most first.",
+        w.Field("parameter", lambda p: named(p.name)),
+        w.Field("path", lambda p: p.path),
         w.number("elasticity", lambda p: _signed(p.elasticity) if _has(p) else p.reason),
         w.number(("d", FREQUENCY, "/d", named("p")), lambda p: slope(p) if _has(p) else ""),
         w.Field((FREQUENCY_UNIT, " per"), lambda p: units[p.path].text or "1" * _has(p)),
-    )  # fmt: skip
-    none: list[Phrase] = [("No effect: ", listed(named(p.name) for p in still), ".")] if still else []
+    )
+    none: list[Phrase] = (
+        [("No effect: ", listed(named(p.name) for p in still), ".")] if still else []
+    )
     whose: dict[str, list[Phrase]] = {}
     for p in x.ranked:
         whose.setdefault(p.reason, []).append(named(p.name))

@@ -1,4 +1,5 @@
-"""The page of a simulation: what was simulated, and how it compares with the closed form; and that of a release."""
+"""The page of a simulation: what was simulated, and how it compares with the closed form; and that
+of a release."""
 
 from __future__ import annotations
 
@@ -32,15 +33,22 @@ def page(found: Simulation | Simulations) -> Document:
     )
     blocks = *_table(runs), doc.Facts(tuple(_simulated(runs))), *drawn, *w.noted(runs[0].notes)
     answer = (("Closed form", _verdict(runs)),)
-    return w.page_about(found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides())
+    return w.page_about(
+        found.scene, answer, blocks, (_HOW_SURE,), "Simulation in time", found.asides()
+    )
 
 
-_HOW_SURE = "Computed: a simulation in floating point; its error is estimated from runs of different accuracy."
+_HOW_SURE = (
+    "Computed: a simulation in floating point; its error is estimated from runs of different "
+    "accuracy."
+)
 
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
     first = runs[0]
-    length, force = (w.unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE))
+    length, force = (
+        w.unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE)
+    )
     kind = first.motion.name + (f", {len(runs)} runs" if len(runs) > 1 else "")
     most = max(float(abs(run.force).max()) for run in runs)
     yield "motion", (f"{kind}, up to ", w.near(first.motion.amplitude), f" {length}")
@@ -50,11 +58,23 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
         x = first.error
         yield (
             "force error",
-            ("up to ", w.near(x.largest), f" {force}, RMS ", w.near(x.rms), f" {force}, against ideal hardware"),
+            (
+                "up to ",
+                w.near(x.largest),
+                f" {force}, RMS ",
+                w.near(x.rms),
+                f" {force}, against ideal hardware",
+            ),
         )
         yield (
             "of it encoder",
-            ("up to ", w.near(x.quantised_largest), f" {force}, RMS ", w.near(x.quantised_rms), f" {force}"),
+            (
+                "up to ",
+                w.near(x.quantised_largest),
+                f" {force}, RMS ",
+                w.near(x.quantised_rms),
+                f" {force}",
+            ),
         )
         yield "at the limit", (w.near(100 * x.at_limit), "\xa0% of the time")
 
@@ -63,13 +83,21 @@ def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
     rows = [x for run in runs for x in run.estimates]
     if rows:
         heading = w.H_PERC, f" recovered from the force, {w.stiffness_unit(runs[0].scene)}"
-        caption = (*heading, "; its distance from the closed form, and the error of the simulation, estimated.")
+        caption = (
+            *heading,
+            "; its distance from the closed form, and the error of the simulation, estimated.",
+        )
         agrees = w.Field("agrees", lambda x: _AGREES[x.agrees])
         shown = w.table(
-            rows, caption, w.hertz(lambda x: w.cell(x.omega)), w.number("Re", lambda x: w.near(x.simulated.real)),
-            w.number("Im", lambda x: w.near(x.simulated.imag)), w.number("difference", lambda x: w.near(x.difference, most=2)),
-            w.number("estimated error", lambda x: w.near(x.error, most=2)), *[agrees] * (not all(x.agrees for x in rows)),
-        )  # fmt: skip
+            rows,
+            caption,
+            w.hertz(lambda x: w.cell(x.omega)),
+            w.number("Re", lambda x: w.near(x.simulated.real)),
+            w.number("Im", lambda x: w.near(x.simulated.imag)),
+            w.number("difference", lambda x: w.near(x.difference, most=2)),
+            w.number("estimated error", lambda x: w.near(x.error, most=2)),
+            *[agrees] * (not all(x.agrees for x in rows)),
+        )
         yield doc.Section(heading, (shown,))
 
 
@@ -80,11 +108,19 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
     reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
-        worst: Phrase = ("; it differs by up to ", w.at_most(100 * max(sizes)), "\xa0%") if sizes else ""
+        worst: Phrase = (
+            ("; it differs by up to ", w.at_most(100 * max(sizes)), "\xa0%") if sizes else ""
+        )
         return f"not exact here: {'; '.join(reasons)}", worst
     wrong = [w.cell(x.omega) for x in rows if not x.agrees]
     if wrong:
-        return Strong("disagrees"), " with the simulation at ", listed(wrong), "\xa0", FREQUENCY_UNIT
+        return (
+            Strong("disagrees"),
+            " with the simulation at ",
+            listed(wrong),
+            "\xa0",
+            FREQUENCY_UNIT,
+        )
     where = f" at all {len(rows)} frequencies" if len(rows) > 1 else ""
     return f"agrees with the simulation{where}, within its estimated error"
 
@@ -96,14 +132,24 @@ def page_release(r: Release) -> Document:
     """The whole page."""
     shown = "Motion after the hand lets go, and the envelope of the rightmost pole in closed form."
     chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
-    blocks = *_table_release(r), *w.noted(chain), doc.Facts(tuple(_run(r))), doc.Figure("release", shown, r.figure)
+    blocks = (
+        *_table_release(r),
+        *w.noted(chain),
+        doc.Facts(tuple(_run(r))),
+        doc.Figure("release", shown, r.figure),
+    )
     return w.page_about(r.scene, _answer(r), blocks, (_how_sure(r),), "Release test", r.asides())
 
 
 def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
     rests = bool(r.extras) and r.stopped == "come to rest"
-    motion: Phrase = "undecided from this run" if r.grows is None else Strong("grows") if r.grows else "decays"
-    yield "After release", _rattle(r) if r.rattle else "comes to rest (simulated)" if rests else motion
+    motion: Phrase = (
+        "undecided from this run" if r.grows is None else Strong("grows") if r.grows else "decays"
+    )
+    yield (
+        "After release",
+        _rattle(r) if r.rattle else "comes to rest (simulated)" if rests else motion,
+    )
     yield (
         ("Linear loop", (_held(r), ", without encoder and limit of the force"))
         if r.extras
@@ -115,16 +161,33 @@ def _rattle(r: Release) -> Phrase:
     """Amplitude and frequency of the motion that stays."""
     assert r.rattle is not None
     size = w.near(r.rattle.amplitude), f" {r.unit} at "
-    return Strong("rattles"), " (simulated): amplitude ", *size, w.cell(r.rattle.omega), "\xa0", FREQUENCY_UNIT
+    return (
+        Strong("rattles"),
+        " (simulated): amplitude ",
+        *size,
+        w.cell(r.rattle.omega),
+        "\xa0",
+        FREQUENCY_UNIT,
+    )
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
     motion = r.scene.motion
-    numbers = listed((f"{p.key} = ", w.near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters)
+    numbers = listed(
+        (f"{p.key} = ", w.near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters
+    )
     yield "hand", (f"{r.hand.name}: ", numbers)
     yield "displaced by", (w.near(r.displacement), f" {r.unit}, at rest, then let go")
-    yield "time", ("0 to ", w.near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}")
-    yield "poles", "those of the sampled loop" if clocks(r.scene) else ("zeros of ", w.H_PERC, " + m s^2 + b s + k")
+    yield (
+        "time",
+        ("0 to ", w.near(float(r.time[-1])), f" s{f' ({r.stopped})' if r.stopped else ''}"),
+    )
+    yield (
+        "poles",
+        "those of the sampled loop"
+        if clocks(r.scene)
+        else ("zeros of ", w.H_PERC, " + m s^2 + b s + k"),
+    )
 
 
 def _table_release(r: Release) -> Iterator[Block]:
@@ -139,11 +202,18 @@ def _table_release(r: Release) -> Iterator[Block]:
         without = " without friction" * any(x.model == FRICTION for x in r.scene.effects)
         rows.append((root + without, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
     if rows:
-        caption = "The motion that decays last: it goes as exp(rate t). The error of the simulated one is estimated."
+        caption = (
+            "The motion that decays last: it goes as exp(rate t). The error of the simulated one "
+            "is estimated."
+        )
         yield w.table(
-            rows, caption, w.Field("slowest decay", lambda x: x[0]), w.number("rate (1/s)", lambda x: x[1]),
-            w.hertz(lambda x: x[2]), w.Field("error", lambda x: x[3]),
-        )  # fmt: skip
+            rows,
+            caption,
+            w.Field("slowest decay", lambda x: x[0]),
+            w.number("rate (1/s)", lambda x: x[1]),
+            w.hertz(lambda x: x[2]),
+            w.Field("error", lambda x: x[3]),
+        )
 
 
 def _held(r: Release) -> Phrase:
@@ -153,19 +223,28 @@ def _held(r: Release) -> Phrase:
     if r.held.stable:
         return "stable: no unstable poles"
     if roots.chain is RootChain.NEAR:
-        chain = ": infinitely many poles come arbitrarily near to the axis, far above what a release moves"
+        chain = (
+            ": infinitely many poles come arbitrarily near to the axis, far above what a release "
+            "moves"
+        )
         return Strong("unstable"), chain
     return Strong("unstable"), ""
 
 
 def _chain(closed: Closed) -> Phrase:
-    words = "Infinitely many poles have rates that tend to {} 1/s: the simulated rate is that of the motion's largest values."
+    words = (
+        "Infinitely many poles have rates that tend to {} 1/s: the simulated rate is that of the "
+        "motion's largest values."
+    )
     return w.phrased(words, w.near(closed.chain or 0.0))
 
 
 def _how_sure(r: Release) -> Phrase:
     if r.extras and r.held.roots is not None:
-        return "Proven: the verdict on the linear loop. Computed: the motion, a simulation with quantisation or saturation."
+        return (
+            "Proven: the verdict on the linear loop. Computed: the motion, a simulation with "
+            "quantisation or saturation."
+        )
     if r.grows is None:
         return "Computed: whether the motion grows or decays does not follow from this run."
     if r.approximate:

@@ -1,4 +1,5 @@
-"""The page of stability: each hand, any passive operator, and prescribed motion, which are three statements; the limits."""
+"""The page of stability: each hand, any passive operator, and prescribed motion, which are three
+statements; the limits."""
 
 from __future__ import annotations
 
@@ -30,12 +31,19 @@ from haptisym.writing.layout import named
 _IM = Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC)
 _REAL = Prefixed(w.OPERATORS[Part.REAL], named("s"))
 _LEFT, _RIGHT = w.compared(_REAL, "<"), w.compared(_REAL, "≥")
-_PLANE = "Hands of one mass: where the display is stable in them, and the number of unstable poles where it is not."
-_WALLS = "Sampled walls: where the display is stable with them, and the number of unstable poles (|z|\xa0≥\xa01) where it is not."
+_PLANE = (
+    "Hands of one mass: where the display is stable in them, and the number of unstable poles "
+    "where it is not."
+)
+_WALLS = (
+    "Sampled walls: where the display is stable with them, and the number of unstable poles "
+    "(|z|\xa0≥\xa01) where it is not."
+)
 _MOST = 6  # active intervals that are printed
 _FEW = 2  # limits that the answer has of a hand
 _CHAINS = {
-    RootChain.RIGHT: "infinitely many poles lie to the right of the imaginary axis: the highest power of s is delayed (the "
+    RootChain.RIGHT: "infinitely many poles lie to the right of the imaginary axis: the highest power of s is "
+    "delayed (the "
     "system is neutral, or advanced)",
     RootChain.NEAR: "infinitely many poles come arbitrarily near to the imaginary axis: the system is neutral",
 }
@@ -44,12 +52,22 @@ _CHAINS = {
 def page(found: Stability) -> Document:
     """The whole page."""
     is_sampled = bool(clocks(found.scene))
-    drawn = (doc.Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),) if has_plane(found.scene) else ()
+    drawn = (
+        (doc.Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),)
+        if has_plane(found.scene)
+        else ()
+    )
     blocks = (
-        *_hands(found), *_limits(found), *_margins(found), *drawn,
-        *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))), w.certificate(found, found.scene),
-    )  # fmt: skip
-    return w.page_about(found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides())
+        *_hands(found),
+        *_limits(found),
+        *_margins(found),
+        *drawn,
+        *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
+        w.certificate(found, found.scene),
+    )
+    return w.page_about(
+        found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides()
+    )
 
 
 # The answer.
@@ -74,29 +92,45 @@ def _verdict(x: Held) -> Phrase:
         return Strong("unstable"), ": ", _CHAINS[x.roots.chain]
     on_axis = x.on_axis[bool(x.drifts) :]
     if on_axis and len(on_axis) * 2 >= (x.unstable or 0):
-        return Strong("unstable"), " (poles on the imaginary axis at ", listed(map(w.both, on_axis)), ")"
+        return (
+            Strong("unstable"),
+            " (poles on the imaginary axis at ",
+            listed(map(w.both, on_axis)),
+            ")",
+        )
     return Strong("unstable"), f" ({x.unstable} unstable pole{'' if x.unstable == 1 else 's'})"
 
 
 def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> Phrase:
-    """Of a stable display how far the nearest parameters may go; of an unstable one what makes it stable."""
+    """Of a stable display how far the nearest parameters may go; of an unstable one what makes it
+    stable."""
     if not (x.stable or x.shakes):
         return ""
     told: list[tuple[float, Phrase]] = []
     for path, values in sets.items():
         knob = found.scene.knobs[path]
-        for piece in (y for y in values.feasible if not y.is_single):  # a single value is in the table alone
+        for piece in (
+            y for y in values.feasible if not y.is_single
+        ):  # a single value is in the table alone
             limits = [y for y in piece.ends if y in values.ends]
             if x.stable:
-                ends = ((("down to ", Way.UP) if y is piece.first else ("up to ", Way.DOWN), y) for y in limits)
+                ends = (
+                    (("down to ", Way.UP) if y is piece.first else ("up to ", Way.DOWN), y)
+                    for y in limits
+                )
                 told += [
-                    (_distance(knob, y), (words, _name(knob), " = ", w.value_of(knob, y.value, way)))
+                    (
+                        _distance(knob, y),
+                        (words, _name(knob), " = ", w.value_of(knob, y.value, way)),
+                    )
                     for (words, way), y in ends
                 ]
             else:
                 now = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
                 reach = min((_distance(knob, y) for y in limits), default=inf)
-                told.append((reach, (w.values_in(piece, values, knob, _name(knob)), " (is ", now, ")")))
+                told.append(
+                    (reach, (w.values_in(piece, values, knob, _name(knob)), " (is ", now, ")"))
+                )
     few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
     so = ": " if x.stable else ": does not shake for " if x.drifts else ": needs "
     return (so, listed(few, "and" if x.stable else "or")) if few else ""
@@ -116,7 +150,9 @@ def _any_operator(found: Stability) -> Phrase:
         p = x.passivity
         why: Phrase = x.reason if p is None or x.sampled is not None else _why_open(p)
         return Strong("undecided"), " whether it is passive", (": ", why) if why else ""
-    return Strong("not passive"), _needs(x.sampled, w.unit(Dimension.DAMPING, found.scene.motion)) if x.sampled else ""
+    return Strong("not passive"), _needs(
+        x.sampled, w.unit(Dimension.DAMPING, found.scene.motion)
+    ) if x.sampled else ""
 
 
 def _needs(x: SampledPassivity, damping: str) -> Phrase:
@@ -128,7 +164,11 @@ def _needs(x: SampledPassivity, damping: str) -> Phrase:
         return ": no damping of the device is enough"
     if x.asks_nothing:
         return ": needs device damping ≥ 0", *has
-    return (": needs device damping > ", w.at_most(x.needed.value), f" {damping}", *has) if x.passive is False else ""
+    return (
+        (": needs device damping > ", w.at_most(x.needed.value), f" {damping}", *has)
+        if x.passive is False
+        else ""
+    )
 
 
 def _why_open(p: Passivity) -> Phrase:
@@ -147,34 +187,57 @@ def _of_hand(i: int) -> w.Cell:
 def _hands(found: Stability) -> Iterator[Block]:
     if not found.held:
         return
-    units = [w.unit(x, found.scene.motion) for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)]
+    units = [
+        w.unit(x, found.scene.motion)
+        for x in (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
+    ]
     keys = (
         w.number((named(key), f" ({unit_})"), _of_hand(i))
         for i, (key, unit_) in enumerate(zip("mbk", units, strict=True))
     )
     notes = [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
-    notes += [f"{x.hand.name}: no motion grows, as all parts are passive." for x in found.held if _only_near(found, x)]
+    notes += [
+        f"{x.hand.name}: no motion grows, as all parts are passive."
+        for x in found.held
+        if _only_near(found, x)
+    ]
     shown = w.table(
-        found.held, "The display in each hand.", w.Field("hand", lambda x: x.hand.name), *keys, w.Field("stable", _stable),
+        found.held,
+        "The display in each hand.",
+        w.Field("hand", lambda x: x.hand.name),
+        *keys,
+        w.Field("stable", _stable),
         w.number("unstable poles", _count),
-    )  # fmt: skip
+    )
     yield doc.Section("Does it shake?", (shown, *w.noted(notes)))
 
 
 def _only_near(found: Stability, x: Held) -> bool:
     """Whether a chain of poles that comes to the axis is known to stay on its left."""
     p = found.every_passive_hand.passivity
-    return bool(x.roots is not None and x.roots.chain is RootChain.NEAR and p and p.has_passive_parts)
+    return bool(
+        x.roots is not None and x.roots.chain is RootChain.NEAR and p and p.has_passive_parts
+    )
 
 
 def _stable(x: Held) -> Phrase:
     drifts = x.shakes is False and x.drifts
-    return Strong("undecided") if x.stable is None else "yes" if x.stable else "drifts" if drifts else Strong("no")
+    return (
+        Strong("undecided")
+        if x.stable is None
+        else "yes"
+        if x.stable
+        else "drifts"
+        if drifts
+        else Strong("no")
+    )
 
 
 def _count(x: Held) -> str:
     """How many poles are unstable, where that is known."""
-    if x.roots is None or x.roots.chain is RootChain.NEAR:  # of a chain that only comes near, none need lie there
+    if (
+        x.roots is None or x.roots.chain is RootChain.NEAR
+    ):  # of a chain that only comes near, none need lie there
         return "" if x.roots is None else "a chain near the axis"
     return "infinite" if x.unstable is None else str(x.unstable)
 
@@ -182,7 +245,9 @@ def _count(x: Held) -> str:
 def _box(hand: Hand, box: Box) -> Phrase:
     """In which hands of given ranges it is stable."""
     within = [(p.key, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
-    ranges = listed((named(str(key)), " from ", w.near(low), " to ", w.near(high)) for key, low, high in within)
+    ranges = listed(
+        (named(str(key)), " from ", w.near(low), " to ", w.near(high)) for key, low, high in within
+    )
     if box.share is None:
         return w.undecided((f"{hand.name} with ", ranges, f": {box.reason}"))
     verdict: dict[Share, Phrase] = {
@@ -194,7 +259,8 @@ def _box(hand: Hand, box: Box) -> Phrase:
 
 
 def _limits(found: Stability) -> Iterator[Block]:
-    """What is stable of each parameter, one varied at a time, the nearest first; those that change nothing in a line."""
+    """What is stable of each parameter, one varied at a time, the nearest first; those that change
+    nothing in a line."""
     lines: list[tuple[str, Knob, ValueSet]] = []
     notes: list[Phrase] = []
     for x, sets in zip(found.held, found.critical, strict=True):
@@ -204,25 +270,42 @@ def _limits(found: Stability) -> Iterator[Block]:
         notes += _notes(x, rows)
     holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
     limits = w.table(
-        lines, "The values, next to the present ones, for which it is stable, and the frequency of the pole at each end.",
-        w.Field("hand", lambda x: x[0]), w.Field("parameter", lambda x: _name_and_unit(x[1])),
+        lines,
+        (
+            "The values, next to the present ones, for which it is stable, and the frequency of "
+            "the pole at each end."
+        ),
+        w.Field("hand", lambda x: x[0]),
+        w.Field("parameter", lambda x: _name_and_unit(x[1])),
         w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
-        w.Field(holds, lambda x: (_least(*x[1:]), w.values_of(x[2], x[1], _name(x[1]), in_table=True))),
-        w.Field(("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)),
-    )  # fmt: skip
+        w.Field(
+            holds, lambda x: (_least(*x[1:]), w.values_of(x[2], x[1], _name(x[1]), in_table=True))
+        ),
+        w.Field(
+            ("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)
+        ),
+    )
     if lines or notes:
         blocks = (limits,) if lines else ()
-        yield doc.Section("Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes)))
+        yield doc.Section(
+            "Stability limits, one parameter varied at a time", (*blocks, *w.noted(notes))
+        )
 
 
 def _notes(x: Held, rows: Sequence[tuple[Knob, ValueSet]]) -> Iterator[Phrase]:
     """Of a hand: which parameters change nothing, how far was searched, and what stayed open."""
     looked = [(knob, looked_at(knob, values), values) for knob, values in rows]
-    none = [(knob, ends) for knob, ends, values in looked if not (values.ends or any(open_beside(knob, values)))]
+    none = [
+        (knob, ends)
+        for knob, ends, values in looked
+        if not (values.ends or any(open_beside(knob, values)))
+    ]
     if none:
         ends, kept = listed(_searched(none)), listed(_name(knob) for knob, _ in none)
         yield f"{x.hand.name}: {_kept(x)}", kept, (" (", ends, ")") if ends else "", "."
-    further = [(knob, ends) for knob, ends, values in looked if values.ends and _least(knob, values)]
+    further = [
+        (knob, ends) for knob, ends, values in looked if values.ends and _least(knob, values)
+    ]
     if ends := listed(_searched(further)):
         yield f"{x.hand.name}: searched ", ends, "."
     why: dict[str, list[Phrase]] = {}
@@ -235,7 +318,9 @@ def _notes(x: Held, rows: Sequence[tuple[Knob, ValueSet]]) -> Iterator[Phrase]:
 
 def _least(knob: Knob, values: ValueSet) -> str:
     """Whether what is stable may go on beyond what is known of it."""
-    open_ = [y for side in (-1, 1) if (y := values.unknown(ExactNumber(knob.value), side)) is not None]
+    open_ = [
+        y for side in (-1, 1) if (y := values.unknown(ExactNumber(knob.value), side)) is not None
+    ]
     points = [y for piece in open_ for y in piece.ends]
     return "at least " if any(y in points for piece in values.feasible for y in piece.ends) else ""
 
@@ -262,7 +347,9 @@ def _reach(knob: Knob, values: ValueSet) -> float:
     return min(_distance(knob, x) for x in values.ends)
 
 
-def _searched(rows: Iterable[tuple[Knob, tuple[RealNumber | None, RealNumber | None]]]) -> Iterator[Phrase]:
+def _searched(
+    rows: Iterable[tuple[Knob, tuple[RealNumber | None, RealNumber | None]]],
+) -> Iterator[Phrase]:
     """Parameters of which not all values were searched, and which were."""
     for knob, (low, high) in rows:
         if low is not None or high is not None:
@@ -288,23 +375,32 @@ def _margins(found: Stability) -> Iterator[Block]:
     def gain(of: Callable[[RealNumber, Way], Phrase]) -> w.Cell:
         return lambda row: _factors(row[1], of)
 
-    phase = [w.number("phase (deg)", lambda x: _up_to(x[1].phase, Integer(1)))] * (not clocks(found.scene))
+    phase = [w.number("phase (deg)", lambda x: _up_to(x[1].phase, Integer(1)))] * (
+        not clocks(found.scene)
+    )
     yield doc.Section(
         "Margins: how much the rendered force may change",
         (
             w.table(
-                rows, "By which factor, and by how much more delay or angle at one frequency, until it is unstable.",
-                w.Field("hand", lambda x: x[0]), w.Field("factor", gain(doc.Real)),
+                rows,
+                (
+                    "By which factor, and by how much more delay or angle at one frequency, "
+                    "until it is unstable."
+                ),
+                w.Field("hand", lambda x: x[0]),
+                w.Field("factor", gain(doc.Real)),
                 w.Field("dB", gain(lambda x, way: doc.Real(20 * log10(float(x)), way, most=3))),
-                w.number("more delay (ms)", lambda x: _up_to(x[1].delay, Rational(1, 1000))), *phase,
+                w.number("more delay (ms)", lambda x: _up_to(x[1].delay, Rational(1, 1000))),
+                *phase,
             ),
             *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
-    )  # fmt: skip
+    )
 
 
 def _factors(x: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:
-    """From which factor to which one it is stable; of a side on which that is not known as far as it is."""
+    """From which factor to which one it is stable; of a side on which that is not known as far as
+    it is."""
     about, at_1 = x.gain.about(ExactNumber(Integer(1))), ExactNumber(Integer(1))
     if about.verdict is Verdict.UNDECIDED or about.low is None or about.high is None:
         return Strong("undecided")
@@ -332,7 +428,10 @@ def _up_to(x: ValueSet | None, size: Expr) -> Phrase:
     return "at least ", doc.Real(in_unit(about.high, size), Way.DOWN), beyond
 
 
-_SEARCHED = f"Searched: factors from 0.001 to {MOST_GAIN}, delays up to {MOST_DELAY} s; any: no limit in that range."
+_SEARCHED = (
+    f"Searched: factors from 0.001 to {MOST_GAIN}, delays up to {MOST_DELAY} s; any: no limit in "
+    f"that range."
+)
 _MARGINS = {"gain": "factor", "delay": "more delay", "phase_deg": "phase"}
 
 
@@ -354,14 +453,30 @@ def _prescribed(found: Stability) -> Phrase:
     x = found.imposed
     if x.stable is None:
         why = f": {x.reason}" if x.reason else ""
-        return Strong("undecided"), ", whether all poles of ", w.H_PERC, " lie in ", _LEFT, f"{why}."
+        return (
+            Strong("undecided"),
+            ", whether all poles of ",
+            w.H_PERC,
+            " lie in ",
+            _LEFT,
+            f"{why}.",
+        )
     if x.stable:
-        return "stable", "; infinitely many poles come arbitrarily near to the imaginary axis." if x.chain else "."
+        return (
+            "stable",
+            "; infinitely many poles come arbitrarily near to the imaginary axis."
+            if x.chain
+            else ".",
+        )
     if x.chain is RootChain.NEAR:
         return Strong("unstable"), ": ", w.H_PERC, " has poles on the imaginary axis."
     if x.chain:
         return Strong("unstable"), ": of the poles of ", w.H_PERC, f", {_CHAINS[x.chain]}."
-    count = "at least one pole" if x.unstable is None else f"{x.unstable} pole{'' if x.unstable == 1 else 's'}"
+    count = (
+        "at least one pole"
+        if x.unstable is None
+        else f"{x.unstable} pole{'' if x.unstable == 1 else 's'}"
+    )
     return Strong("unstable"), f": {count} of ", w.H_PERC, " in ", _RIGHT, "."
 
 
@@ -391,7 +506,11 @@ def _passivity(found: Stability) -> Iterator[Phrase]:
 def _sampled(x: SampledPassivity, scene: Scene) -> Iterator[Phrase]:
     if x.pushes:
         value = w.at_least(ExactNumber(x.at_rest)), f" {w.stiffness_unit(scene)}"
-        yield "The stiffness of the display at rest is negative (", *value, "): no damping compensates it."
+        yield (
+            "The stiffness of the display at rest is negative (",
+            *value,
+            "): no damping compensates it.",
+        )
     elif x.passive is False and x.hand_needed is not None:
         yield w.enough_damping(w.at_most(x.hand_needed), scene)
 
@@ -401,7 +520,11 @@ def _bands(p: Passivity) -> Phrase:
     if p.beyond is Beyond.ALWAYS and len(p.active) <= _MOST:
         shown[-1] = ("above ", w.both(p.active[-1].low.omega))
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
-    again = [("at infinitely many frequencies above ", w.both(ExactNumber(p.high)))] if p.beyond is Beyond.AGAIN else []
+    again = (
+        [("at infinitely many frequencies above ", w.both(ExactNumber(p.high)))]
+        if p.beyond is Beyond.AGAIN
+        else []
+    )
     return listed([*shown, *more, *again]), not_looked_at(p) if p.beyond is Beyond.LATE else ""
 
 

@@ -30,17 +30,30 @@ _MOST_DRAWN = 2  # parameters that one chart shows
 def page(found: Swept) -> Document:
     """The whole page."""
     told = found.to_dict()
-    shown = "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the legend."
+    shown = (
+        "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the "
+        "legend."
+    )
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
-    spans = [(name, told["ranges"][key]) for key, name in _FREQUENCIES.items() if told["ranges"].get(key)]
+    spans = [
+        (name, told["ranges"][key]) for key, name in _FREQUENCIES.items() if told["ranges"].get(key)
+    ]
     frequencies = w.table(
-        spans, "Least and largest of all sets, proven.", w.Field(FREQUENCY_UNIT, lambda x: x[0]),
-        w.number("least", lambda x: _ends(x[1])[0]), w.number("largest", lambda x: _ends(x[1])[1]),
-    )  # fmt: skip
-    answer = ("Bandwidth", _frequency(told["ranges"].get("bandwidth"))), ("Sets", f"{told['sets']:,}")
+        spans,
+        "Least and largest of all sets, proven.",
+        w.Field(FREQUENCY_UNIT, lambda x: x[0]),
+        w.number("least", lambda x: _ends(x[1])[0]),
+        w.number("largest", lambda x: _ends(x[1])[1]),
+    )
+    answer = (
+        ("Bandwidth", _frequency(told["ranges"].get("bandwidth"))),
+        ("Sets", f"{told['sets']:,}"),
+    )
     blocks = frequencies, Facts((*_counts(told), *_held(told), *_varied(found, told))), *figure
-    return w.page_about(found.scene, answer, blocks, _how_sure(found, told), "Sweep of parameters", found.asides())
+    return w.page_about(
+        found.scene, answer, blocks, _how_sure(found, told), "Sweep of parameters", found.asides()
+    )
 
 
 def _varied(found: Swept, told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
@@ -66,7 +79,11 @@ def _ends(span: list[float]) -> tuple[Frequency, Frequency]:
 
 def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
     clear = told["ranges"]["transparent"]
-    share: Phrase = (w.at_least(100 * clear[0]), " to ", w.at_most(100 * clear[1]), "\xa0%") if clear else "none"
+    share: Phrase = (
+        (w.at_least(100 * clear[0]), " to ", w.at_most(100 * clear[1]), "\xa0%")
+        if clear
+        else "none"
+    )
     yield "transparent part of the band", share
     for key, name in _CROSSINGS.items():
         if key in told["counts"]:
@@ -78,7 +95,10 @@ def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
         yield f"stable in {x['hand']}", f"{x['stable']:,} of {told['sets']:,} sets"
         if x["stable"] == told["sets"]:
             continue
-        counts = [*x["unstable"].items(), *((name, x[key]) for key, name in _ENDLESS.items() if x[key])]
+        counts = [
+            *x["unstable"].items(),
+            *((name, x[key]) for key, name in _ENDLESS.items() if x[key]),
+        ]
         yield f"unstable poles in {x['hand']}", ", ".join(_in_sets(*y) for y in counts)
 
 

@@ -1,4 +1,5 @@
-"""The page of tolerances: what holds for all values in the ranges, where crossings lie, and apart from that what is estimated."""
+"""The page of tolerances: what holds for all values in the ranges, where crossings lie, and apart
+from that what is estimated."""
 
 from __future__ import annotations
 
@@ -24,8 +25,16 @@ def page(a: Tolerances) -> Document:
     """The whole page."""
     scene = a.box.scene
     asides = filter(None, [scene.estimated, scene.untied_note(scene.ranges())])
-    blocks = (*_examples(a), *_hands_figure(a), _enclosures(a), *w.noted(_ranges(a)), *_quantiles(a))
-    return w.page_about(scene, _answer(a), blocks, _proven(a), "What holds for all values in the ranges", asides)
+    blocks = (
+        *_examples(a),
+        *_hands_figure(a),
+        _enclosures(a),
+        *w.noted(_ranges(a)),
+        *_quantiles(a),
+    )
+    return w.page_about(
+        scene, _answer(a), blocks, _proven(a), "What holds for all values in the ranges", asides
+    )
 
 
 # The answer.
@@ -37,12 +46,18 @@ def _answer(a: Tolerances) -> Iterator[tuple[Phrase, Phrase]]:
     if not a.held:
         yield "Stability", "not tested: add --hand NAME"
     for x in a.held:
-        yield f"In {x.hand.name}", _SHARES[x.share] if x.share else (Strong("undecided"), f": {x.reason}")
+        yield (
+            f"In {x.hand.name}",
+            _SHARES[x.share] if x.share else (Strong("undecided"), f": {x.reason}"),
+        )
 
 
 def _bandwidth(a: Tolerances) -> Phrase:
     if a.bandwidth is None:
-        return "none common to all values is proven: for some the display may be noticed at the low end of the band"
+        return (
+            "none common to all values is proven: for some the display may be noticed at the low "
+            "end of the band"
+        )
     low, high = a.bandwidth
     nominal = a.nominal.bandwidth
     if low == high:
@@ -76,22 +91,34 @@ def _examples(a: Tolerances) -> Iterator[Block]:
     told: list[Phrase] = []
     if a.verdict in (Verdict.DEPENDS, Verdict.UNDECIDED):
         examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
-        told = [(f"{how}, for example, with ", _at(a, one.values), ".") for how, one in examples if one is not None]
+        told = [
+            (f"{how}, for example, with ", _at(a, one.values), ".")
+            for how, one in examples
+            if one is not None
+        ]
     for x in a.held:
         if x.share not in (Share.ALL, Share.NONE):
-            pairs = ((f"Stable in {x.hand.name}", x.stable), (f"Unstable in {x.hand.name}", x.unstable))
-            told += [(f"{how}, for example, with ", _at(a, found), ".") for how, found in pairs if found]
+            pairs = (
+                (f"Stable in {x.hand.name}", x.stable),
+                (f"Unstable in {x.hand.name}", x.unstable),
+            )
+            told += [
+                (f"{how}, for example, with ", _at(a, found), ".") for how, found in pairs if found
+            ]
     yield from w.noted(told)
 
 
 def _at(a: Tolerances, found: Mapping[str, Expr]) -> Phrase:
     knobs = a.box.scene.knobs
     rows = ((knobs[name], x) for name, x in found.items())
-    return listed((named(knob.name), " = ", w.value_of(knob, ExactNumber(x), Way.NEAREST)) for knob, x in rows)
+    return listed(
+        (named(knob.name), " = ", w.value_of(knob, ExactNumber(x), Way.NEAREST)) for knob, x in rows
+    )
 
 
 _HANDS = (
-    "Hands of the first one's mass, by stiffness and damping. White: the display is stable for all values within the ranges, "
+    "Hands of the first one's mass, by stiffness and damping. White: the display is stable "
+    "for all values within the ranges, "
     "and red: for none; both proven. Grey: it depends, or was not shown."
 )
 _LINE = " Line: the boundary for the nominal values, computed."
@@ -99,7 +126,13 @@ _LINE = " Line: the boundary for the nominal values, computed."
 
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
     if a.held:
-        yield w.drawing("hands", _HANDS + ("" if clocks(a.box.scene) else _LINE), "files:draw_figure", a, "hands")
+        yield w.drawing(
+            "hands",
+            _HANDS + ("" if clocks(a.box.scene) else _LINE),
+            "files:draw_figure",
+            a,
+            "hands",
+        )
 
 
 # Where crossings lie.
@@ -110,20 +143,37 @@ def _enclosures(a: Tolerances) -> Block:
     if not a.enclosures:
         return doc.Paragraph(f"{nothing_meets(region)} on the band, for any values in the ranges.")
     attained = any(x.at_low is not None or x.at_high is not None for x in a.enclosures)
-    said = f"* {'attained at a corner of the ranges' if a.box.sides else 'a crossing'}; any other end is a bound."
+    said = (
+        f"* {'attained at a corner of the ranges' if a.box.sides else 'a crossing'}; any other "
+        f"end is a bound."
+    )
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
     figure = w.drawing("enclosures", shown, "files:draw_figure", a, "enclosures")
     found = w.table(
-        a.enclosures, "Where crossings lie, proven.",
-        w.Field("distortion" if region else "ratio", lambda x: w.CHANGE if x.criterion.joint else w.symbol(x.criterion.symbol)),
+        a.enclosures,
+        "Where crossings lie, proven.",
+        w.Field(
+            "distortion" if region else "ratio",
+            lambda x: w.CHANGE if x.criterion.joint else w.symbol(x.criterion.symbol),
+        ),
         w.number(("from (", FREQUENCY_UNIT, ")"), lambda x: _end(x.low, x.at_low, Way.DOWN)),
         w.number(("to (", FREQUENCY_UNIT, ")"), lambda x: _end(x.high, x.at_high, Way.UP)),
-        w.Field("crossings", lambda x: "any number" if x.count is None else _COUNTS.get(x.count, f"exactly {x.count}")),
-        w.Field("increases with", lambda x: _moving(x, 1)), w.Field("decreases with", lambda x: _moving(x, -1)),
-    )  # fmt: skip
+        w.Field(
+            "crossings",
+            lambda x: (
+                "any number" if x.count is None else _COUNTS.get(x.count, f"exactly {x.count}")
+            ),
+        ),
+        w.Field("increases with", lambda x: _moving(x, 1)),
+        w.Field("decreases with", lambda x: _moving(x, -1)),
+    )
     meet, cross = ("may touch", "may touch") if a.verdict is Verdict.ALL else ("meets", "cross")
-    of = f"the distortion {meet} the border of the {region.kind}" if region else f"the ratios {cross} their thresholds"
+    of = (
+        f"the distortion {meet} the border of the {region.kind}"
+        if region
+        else f"the ratios {cross} their thresholds"
+    )
     return doc.Section(f"Where {of}", (found, *([doc.Paragraph(said)] if attained else []), figure))
 
 
@@ -132,7 +182,10 @@ _COUNTS = {0: "none", 1: "exactly one", 2: "exactly two"}
 
 def _moving(x: Enclosure, sign: int) -> Phrase:
     """The parameters with which a crossing moves that way: one, two, three; a stroke for none."""
-    return tuple(y for name, n in x.monotonic.items() if n == sign for y in (", ", named(name)))[1:] or "-"
+    return (
+        tuple(y for name, n in x.monotonic.items() if n == sign for y in (", ", named(name)))[1:]
+        or "-"
+    )
 
 
 def _end(x: RealNumber, at: Mapping[str, Expr] | None, way: Way) -> Phrase:
@@ -147,15 +200,23 @@ def _ranges(a: Tolerances) -> Iterator[Phrase]:
     knobs = a.box.scene.knobs
     rows: list[Phrase] = [
         (
-            named(x.name), " ", doc.Real(ExactNumber(x.low / knobs[x.name].shown_unit(None).size), Way.DOWN), " to ",
+            named(x.name),
+            " ",
+            doc.Real(ExactNumber(x.low / knobs[x.name].shown_unit(None).size), Way.DOWN),
+            " to ",
             w.value_of(knobs[x.name], ExactNumber(x.high), Way.UP),
         )
         for x in a.box.sides
-    ]  # fmt: skip
+    ]
     motion = a.box.scene.motion or MotionKind.TRANSLATION
     for found in a.held:
         rows += [
-            (f"hand.{p.key} ", w.near(ExactNumber(low)), " to ", w.near(ExactNumber(high), unit=p.shown_unit(motion)))
+            (
+                f"hand.{p.key} ",
+                w.near(ExactNumber(low)),
+                " to ",
+                w.near(ExactNumber(high), unit=p.shown_unit(motion)),
+            )
             for p, (low, high) in _of_hand(found.hand)
         ]
     yield "Ranges: ", tuple(y for x in rows for y in (", ", x))[1:], "."
@@ -171,10 +232,17 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
         return
     q = quantiles(a.samples)
     rows = [("first crossing", q.first), ("bandwidth", q.bandwidth)][q.first == q.bandwidth :]
-    levels = (w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p])) for p in LEVELS)  # type: ignore[misc]
+    levels = (
+        w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p]))
+        for p in LEVELS
+    )  # type: ignore[misc]
     shown = w.table(rows, "Quantiles, estimated.", w.Field(FREQUENCY_UNIT, lambda x: x[0]), *levels)
-    title = f"Estimated: quantiles over {len(a.samples)} random sets of values (uniform, seed {a.seed})"
-    share = doc.Paragraph(f"Transparent on the whole band: {q.transparent or 'none'} of these sets.")
+    title = (
+        f"Estimated: quantiles over {len(a.samples)} random sets of values (uniform, seed {a.seed})"
+    )
+    share = doc.Paragraph(
+        f"Transparent on the whole band: {q.transparent or 'none'} of these sets."
+    )
     yield doc.Section(title, (shown, share))
 
 
@@ -182,15 +250,25 @@ def _proven(a: Tolerances) -> Iterator[Phrase]:
     fit = w.region_of_fit(a.box.scene)
     parts = [
         *(["verdict"] if a.verdict is not Verdict.UNDECIDED else []),
-        *(["bandwidth"] if a.bandwidth is not None else []), "crossings",
+        *(["bandwidth"] if a.bandwidth is not None else []),
+        "crossings",
         *(["stability"] if any(x.share for x in a.held) else []),
-    ]  # fmt: skip
+    ]
     what = listed(parts)
     if fit:
-        yield "Proven for the fitted model: ", what, f", for every value in the {fit}; the ranges are estimated."
+        yield (
+            "Proven for the fitted model: ",
+            what,
+            f", for every value in the {fit}; the ranges are estimated.",
+        )
     else:
         yield "Proven: ", what, ", for every value in the ranges."
     if a.verdict is Verdict.UNDECIDED:
-        yield w.undecided("whether the display is transparent on the whole band for all values, some or none")
+        yield w.undecided(
+            "whether the display is transparent on the whole band for all values, some or none"
+        )
     if a.why:
-        yield w.undecided(f"whether intervals are narrower; {len(a.samples)} of {a.count} sets were drawn: {a.why}")
+        yield w.undecided(
+            f"whether intervals are narrower; {len(a.samples)} of {a.count} sets were drawn: "
+            f"{a.why}"
+        )

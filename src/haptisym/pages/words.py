@@ -1,4 +1,5 @@
-"""The words of all pages: frequencies, bands, thresholds and the names of the ratios, as phrases."""
+"""The words of all pages: frequencies, bands, thresholds and the names of the ratios, as
+phrases."""
 
 from __future__ import annotations
 
@@ -23,8 +24,26 @@ from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Equation, Numeral, Operator, Prefixed, Sum, Titled, text
-from haptisym.writing.document import FREQUENCY, FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+from haptisym.writing.boxes import (
+    Absolute,
+    Box,
+    Equation,
+    Numeral,
+    Operator,
+    Prefixed,
+    Sum,
+    Titled,
+    text,
+)
+from haptisym.writing.document import (
+    FREQUENCY,
+    FREQUENCY_UNIT,
+    Block,
+    Document,
+    Phrase,
+    Strong,
+    listed,
+)
 from haptisym.writing.layout import approximate, equation, layout, named, quantity
 from haptisym.writing.mathml import readable
 from haptisym.writing.rounding import DIGITS, Band, faithful
@@ -50,10 +69,12 @@ def page_about(
     asides: Iterable[str] | None = None,
     further: Sequence[str] = (),
 ) -> Document:
-    """A page about a scene: the answer in a few lines, what there is besides, how sure it is, then model and source.
+    """A page about a scene: the answer in a few lines, what there is besides, how sure it is, then
+    model and source.
 
-    ``kind`` : what a report calls itself. ``asides`` : remarks about the scene, by default its own. ``further`` : commands that
-    lead on; one of the options that print formulas is left out where they are printed.
+    ``kind`` : what a report calls itself. ``asides`` : remarks about the scene, by default its own.
+    ``further`` : commands that lead on; one of the options that print formulas is left out where
+    they are printed.
     """
     found = tuple(answer)
     notes = [doc.coded(x) for x in (scene.asides() if asides is None else asides)]
@@ -74,14 +95,19 @@ def page_about(
 _MOST_LETTERS = 280  # of a formula: three lines
 
 
-def in_numbers(name: str, function: RationalFunction, variable: Symbol, band: Band, unit: str = "") -> Phrase:
-    """A closed form, rounded where it stays true; of one that is too long to be read, how long it is."""
+def in_numbers(
+    name: str, function: RationalFunction, variable: Symbol, band: Band, unit: str = ""
+) -> Phrase:
+    """A closed form, rounded where it stays true; of one that is too long to be read, how long it
+    is."""
     shown = readable(function, variable, band)
     written = equation(name, shown[0], relation=shown[1]) if shown else None
     if written and len(text(written)) <= _MOST_LETTERS:
         return written, unit
     reduced = function.reduced()
-    above, below = (_terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator))
+    above, below = (
+        _terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator)
+    )
     return quantity(name), f" has {above} terms over {below}: see ", doc.Code("haptisym derive")
 
 
@@ -129,7 +155,9 @@ def hertz(cell: Cell, heading: Phrase = FREQUENCY) -> Field:
 def table(things: Iterable[Any], caption: Phrase, *fields: Field) -> doc.Table:
     """A row for each thing; ``caption`` : what a report calls it."""
     rows = tuple(tuple(x.cell(one) for x in fields) for one in things)
-    return doc.Table(tuple(doc.Column(x.heading, x.number, x.full, x.hertz) for x in fields), rows, caption)
+    return doc.Table(
+        tuple(doc.Column(x.heading, x.number, x.full, x.hertz) for x in fields), rows, caption
+    )
 
 
 IN_UNIT: Phrase = (FREQUENCY, " (", FREQUENCY_UNIT, ")")
@@ -140,17 +168,22 @@ _LONGEST = 110  # characters of an environment's formula in the line of the mode
 
 
 def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
-    """Environment and effects in a line: ``H_env = 1.8 s^2 + 15 s + 100 N/m; filter (second-order-lowpass)``."""
+    """Environment and effects in a line: ``H_env = 1.8 s^2 + 15 s + 100 N/m; filter
+    (second-order-lowpass)``."""
     if isinstance(scene, SceneFamily):
         yield f"{len(scene)} environments; ", _effects(scene.first)
     elif isinstance(scene, Scene):
         environment = scene.environment
         H = environment.H
-        shown_ = faithful(lambda n: approximate(H, n) if n else H, scene.band, (doc.DIGITS, *DIGITS))
+        shown_ = faithful(
+            lambda n: approximate(H, n) if n else H, scene.band, (doc.DIGITS, *DIGITS)
+        )
         form = equation("H_env", shown_[0], relation=shown_[1]) if shown_ else None
         rendered = f"; rendered: {scene.rendered.model}" if scene.rendered else ""
         is_read = form is not None and len(text(form)) <= _LONGEST
-        shown: Phrase = (form, f"\xa0{stiffness_unit(scene)}") if form and is_read else environment.model
+        shown: Phrase = (
+            (form, f"\xa0{stiffness_unit(scene)}") if form and is_read else environment.model
+        )
         yield shown, f"{rendered}; ", _effects(scene)
 
 
@@ -256,16 +289,23 @@ def bare(x: doc.Real) -> doc.Real:
 
 
 def values_of(found: ValueSet, knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:
-    """The values that hold, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none. Ends are rounded inward.
+    """The values that hold, as in a sentence: ``omega_n ≥ 122.4 rad/s``; ``no value`` for none.
+    Ends are rounded inward.
 
     ``in_table`` : without the unit, which stands in the heading.
     """
     name = name or named(knob.symbol.name)
-    return listed((values_in(x, found, knob, name, in_table=in_table) for x in found.feasible), "or") or "no value"
+    return (
+        listed((values_in(x, found, knob, name, in_table=in_table) for x in found.feasible), "or")
+        or "no value"
+    )
 
 
-def values_in(x: Piece, found: ValueSet, knob: Knob, name: Phrase, *, in_table: bool = False) -> Phrase:
-    """The same of one of its pieces. A single value is alone where those beside it are known to be otherwise."""
+def values_in(
+    x: Piece, found: ValueSet, knob: Knob, name: Phrase, *, in_table: bool = False
+) -> Phrase:
+    """The same of one of its pieces. A single value is alone where those beside it are known to be
+    otherwise."""
     shown = bare if in_table else lambda x: x
     if x.low is None and x.high is None:
         return "every value of ", name
@@ -300,14 +340,23 @@ def percent(c: Expr) -> str:
 
 
 def limits(c: Threshold) -> Phrase:
-    """The threshold of both parts, or of each where they differ; the region, where it is none of that."""
+    """The threshold of both parts, or of each where they differ; the region, where it is none of
+    that."""
     if c.conversion:
         f, (p, q) = c.conversion, (percent(x) for x in (c.conversion.start, c.conversion.end))
         own = limits(replace(c, conversion=None))
-        return own, f", converted from {p} to {q} correct answers by a cumulative Gaussian: times ", near(f.exact)
+        return (
+            own,
+            f", converted from {p} to {q} correct answers by a cumulative Gaussian: times ",
+            near(f.exact),
+        )
     if not c.is_plain:
         return region(c)
-    said = percent(c.real) if c.real == c.imag else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
+    said = (
+        percent(c.real)
+        if c.real == c.imag
+        else f"{percent(c.real)} (real) and {percent(c.imag)} (imaginary)"
+    )
     return said, " of ", Absolute(H_ENV)
 
 
@@ -335,7 +384,11 @@ def region(c: Threshold) -> Phrase:
 
 def _width(c: Threshold, part: Part) -> Phrase:
     lower = c.lower(part)
-    return amount(c[part]) if lower is None else (amount(c[part]), " higher or ", amount(lower), " lower")
+    return (
+        amount(c[part])
+        if lower is None
+        else (amount(c[part]), " higher or ", amount(lower), " lower")
+    )
 
 
 def bounds(found: Mapping[Part, Supremum]) -> Phrase:
@@ -390,10 +443,15 @@ def is_transparent_throughout(e: Evaluation) -> bool:
 # What reports have besides words, loaded only where one is made.
 
 
-def drawing(name: str, caption: Phrase, function: str, *given: Any, wide: bool = False) -> doc.Figure:
-    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is given; it is told ``wide``."""
+def drawing(
+    name: str, caption: Phrase, function: str, *given: Any, wide: bool = False
+) -> doc.Figure:
+    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is
+    given; it is told ``wide``."""
     told = {"wide": True} if wide else {}
-    return doc.Figure(name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **told), wide)
+    return doc.Figure(
+        name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **told), wide
+    )
 
 
 def certificate(answer: Answer, scene: Scene) -> doc.Live:

@@ -1,1 +1,2 @@
-"""One straight-line program of a chain, and every arithmetic that runs it: floats, double-doubles, balls, Taylor models."""
+"""One straight-line program of a chain, and every arithmetic that runs it: floats, double-doubles,
+balls, Taylor models."""

@@ -13,8 +13,9 @@ Choice = TypeVar("Choice", bound=Enum)
 class Accuracy(Enum):
     """What is promised of each float that a compiled function returns.
 
-    ``FAST`` : the structured closed form in floats; a few units in the last place, more where the formula itself is sensitive
-    (a light resonance). ``DOUBLE_DOUBLE`` : the same computation with twice the digits, rounded once at the end.
+    ``FAST`` : the structured closed form in floats; a few units in the last place, more where the
+    formula itself is sensitive (a light resonance). ``DOUBLE_DOUBLE`` : the same computation with
+    twice the digits, rounded once at the end.
     ``CERTIFIED`` : each float proven to lie within one unit in the last place of the true value.
 
     >>> Accuracy.of("double-double"), Accuracy.of(Accuracy.FAST)
@@ -32,7 +33,8 @@ class Accuracy(Enum):
 
 
 class Engine(Enum):
-    """What runs the level fast: NumPy block by block, or machine code made by Numba (the extra ``fast``)."""
+    """What runs the level fast: NumPy block by block, or machine code made by Numba (the extra
+    ``fast``)."""
 
     NUMPY = "numpy"
     NUMBA = "numba"

@@ -1,6 +1,7 @@
 """A program in ball arithmetic at single points: enclosures of its results, as tight as asked for.
 
-Beside it values of closed forms there, as exact as anyone asks: limits, poles, and the last word where balls have none.
+Beside it values of closed forms there, as exact as anyone asks: limits, poles, and the last word
+where balls have none.
 """
 
 from __future__ import annotations
@@ -84,7 +85,8 @@ class BallPoint:
 
 
 def nearest_double(ball: Ball, bits: int) -> float | None:
-    """The double nearest to a number in a narrow ball, where one is nearest to all of them; a neighbour at a tie.
+    """The double nearest to a number in a narrow ball, where one is nearest to all of them; a
+    neighbour at a tie.
 
     >>> nearest_double(arb("0.1"), 53), nearest_double(arb("0.1", "1e-3"), 53)
     (0.1, None)
@@ -93,7 +95,9 @@ def nearest_double(ball: Ball, bits: int) -> float | None:
         return None
     with flint.ctx.workprec(bits + 64):
         low, high = float(ball.lower()), float(ball.upper())
-    tie = ball.rel_accuracy_bits() > 200 and bits > 400  # two neighbours, the ball a dot half-way between them
+    tie = (
+        ball.rel_accuracy_bits() > 200 and bits > 400
+    )  # two neighbours, the ball a dot half-way between them
     return low if low == high or tie else None
 
 
@@ -102,9 +106,11 @@ _LIMIT_BITS, _TERMS = 1024, 32  # a coefficient at 0 that so many bits do not te
 
 @dataclass(frozen=True, repr=False)
 class PointValue(RealNumber):
-    """The value of a real function, in lowest terms and with no symbol left, at an exact frequency; or its square root.
+    """The value of a real function, in lowest terms and with no symbol left, at an exact frequency;
+    or its square root.
 
-    ``special`` says it where it is 0, infinite or not a number. At omega = 0 it is the limit from above.
+    ``special`` says it where it is 0, infinite or not a number. At omega = 0 it is the limit from
+    above.
 
     >>> from haptisym.kernel.dynamics import Ring
     >>> f = RealFunction(Ring().axis.convert(omega / (omega**2 + 1)))
@@ -135,12 +141,15 @@ class PointValue(RealNumber):
             return self.special
         value = at_rising_precision(lambda bits: nearest_double(self.ball(bits), bits))
         if value is None:
-            raise UndecidedError(f"{self.function.expression()} at {self.frequency} rad/s, with {MOST_BITS} bits")
+            raise UndecidedError(
+                f"{self.function.expression()} at {self.frequency} rad/s, with {MOST_BITS} bits"
+            )
         return value
 
     @property
     def special(self) -> float | None:
-        """The value where it is none that balls of small relative radius enclose; otherwise None."""
+        """The value where it is none that balls of small relative radius enclose; otherwise
+        None."""
         above, below = self._quotient
         if above is None:
             return self._pole
@@ -152,9 +161,12 @@ class PointValue(RealNumber):
 
     @property
     def _pole(self) -> float | None:
-        """The infinite value where the denominator, with pi or other functions in it, is exactly 0 and the numerator is not."""
+        """The infinite value where the denominator, with pi or other functions in it, is exactly 0
+        and the numerator is not."""
         f = self.function.function
-        if not _vanishes(f.ring, f.denominator, self.frequency) or _vanishes(f.ring, f.numerator, self.frequency):
+        if not _vanishes(f.ring, f.denominator, self.frequency) or _vanishes(
+            f.ring, f.numerator, self.frequency
+        ):
             return None
         if self.rooted:
             return inf
@@ -162,7 +174,8 @@ class PointValue(RealNumber):
 
     @cached_property
     def _quotient(self) -> tuple[Any, Any]:
-        """Numerator and denominator where they are rational numbers, or the limit's at 0; otherwise None."""
+        """Numerator and denominator where they are rational numbers, or the limit's at 0; otherwise
+        None."""
         f = self.function.function
         if f.is_zero:
             return fmpq(0), fmpq(1)
@@ -182,7 +195,8 @@ class PointValue(RealNumber):
 
 
 def _vanishes(ring: PolynomialRing, polynomial: Polynomial, frequency: fmpq) -> bool:
-    """Whether a polynomial of a ring of real functions is 0 at a frequency whatever the functions beside omega are there."""
+    """Whether a polynomial of a ring of real functions is 0 at a frequency whatever the functions
+    beside omega are there."""
     at, rest = ring.meanings.index(omega), dict[tuple[int, ...], fmpq]()
     for exponents, coefficient in polynomial.to_dict().items():
         powers = [int(n) for n in exponents]
@@ -192,13 +206,15 @@ def _vanishes(ring: PolynomialRing, polynomial: Polynomial, frequency: fmpq) -> 
 
 
 def _leading(ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Ball]:
-    """The lowest power of omega in a polynomial of a ring of real functions, and its coefficient."""
+    """The lowest power of omega in a polynomial of a ring of real functions, and its
+    coefficient."""
     found: dict[Rational, Ball] = {}
     for shift, series in _series(ring, polynomial):
         for n, coefficient in enumerate(series):
             found[shift + n] = found.get(shift + n, arb(0)) + coefficient
     return min(
-        ((power, value) for power, value in found.items() if not value.contains(0)), default=(Rational(0), arb(0))
+        ((power, value) for power, value in found.items() if not value.contains(0)),
+        default=(Rational(0), arb(0)),
     )
 
 

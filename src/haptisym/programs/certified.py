@@ -1,12 +1,16 @@
-"""Floats that are proven, point by point: double-doubles with a bound of their error, and balls for what that leaves open.
+"""Floats that are proven, point by point: double-doubles with a bound of their error, and balls for
+what that leaves open.
 
-A number is the unevaluated sum hi + lo of two doubles, ``|lo| <= ulp(hi)/2``. Sums, products, quotients and roots are those of
-Joldes, Muller and Popescu, "Tight and rigorous error bounds for basic building blocks of double-word arithmetic" (2017),
-algorithms 6, 10 and 17; products of floats without fused multiply-add after Dekker (1971). Their relative errors are at most
-3, 7 and 15 times 2^-106; here 2^-100 is counted for each, and 2^-1060 for what may be lost to underflow, which together leave
-room for the rounding of the bounds themselves. What overflows becomes not-a-number, with no bound.
+A number is the unevaluated sum hi + lo of two doubles, ``|lo| <= ulp(hi)/2``. Sums, products,
+quotients and roots are those of Joldes, Muller and Popescu, "Tight and rigorous error bounds for
+basic building blocks of double-word arithmetic" (2017), algorithms 6, 10 and 17; products of floats
+without fused multiply-add after Dekker (1971). Their relative errors are at most 3, 7 and 15 times
+2^-106; here 2^-100 is counted for each, and 2^-1060 for what may be lost to underflow, which
+together leave room for the rounding of the bounds themselves. What overflows becomes not-a-number,
+with no bound.
 
-Sines, cosines and powers are taken by ball arithmetic, point by point: no bound rests on a library of mathematical functions.
+Sines, cosines and powers are taken by ball arithmetic, point by point: no bound rests on a library
+of mathematical functions.
 """
 
 from __future__ import annotations
@@ -36,7 +40,8 @@ _BITS = 140  # of the balls that stand for sines, cosines and powers
 
 
 class Doubled(NamedTuple):
-    """hi + lo, and a bound of its distance from the true value; ``error`` is None, in all numbers alike, where none is kept."""
+    """hi + lo, and a bound of its distance from the true value; ``error`` is None, in all numbers
+    alike, where none is kept."""
 
     hi: Any
     lo: Any
@@ -137,7 +142,9 @@ def sqrt(x: Doubled) -> Doubled:
     hi, lo = fast_two_sum(s, lo)
     if x.error is None:
         return Doubled(hi, lo, None)
-    return Doubled(hi, lo, np.where(x.hi > 2 * (x.error + _LOST), _bound(hi, (x.error + _LOST) / hi, 0.0), inf))
+    return Doubled(
+        hi, lo, np.where(x.hi > 2 * (x.error + _LOST), _bound(hi, (x.error + _LOST) / hi, 0.0), inf)
+    )
 
 
 def _bound(value: Any, *carried: Any) -> Any:
@@ -180,7 +187,11 @@ class Doubles:
         """The program's constants, each with the bound of what a pair of doubles leaves of it."""
         with flint.ctx.workprec(_BITS):
             steps = enumerate(self.program.operations)
-            return {i: self._of_ball(constant_ball(step.value)) for i, step in steps if step.name == "constant"}
+            return {
+                i: self._of_ball(constant_ball(step.value))
+                for i, step in steps
+                if step.name == "constant"
+            }
 
     def run(self, inputs: Sequence[Any], size: int) -> dict[str, Doubled]:
         """The results for inputs that are floats or arrays of that size."""
@@ -197,13 +208,17 @@ class Doubles:
 
     def _block(self, inputs: Sequence[Any]) -> dict[str, Doubled]:
         floats = (np.asarray(x)[()] for x in inputs)  # a single number as a NumPy float
-        given = [Doubled(x, np.zeros_like(x), np.zeros_like(x) if self.bounded else None) for x in floats]
+        given = [
+            Doubled(x, np.zeros_like(x), np.zeros_like(x) if self.bounded else None) for x in floats
+        ]
         by_balls = {name: partial(self._by_balls, function) for name, function in FUNCTIONS.items()}
         return self.program.run(by_balls | _ARITHMETIC, given, self.constants)
 
     def _by_balls(self, function: Callable[..., Ball], *arguments: Doubled) -> Doubled:
         """A function that is no arithmetic, point by point."""
-        columns = np.broadcast_arrays(*(0.0 if x is None else x for argument in arguments for x in argument))
+        columns = np.broadcast_arrays(
+            *(0.0 if x is None else x for argument in arguments for x in argument)
+        )
         shape = columns[0].shape
         with flint.ctx.workprec(_BITS):
             rows = [
@@ -211,7 +226,9 @@ class Doubles:
                 for row in zip(*(x.ravel().tolist() for x in columns), strict=True)
             ]
         hi, lo, error = (
-            (np.array(x).reshape(shape) for x in zip(*rows, strict=True)) if rows else (np.empty(shape),) * 3
+            (np.array(x).reshape(shape) for x in zip(*rows, strict=True))
+            if rows
+            else (np.empty(shape),) * 3
         )
         return Doubled(hi, lo, error if self.bounded else None)
 
@@ -226,7 +243,8 @@ def _ball(row: Sequence[float]) -> Ball:
 
 
 FormsAt: TypeAlias = Callable[[Mapping[str, Rational]], Mapping[str, RealFunction]]
-"""The closed forms in lowest terms for exact numbers of the parameters; of the ratios their squares."""
+"""The closed forms in lowest terms for exact numbers of the parameters; of the ratios their
+squares."""
 SQUARED = ("ratio_real", "ratio_imag")
 """The fields whose closed form is given by its square."""
 _BITS_CERTIFIED = (128, 512, 2048)
@@ -240,7 +258,8 @@ class Certified:
     forms: FormsAt
 
     def run(self, inputs: Sequence[Any], size: int) -> tuple[dict[str, Any], int]:
-        """The doubles by name, and how many points needed balls; inputs are floats or arrays of that size."""
+        """The doubles by name, and how many points needed balls; inputs are floats or arrays of
+        that size."""
         found = self.doubles.run(inputs, size)
         values = {name: self.constant(name, x) for name, x in found.items()}
         open_ = {name: ~self._proven(name, x) for name, x in found.items()}
@@ -259,10 +278,15 @@ class Certified:
     def constant(self, name: str, found: Doubled) -> Any:
         """A result that is the same for all arguments is rounded once, from its exact value."""
         step = self.program.operations[self.program.results[name]]
-        return np.full_like(found.hi, nearest(step.value)) if step.name == "constant" else found.hi.copy()
+        return (
+            np.full_like(found.hi, nearest(step.value))
+            if step.name == "constant"
+            else found.hi.copy()
+        )
 
     def _proven(self, name: str, x: Doubled) -> Any:
-        """Where the high part alone is within one unit in the last place, also of the smaller binade at a power of 2."""
+        """Where the high part alone is within one unit in the last place, also of the smaller
+        binade at a power of 2."""
         if self.program.operations[self.program.results[name]].name == "constant":
             return np.ones(x.hi.shape, dtype=bool)
         size = np.abs(x.hi)
@@ -270,13 +294,15 @@ class Certified:
             return np.abs(x.lo) + x.error <= size - np.nextafter(size, 0)
 
     def at(self, inputs: tuple[float, ...], names: Sequence[str]) -> dict[str, float]:
-        """The doubles nearest to results at one point, limits and poles included; not-a-number for inputs that are none."""
+        """The doubles nearest to results at one point, limits and poles included; not-a-number for
+        inputs that are none."""
         if not np.isfinite(inputs).all():
             return dict.fromkeys(names, float("nan"))
         if inputs[0] < 0:  # H(-j omega) is the conjugate of H(j omega)
             mirrored = self.at((-inputs[0], *inputs[1:]), names)
             return {
-                name: value if name in SQUARED or name.endswith("real") else -value for name, value in mirrored.items()
+                name: value if name in SQUARED or name.endswith("real") else -value
+                for name, value in mirrored.items()
             }
         point, found = BallPoint(self.program, inputs), {}
         for bits in _BITS_CERTIFIED:
@@ -285,7 +311,9 @@ class Certified:
                 balls = point.balls(bits)
                 rounded = {name: nearest_double(balls[name], bits) for name in left}
                 found.update({name: value for name, value in rounded.items() if value is not None})
-        return {name: found[name] if name in found else self._settled(inputs, name) for name in names}
+        return {
+            name: found[name] if name in found else self._settled(inputs, name) for name in names
+        }
 
     def _settled(self, inputs: tuple[float, ...], name: str) -> float:
         """By the closed form; not a number where that is not decided."""
@@ -297,11 +325,15 @@ class Certified:
     def exact(self, inputs: tuple[float, ...], name: str) -> PointValue:
         """A result from its closed form in lowest terms."""
         frequency, *values = (x.as_integer_ratio() for x in inputs)
-        known = {x.name: Rational(*value) for x, value in zip(self.program.inputs[1:], values, strict=True)}
+        known = {
+            x.name: Rational(*value)
+            for x, value in zip(self.program.inputs[1:], values, strict=True)
+        }
         return PointValue(self.forms(known)[name], fmpq(*frequency), name in SQUARED)
 
     def number(self, inputs: tuple[float, ...], name: str) -> RealNumber | float:
-        """A result to any precision; a float where it is 0, infinite or not a number. SceneError for a negative frequency."""
+        """A result to any precision; a float where it is 0, infinite or not a number. SceneError
+        for a negative frequency."""
         if inputs[0] < 0:
             raise SceneError(f"digits: omega = {inputs[0]} rad/s must be >= 0")
         if not np.isfinite(inputs).all():

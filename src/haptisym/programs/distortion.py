@@ -1,18 +1,22 @@
-"""A distortion as a straight-line program whose floats keep their digits, and its closed forms as one.
+"""A distortion as a straight-line program whose floats keep their digits, and its closed forms as
+one.
 
-What cancels for every parameter is cancelled before there are numbers: each effect gives its relative distortion p + j q =
-G - 1 in lowest terms. Effects in a row are put together by 1 + P' + j Q' = (g + j Q)(1 + p + j q), with g = Re G of those so
-far: P' = P + g p - Q q telescopes and keeps its digits at low frequencies, and Q' = g q + Q (1 + p) is taken from the
-product, where it keeps them at high ones. What is felt is the product, never the sum H_env + dH.
+What cancels for every parameter is cancelled before there are numbers: each effect gives its
+relative distortion p + j q = G - 1 in lowest terms. Effects in a row are put together by 1 + P' + j
+Q' = (g + j Q)(1 + p + j q), with g = Re G of those so far: P' = P + g p - Q q telescopes and keeps
+its digits at low frequencies, and Q' = g q + Q (1 + p) is taken from the product, where it keeps
+them at high ones. What is felt is the product, never the sum H_env + dH.
 
-The steps that a reader would name have labels: R + j X of an environment, and R_n + j X_n of what is felt behind effect n,
-N = |H_env|^2, P_n + j Q_n of an effect, G_n = 1 + P_n, S_n + j T_n of a shunt, Y_n + j Z_n of a
-factor in a two-port, U + j V of a denominator and M = U^2 + V^2, K + j L of what stands over it, E + j F of dH.
+The steps that a reader would name have labels: R + j X of an environment, and R_n + j X_n of what
+is felt behind effect n, N = |H_env|^2, P_n + j Q_n of an effect, G_n = 1 + P_n, S_n + j T_n of a
+shunt, Y_n + j Z_n of a factor in a two-port, U + j V of a denominator and M = U^2 + V^2, K + j L of
+what stands over it, E + j F of dH.
 
-Closed forms in lowest terms as a straight-line program: where the steps of a chain are 0/0, these have the limit.
+Closed forms in lowest terms as a straight-line program: where the steps of a chain are 0/0, these
+have the limit.
 
-Where a factor is the squared modulus of a factor R + j X of the dynamics, it is computed as R^2 + X^2, which is never
-negative, and keeps its digits at a resonance.
+Where a factor is the squared modulus of a factor R + j X of the dynamics, it is computed as R^2 +
+X^2, which is never negative, and keeps its digits at a resonance.
 """
 
 from __future__ import annotations
@@ -26,7 +30,14 @@ from sympy import Add, Expr, Integer, Rational, Symbol, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, cleared, degree_in, omega
+from haptisym.kernel.rings import (
+    Polynomial,
+    PolynomialRing,
+    RationalFunction,
+    cleared,
+    degree_in,
+    omega,
+)
 from haptisym.programs.program import Program, Writer, sincm1
 
 ComplexStep: TypeAlias = tuple[int, int]
@@ -36,14 +47,18 @@ ComplexStep: TypeAlias = tuple[int, int]
 def stable_program(
     environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]], inputs: Sequence[Symbol]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
-    """What writes the program of some fields of ``numeric.Values``, some of them known to be 0, for a chain of dynamics.
+    """What writes the program of some fields of ``numeric.Values``, some of them known to be 0, for
+    a chain of dynamics.
 
-    Each matrix is taken in a ring of its own: the angles of one effect are no multiples of those of another, and stay short.
+    Each matrix is taken in a ring of its own: the angles of one effect are no multiples of those of
+    another, and stay short.
     ``inputs`` : the parameters, after omega.
     """
     author = Author(Writer((omega, *inputs)))
     found, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
-    return lambda of, zero: author.write.program({name: nothing if name in zero else found[name] for name in of})
+    return lambda of, zero: author.write.program(
+        {name: nothing if name in zero else found[name] for name in of}
+    )
 
 
 @dataclass
@@ -53,16 +68,25 @@ class Author:
     write: Writer
     factors: dict[ComplexStep, int] = field(default_factory=dict)
 
-    def fields(self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]) -> dict[str, int]:
-        """The steps of environment, felt dynamics and change, labelled by the fields of the record they fill."""
+    def fields(
+        self, environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]]
+    ) -> dict[str, int]:
+        """The steps of environment, felt dynamics and change, labelled by the fields of the record
+        they fill."""
         H = self.named("RX", self.sum_of_fractions(environment, "_e"))
         felt, dH = H, self.pair(0, 0)
         if rendered != environment:
             ring = Ring.of([rendered, environment])
             more = (ring.convert(rendered) - ring.convert(environment)).reduced()
-            felt, dH = self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r"), self.closed(more, "_d")
+            felt, dH = (
+                self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r"),
+                self.closed(more, "_d"),
+            )
             dH = self.named("EF", dH, "_r")
-        parts, last = runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]), len(matrices)
+        parts, last = (
+            runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]),
+            len(matrices),
+        )
         labels = [f"_{n}" for n in range(1, last + 1)] if last > 1 else [""]
         fraction, relative = None, None
         if rendered == environment and len(parts) == 1 and _is_series(parts[0][0]):
@@ -76,10 +100,16 @@ class Author:
             felt, dH = self.after(run, felt, dH, own)
             if labels:
                 felt, dH = self.named("RX", felt, own[-1]), self.named("EF", dH, own[-1])
-        return self.results(H, felt, fraction or (self.named("EF", dH), self.write.constant(1)), relative)
+        return self.results(
+            H, felt, fraction or (self.named("EF", dH), self.write.constant(1)), relative
+        )
 
     def after(
-        self, run: Sequence[Sequence[RationalFunction]], felt: ComplexStep, dH: ComplexStep, labels: Sequence[str]
+        self,
+        run: Sequence[Sequence[RationalFunction]],
+        felt: ComplexStep,
+        dH: ComplexStep,
+        labels: Sequence[str],
     ) -> tuple[ComplexStep, ComplexStep]:
         """What is felt, and by how much it differs, behind some more effects."""
         if not _is_series(run[0]):
@@ -88,12 +118,21 @@ class Author:
         return self.times(felt, gain), self.plus(dH, self.times(felt, change))
 
     def results(
-        self, H: ComplexStep, felt: ComplexStep, fraction: tuple[ComplexStep, int], relative: ComplexStep | None
+        self,
+        H: ComplexStep,
+        felt: ComplexStep,
+        fraction: tuple[ComplexStep, int],
+        relative: ComplexStep | None,
     ) -> dict[str, int]:
-        """The steps of all results, with no square and no 0/0 where the environment lies on an axis."""
+        """The steps of all results, with no square and no 0/0 where the environment lies on an
+        axis."""
         w, (R, X), dH = self.write, H, self.over(*fraction)
-        if w.number(X) == 0 or w.number(R) == 0:  # H on an axis: no squares, and no 0/0 where it has a zero
-            found = relative or ((self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X))
+        if (
+            w.number(X) == 0 or w.number(R) == 0
+        ):  # H on an axis: no squares, and no 0/0 where it has a zero
+            found = relative or (
+                (self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X)
+            )
             ratios = found if w.number(X) == 0 else (found[1], found[0])
             real, imag = (w.abs(x) for x in ratios)
             squared = tuple(w.mul(x, x) for x in ratios)
@@ -113,11 +152,14 @@ class Author:
             "perceived_": felt,
         }
         return {
-            f"{kind}{part}": x for kind, pair in pairs.items() for part, x in zip(("real", "imag"), pair, strict=True)
+            f"{kind}{part}": x
+            for kind, pair in pairs.items()
+            for part, x in zip(("real", "imag"), pair, strict=True)
         }
 
     def sum_of_fractions(self, H: Expr, label: str) -> ComplexStep:
-        """The polynomial of a dynamics and each of its fractions for itself, as they are written in the model."""
+        """The polynomial of a dynamics and each of its fractions for itself, as they are written in
+        the model."""
         ring = Ring.of([H])
         terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
         whole, total = ring.zero, self.pair(0, 0)
@@ -126,16 +168,22 @@ class Author:
             if term.denominator.is_constant():
                 whole = whole + term
             else:
-                total = self.plus(total, self.closed(term, f"{label}{n}" if len(fractions) > 1 else label))
+                total = self.plus(
+                    total, self.closed(term, f"{label}{n}" if len(fractions) > 1 else label)
+                )
         return self.plus(self.closed(whole.reduced(), label), total)
 
-    def series(self, gains: Sequence[RationalFunction], labels: Sequence[str]) -> tuple[ComplexStep, ComplexStep]:
+    def series(
+        self, gains: Sequence[RationalFunction], labels: Sequence[str]
+    ) -> tuple[ComplexStep, ComplexStep]:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         for gain, label in zip(gains, labels, strict=True):
             p, q = self.named("PQ", self.closed(less_one(gain), label), label)
             own = self.named("GQ", self.closed(gain, label), label)
-            telescoped = self.write.sub(self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q))
+            telescoped = self.write.sub(
+                self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q)
+            )
             G = self.times(G, own)
             P, Q = self.named("PQ", (telescoped, G[1]), f"{labels[0]}{label}")
             self.write.label(G[0], f"G{labels[0]}{label}")
@@ -147,12 +195,16 @@ class Author:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
         if C.is_zero:  # beside the environment
-            before = (B / A).reduced() if not A.is_zero else B  # what a sampled loop adds is short before its gain
+            before = (
+                (B / A).reduced() if not A.is_zero else B
+            )  # what a sampled loop adds is short before its gain
             Z = self.named("ST", self.closed(before, label), label)
             gain, change = self.series([(A / D).reduced()], [label])
             felt = self.plus(felt, Z)
             return self.times(felt, gain), self.plus(dH, self.plus(self.times(felt, change), Z))
-        common = int(min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D)))  # then C H + D is not 0 at 0
+        common = int(
+            min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D))
+        )  # then C H + D is not 0 at 0
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
         over = self.division(self.plus(c_H, d), label)
@@ -179,11 +231,13 @@ class Author:
         return self.named("YZ", pair, f"_{self.factors.setdefault(pair, len(self.factors) + 1)}")
 
     def closed(self, f: RationalFunction, label: str) -> ComplexStep:
-        """Re and Im of a dynamics on s = j omega; ``label`` : what its U, V and M are marked with."""
+        """Re and Im of a dynamics on s = j omega; ``label`` : what its U, V and M are marked
+        with."""
         return self.over(*self.fraction(f, label))
 
     def fraction(self, f: RationalFunction, label: str) -> tuple[ComplexStep, int]:
-        """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is no common one."""
+        """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is
+        no common one."""
         axis, f, one = ring_of(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
             return self.pair(0, 0), one
@@ -196,7 +250,9 @@ class Author:
         if f.denominator.is_constant() or not above[0].gcd(square).is_constant():
             response = on_axis(f)
             return (self.quotient(response.real), self.quotient(response.imag)), one
-        below = self.named("UV", (self.write.polynomial(axis, u), self.write.polynomial(axis, v)), label)
+        below = self.named(
+            "UV", (self.write.polynomial(axis, u), self.write.polynomial(axis, v)), label
+        )
         M = self.write.label(self.square(below), f"M{label}")
         return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
 
@@ -215,7 +271,9 @@ class Author:
         if f.denominator.is_constant():
             return self.product(f.ring, f.numerator / f.denominator.leading_coefficient())
         f = f.cleared()
-        return self.write.div(self.product(f.ring, f.numerator), self.product(f.ring, f.denominator))
+        return self.write.div(
+            self.product(f.ring, f.numerator), self.product(f.ring, f.denominator)
+        )
 
     def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         """A polynomial as the product of its factors."""
@@ -223,7 +281,9 @@ class Author:
 
     def named(self, letters: str, pair: ComplexStep, label: str = "") -> ComplexStep:
         """The pair, labelled with the letters of its real and its imaginary part."""
-        return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(pair[1], f"{letters[1]}{label}")
+        return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(
+            pair[1], f"{letters[1]}{label}"
+        )
 
     def division(self, below: ComplexStep, label: str) -> Callable[[ComplexStep], ComplexStep]:
         """What divides by a number."""
@@ -260,13 +320,16 @@ class Author:
 
 
 def without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
-    """An angle a and a function f, where f (sin(a)/a - 1) is the given one: what a sample-and-hold brings."""
+    """An angle a and a function f, where f (sin(a)/a - 1) is the given one: what a sample-and-hold
+    brings."""
     axis, f = real.axis, real.function
     for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
         if angle.constant or f.is_zero:
             continue
         a = axis.convert(angle.rate * omega)
-        factor = 2 * t * a.denominator - (1 + t**2) * a.numerator  # sin a = 2 t/(1 + t^2), t = tan(a/2)
+        factor = (
+            2 * t * a.denominator - (1 + t**2) * a.numerator
+        )  # sin a = 2 t/(1 + t^2), t = tan(a/2)
         above, remainder = divmod(f.numerator, factor)
         if remainder.is_zero():
             other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
@@ -279,7 +342,9 @@ def less_one(gain: RationalFunction) -> RationalFunction:
     return (gain - gain.ring.one).reduced()
 
 
-def runs(matrices: Sequence[Sequence[RationalFunction]]) -> list[list[tuple[RationalFunction, ...]]]:
+def runs(
+    matrices: Sequence[Sequence[RationalFunction]],
+) -> list[list[tuple[RationalFunction, ...]]]:
     """Series effects that follow each other together, as (G, 0, 0, 1); everything else alone."""
     runs: list[list[tuple[RationalFunction, ...]]] = []
     for matrix in matrices:
@@ -304,7 +369,8 @@ def closed_program(
 ) -> Program:
     """The program of some closed forms by name, of the ratios those of their squares.
 
-    ``dynamics`` : the irreducible factors of H_env and of the denominators, polynomials in s. ``inputs`` : the parameters.
+    ``dynamics`` : the irreducible factors of H_env and of the denominators, polynomials in s.
+    ``inputs`` : the parameters.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -314,13 +380,17 @@ def closed_program(
     """
     author = _ClosedForms(Writer((omega, *inputs)))
     author.moduli = list(author.squares(next(iter(forms.values())).axis, dynamics))
-    found = {name: author.root(f) if name.startswith("ratio") else author.quotient(f) for name, f in forms.items()}
+    found = {
+        name: author.root(f) if name.startswith("ratio") else author.quotient(f)
+        for name, f in forms.items()
+    }
     return author.write.program(found)
 
 
 @dataclass(frozen=True)
 class _Modulus:
-    """A squared modulus: as a polynomial with leading coefficient 1, that coefficient, and the step that computes it."""
+    """A squared modulus: as a polynomial with leading coefficient 1, that coefficient, and the step
+    that computes it."""
 
     monic: Polynomial
     lead: fmpq
@@ -335,7 +405,9 @@ class _ClosedForms(Author):
         for p in dynamics:
             R, X = axis.parts([p])[0]
             if not R.is_zero() and not X.is_zero():
-                halves = axis.half_angles(axis.function(R, X)) if axis.angles else axis.function(R, X)
+                halves = (
+                    axis.half_angles(axis.function(R, X)) if axis.angles else axis.function(R, X)
+                )
                 common = halves.numerator.gcd(halves.denominator)
                 parts = halves.numerator / common, halves.denominator / common
                 whole = parts[0] ** 2 + parts[1] ** 2
@@ -356,9 +428,13 @@ class _ClosedForms(Author):
         twice = hold and without_sinc_less_one(hold[1])
         if twice:
             angle, rest = twice
-            return self.write.mul(self.write.abs(self.write.expression(sincm1(angle))), self.root(rest))
+            return self.write.mul(
+                self.write.abs(self.write.expression(sincm1(angle))), self.root(rest)
+            )
         f = square.half_angled.cleared()
-        return self.write.div(self.root_of(f.ring, f.numerator), self.root_of(f.ring, f.denominator))
+        return self.write.div(
+            self.root_of(f.ring, f.numerator), self.root_of(f.ring, f.denominator)
+        )
 
     def root_of(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         unit, factors = self.factors_of(ring, polynomial)
@@ -369,8 +445,11 @@ class _ClosedForms(Author):
             total = write.mul(total, write.sqrt(size)) if n % 2 else total
         return total
 
-    def factors_of(self, ring: PolynomialRing, polynomial: Polynomial) -> tuple[Any, list[tuple[int, int, bool]]]:
-        """A number, and each factor with its exponent, and whether it is nowhere negative as it is written."""
+    def factors_of(
+        self, ring: PolynomialRing, polynomial: Polynomial
+    ) -> tuple[Any, list[tuple[int, int, bool]]]:
+        """A number, and each factor with its exponent, and whether it is nowhere negative as it is
+        written."""
         unit, factors = ring.factors(polynomial) if polynomial else (Integer(0), [])
         written = []
         for factor, n in factors:
@@ -379,5 +458,7 @@ class _ClosedForms(Author):
             if known:
                 ratio = lead / known.lead
                 unit *= Rational(int(ratio.p), int(ratio.q)) ** n
-            written.append((known.step if known else self.write.polynomial(ring, factor), n, bool(known)))
+            written.append(
+                (known.step if known else self.write.polynomial(ring, factor), n, bool(known))
+            )
         return unit, written

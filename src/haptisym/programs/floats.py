@@ -1,7 +1,8 @@
-"""A program in floats: block by block, so that all that is computed stays in the cache, into buffers made once.
+"""A program in floats: block by block, so that all that is computed stays in the cache, into
+buffers made once.
 
-Beside it how large and how small its steps can get: where floats can neither overflow nor lose digits to underflow; and
-sin x/x, to within some roundings.
+Beside it how large and how small its steps can get: where floats can neither overflow nor lose
+digits to underflow; and sin x/x, to within some roundings.
 """
 
 from __future__ import annotations
@@ -23,7 +24,10 @@ from haptisym.programs.program import LAST, SMALL, Operation, Program
 _TERMS = [(-1.0) ** k / factorial(2 * k + 1) for k in range(LAST // 2 + 1)]
 """Of sin x/x, by powers of x^2."""
 _NEAR = 1.5
-_SLOPES = [[c * prod(range(2 * k - n + 1, 2 * k + 1)) for k, c in enumerate(_TERMS) if 2 * k >= n] for n in range(4)]
+_SLOPES = [
+    [c * prod(range(2 * k - n + 1, 2 * k + 1)) for k, c in enumerate(_TERMS) if 2 * k >= n]
+    for n in range(4)
+]
 """The same and three derivatives, those of odd order over x."""
 
 
@@ -36,7 +40,9 @@ def sincm1(x: Any, out: Any = None) -> Any:
     """sin(x)/x - 1, by its series while it is small."""
     size = np.abs(x)
     square, far = np.minimum(size, SMALL) ** 2, np.maximum(size, SMALL)
-    return _put(np.where(size <= SMALL, _horner(_TERMS[1:], square) * square, np.sin(far) / far - 1.0), out)
+    return _put(
+        np.where(size <= SMALL, _horner(_TERMS[1:], square) * square, np.sin(far) / far - 1.0), out
+    )
 
 
 def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
@@ -47,7 +53,9 @@ def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
     df = (np.cos(far) - f) / far
     d2f = -f - 2 * df / far
     d3f = -df - (3 * d2f + f) / far
-    return tuple(np.where(np.abs(x) < _NEAR, p, y) for p, y in zip(near, (f, df, d2f, d3f), strict=True))
+    return tuple(
+        np.where(np.abs(x) < _NEAR, p, y) for p, y in zip(near, (f, df, d2f, d3f), strict=True)
+    )
 
 
 def _horner(row: Sequence[float], x: Any) -> Any:
@@ -72,9 +80,19 @@ BLOCK = 8192
 def ufuncs() -> dict[str, Callable[..., Any]]:
     """What computes a step on arrays, by its name."""
     return {
-        "add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "neg": np.negative, "abs": np.abs,
-        "sqrt": np.sqrt, "cos": np.cos, "sin": np.sin, "sinc": sinc, "sincm1": sincm1, "power": np.power,
-    }  # fmt: skip
+        "add": np.add,
+        "sub": np.subtract,
+        "mul": np.multiply,
+        "div": np.divide,
+        "neg": np.negative,
+        "abs": np.abs,
+        "sqrt": np.sqrt,
+        "cos": np.cos,
+        "sin": np.sin,
+        "sinc": sinc,
+        "sincm1": sincm1,
+        "power": np.power,
+    }
 
 
 _SELDOM = frozenset({"sinc", "sincm1"})
@@ -102,10 +120,14 @@ class Floats:
         steps = enumerate(self.program.operations)
         return {i: nearest(step.value) for i, step in steps if step.name == "constant"}
 
-    def run(self, inputs: Sequence[Any], size: int, out: Sequence[Any], *, watched: bool = False) -> None:
-        """Fill the arrays ``out``, one for each result; an input is a float or an array of that size.
+    def run(
+        self, inputs: Sequence[Any], size: int, out: Sequence[Any], *, watched: bool = False
+    ) -> None:
+        """Fill the arrays ``out``, one for each result; an input is a float or an array of that
+        size.
 
-        ``watched`` : FloatingPointError where the processor says that a step overflowed, or lost digits to underflow.
+        ``watched`` : FloatingPointError where the processor says that a step overflowed, or lost
+        digits to underflow.
         """
         flag: Any = "raise" if watched else "ignore"
         with np.errstate(divide="ignore", invalid="ignore", over=flag, under=flag):
@@ -125,10 +147,13 @@ class Floats:
                     given = [x if np.ndim(x) == 0 else x[part] for x in inputs]
                     self._block(plan, known.copy(), given, held)
         for n, x, what, place in plan.others:
-            out[n][...] = known[x] if what == "number" else inputs[place] if what == "input" else out[place]
+            out[n][...] = (
+                known[x] if what == "number" else inputs[place] if what == "input" else out[place]
+            )
 
     def _plan(self, numbers: tuple[bool, ...]) -> _Plan:
-        """For inputs of which these are single numbers: made once, as it takes longer than a thousand frequencies."""
+        """For inputs of which these are single numbers: made once, as it takes longer than a
+        thousand frequencies."""
         if numbers not in self._plans:
             self._plans[numbers] = _plan(self.program, self.constants, numbers)
         return self._plans[numbers]
@@ -151,9 +176,10 @@ class Floats:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is done, in order. ``known`` : the constants in their places, ``numbers`` and ``single`` : what is one number for all
-    frequencies. ``steps`` : those that differ from frequency to frequency, with the places of their arguments and of what they
-    make: behind the places of all operations stand so many ``buffers``, and then the results. ``others`` : results that are a
+    """What is done, in order. ``known`` : the constants in their places, ``numbers`` and ``single``
+    : what is one number for all frequencies. ``steps`` : those that differ from frequency to
+    frequency, with the places of their arguments and of what they make: behind the places of all
+    operations stand so many ``buffers``, and then the results. ``others`` : results that are a
     number, an input, or another result.
     """
 
@@ -166,7 +192,9 @@ class _Plan:
     others: tuple[tuple[int, int, str, int], ...]
 
 
-def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Sequence[bool]) -> _Plan:
+def _plan(
+    program: Program, constants: Mapping[int, np.float64], are_numbers: Sequence[bool]
+) -> _Plan:
     operations, results = program.operations, tuple(program.results.values())
     known: list[Any] = [constants.get(i) for i in range(len(operations))]
     numbers: list[tuple[int, int]] = []
@@ -193,13 +221,18 @@ def _plan(program: Program, constants: Mapping[int, np.float64], are_numbers: Se
             others.append((n, x, "input", operations[x].arguments[0]))
         elif results.index(x) < n:
             others.append((n, x, "result", results.index(x)))
-    return _Plan(known, tuple(numbers), tuple(single), tuple(inputs), tuple(steps), count, tuple(others))
+    return _Plan(
+        known, tuple(numbers), tuple(single), tuple(inputs), tuple(steps), count, tuple(others)
+    )
 
 
 def _places(
-    moving: Sequence[tuple[int, Operation]], operations: Sequence[Operation], results: tuple[int, ...]
+    moving: Sequence[tuple[int, Operation]],
+    operations: Sequence[Operation],
+    results: tuple[int, ...],
 ) -> tuple[dict[int, int], int]:
-    """Where each step is put: behind the places of all operations into as few buffers as will do, or into a result."""
+    """Where each step is put: behind the places of all operations into as few buffers as will do,
+    or into a result."""
     last = _last_uses(operations, results)
     direct = {x: n for n, x in reversed(list(enumerate(results)))}
     free: list[int] = []
@@ -207,7 +240,9 @@ def _places(
     count = 0
     for i, step in moving:
         ended = {x for x in step.arguments if last.get(x) == i and x in place and x not in direct}
-        if step.name not in _SELDOM:  # these read their argument again after they have begun to write
+        if (
+            step.name not in _SELDOM
+        ):  # these read their argument again after they have begun to write
             free += [place[x] for x in ended]
         if i in direct:
             place[i] = -1 - direct[i]
@@ -222,7 +257,9 @@ def _places(
 
 
 def _last_uses(operations: Sequence[Operation], results: Sequence[int]) -> dict[int, int]:
-    last = {x: i for i, step in enumerate(operations) if step.name != "input" for x in step.arguments}
+    last = {
+        x: i for i, step in enumerate(operations) if step.name != "input" for x in step.arguments
+    }
     return {**last, **dict.fromkeys(results, len(operations))}
 
 
@@ -230,7 +267,8 @@ _SINE = 70.0  # no cosine, and no sine of a double of at least 2^-69, is smaller
 
 
 class MagnitudeRange(NamedTuple):
-    """What is known of a step at all frequencies: 2^low <= abs(x) <= 2^high where it is not 0; if it is >= 0; if never 0."""
+    """What is known of a step at all frequencies: 2^low <= abs(x) <= 2^high where it is not 0; if
+    it is >= 0; if never 0."""
 
     low: float
     high: float
@@ -239,14 +277,16 @@ class MagnitudeRange(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """``safe`` : no step over- or underflows; ``finite`` : nor is there a division by 0, so that all results are finite."""
+    """``safe`` : no step over- or underflows; ``finite`` : nor is there a division by 0, so that
+    all results are finite."""
 
     safe: bool
     finite: bool
 
 
 def judge(program: Program, inputs: Sequence[Any], digits: int, limit: int) -> Judgement:
-    """Whether every step that is not 0 stays between 2^-limit and 2^limit, in arithmetic with that many binary digits.
+    """Whether every step that is not 0 stays between 2^-limit and 2^limit, in arithmetic with that
+    many binary digits.
 
     >>> from sympy import Symbol
     >>> from haptisym.programs.program import Writer
@@ -266,7 +306,9 @@ def ranges(inputs: Sequence[Any]) -> tuple[MagnitudeRange, ...]:
     return tuple(_of_array(np.asarray(x)) for x in inputs)
 
 
-def judged(program: Program, inputs: Sequence[MagnitudeRange], digits: int, limit: int) -> Judgement:
+def judged(
+    program: Program, inputs: Sequence[MagnitudeRange], digits: int, limit: int
+) -> Judgement:
     """The same for inputs in these ranges."""
     known: list[MagnitudeRange] = []
     finite = True
@@ -276,7 +318,9 @@ def judged(program: Program, inputs: Sequence[MagnitudeRange], digits: int, limi
         elif step.name == "constant":
             known.append(_of_number(float(nearest(step.value))))
         else:
-            known.append(_step(step.name, step.arguments, [known[x] for x in step.arguments], digits))
+            known.append(
+                _step(step.name, step.arguments, [known[x] for x in step.arguments], digits)
+            )
             finite = finite and (step.name != "div" or known[step.arguments[1]].nonzero)
         if not (known[-1].low > -limit and known[-1].high < limit):
             return Judgement(safe=False, finite=False)
@@ -290,23 +334,36 @@ def _of_number(x: float) -> MagnitudeRange:
 
 def _of_array(x: Any) -> MagnitudeRange:
     """The range of given numbers; where all are 0, that of 1."""
-    least, most = (float(np.minimum.reduce(x, None)), float(np.maximum.reduce(x, None))) if x.size else (inf, -inf)
-    low, high = least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)), max(most, -least)
+    least, most = (
+        (float(np.minimum.reduce(x, None)), float(np.maximum.reduce(x, None)))
+        if x.size
+        else (inf, -inf)
+    )
+    low, high = (
+        least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)),
+        max(most, -least),
+    )
     if not isfinite(high) and x.size:
         return MagnitudeRange(-inf, inf)
     if low == inf:
         return MagnitudeRange(0.0, 0.0, positive=True)
-    return MagnitudeRange(frexp(low)[1] - 1.0, float(frexp(high)[1]), least >= 0, least > 0 or most < 0)
+    return MagnitudeRange(
+        frexp(low)[1] - 1.0, float(frexp(high)[1]), least >= 0, least > 0 or most < 0
+    )
 
 
-def _step(name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], digits: int) -> MagnitudeRange:
+def _step(
+    name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], digits: int
+) -> MagnitudeRange:
     x = of[0]
     if name in ("neg", "abs"):
         return x._replace(positive=name == "abs")
     if name == "sqrt":
         return MagnitudeRange(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
     if name in ("sin", "cos", "sinc"):
-        least = {"sin": min(-_SINE, x.low - 1), "cos": -_SINE, "sinc": -_SINE - max(x.high, 0.0)}[name]
+        least = {"sin": min(-_SINE, x.low - 1), "cos": -_SINE, "sinc": -_SINE - max(x.high, 0.0)}[
+            name
+        ]
         return MagnitudeRange(least, 0.0)
     if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
         return MagnitudeRange(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
@@ -314,14 +371,24 @@ def _step(name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], dig
     both = x.nonzero and y.nonzero
     if name == "mul":
         return MagnitudeRange(
-            x.low + y.low, x.high + y.high, (x.positive and y.positive) or arguments[0] == arguments[1], both
+            x.low + y.low,
+            x.high + y.high,
+            (x.positive and y.positive) or arguments[0] == arguments[1],
+            both,
         )
     if name == "div":
-        return MagnitudeRange(x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero)
+        return MagnitudeRange(
+            x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero
+        )
     if name == "power":  # of an exponent between 0 and 1
         return MagnitudeRange(min(x.low, 0.0), max(x.high, 0.0), positive=True, nonzero=x.nonzero)
     if name == "add" and x.positive and y.positive:
-        return MagnitudeRange(min(x.low, y.low), max(x.high, y.high) + 1, positive=True, nonzero=x.nonzero or y.nonzero)
+        return MagnitudeRange(
+            min(x.low, y.low),
+            max(x.high, y.high) + 1,
+            positive=True,
+            nonzero=x.nonzero or y.nonzero,
+        )
     return MagnitudeRange(min(x.low, y.low) - digits - 1, max(x.high, y.high) + 1)
 
 
@@ -329,5 +396,7 @@ def floats_of(x: Expr, at: Any) -> Any:
     """A number, or a formula in omega at frequencies."""
     if not x.has(omega):
         return float(x)
-    above, below = (np.array([float(c) for c in Poly(p, omega).all_coeffs()]) for p in fraction(together(x)))
+    above, below = (
+        np.array([float(c) for c in Poly(p, omega).all_coeffs()]) for p in fraction(together(x))
+    )
     return np.polyval(above, at) / np.polyval(below, at)

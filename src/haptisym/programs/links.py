@@ -1,6 +1,8 @@
-"""A chain in links, each a program in s of its own, and its arithmetics: power series over balls, and arrays of complex floats.
+"""A chain in links, each a program in s of its own, and its arithmetics: power series over balls,
+and arrays of complex floats.
 
-What is felt behind an effect follows from what is felt before it. The formulas are those of ``stable``, in complex numbers:
+What is felt behind an effect follows from what is felt before it. The formulas are those of
+``stable``, in complex numbers:
 felt G and dH + felt (G - 1) behind a gain, and so on.
 """
 
@@ -29,7 +31,8 @@ FELT, CHANGE = Symbol("felt"), Symbol("change")
 
 @dataclass(frozen=True, eq=False)
 class Links:
-    """``start`` : from s to H_env, what is rendered ("felt") and their difference ("change"); ``effects`` : both behind each."""
+    """``start`` : from s to H_env, what is rendered ("felt") and their difference ("change");
+    ``effects`` : both behind each."""
 
     start: Program
     effects: tuple[Program, ...]
@@ -93,7 +96,8 @@ class _InS(Author):
 
 
 def _smooth(f: RationalFunction) -> tuple[Polynomial, Polynomial, Sequence[Expr]]:
-    """Numerator, denominator and what their variables mean: phi for the delays, 1 - s lag phi, where f is 0/0 at s = 0."""
+    """Numerator, denominator and what their variables mean: phi for the delays, 1 - s lag phi,
+    where f is 0/0 at s = 0."""
     ring, both = f.ring, (f.numerator, f.denominator)
     assert isinstance(ring, Ring)
     if not ring.lags or f.is_zero or not all(ring.at_0(x).is_zero() for x in both):
@@ -115,7 +119,8 @@ _BITS, _LONGEST = 96, 64
 
 @contextmanager
 def series_arithmetic() -> Iterator[None]:
-    """The precision and length of series that are computed inside; what was set before is restored."""
+    """The precision and length of series that are computed inside; what was set before is
+    restored."""
     longest = flint.ctx.cap
     with flint.ctx.workprec(_BITS):
         flint.ctx.cap = _LONGEST
@@ -135,12 +140,15 @@ def divided(above: Series, below: Series) -> Series:
     if isinstance(below, acb_series):
         if below[0].contains(0):
             return acb_series([acb(arb.nan(), arb.nan())] * below.prec, prec=below.prec)
-        return (above if isinstance(above, acb_series) else acb_series([above], prec=below.prec)) / below
+        return (
+            above if isinstance(above, acb_series) else acb_series([above], prec=below.prec)
+        ) / below
     return above / below if isinstance(above, acb) else above * (1 / below)
 
 
 def _phi(x: Series) -> Series:
-    """(1 - exp(-x))/x: near 0 as the mean of exp(-x u) for u from 0 to 1, so is each derivative, times (-u)^k."""
+    """(1 - exp(-x))/x: near 0 as the mean of exp(-x u) for u from 0 to 1, so is each derivative,
+    times (-u)^k."""
     z = x[0]
     if not z.contains(0):
         return divided(1 - (-x).exp(), x)
@@ -189,7 +197,8 @@ _Step: TypeAlias = tuple[int, Callable[..., Any] | None, tuple[int, ...]]
 
 @dataclass(frozen=True, eq=False)
 class InSteps:
-    """A program whose first input is s: what needs s alone is computed once, and then what needs the other inputs."""
+    """A program whose first input is s: what needs s alone is computed once, and then what needs
+    the other inputs."""
 
     program: Program
     operations: Mapping[str, Callable[..., Any]]
@@ -210,9 +219,12 @@ class InSteps:
 
     @cached_property
     def _constants(self) -> list[Any]:
-        """The constants at their places, None elsewhere; at the precision of the first use, which all others share."""
+        """The constants at their places, None elsewhere; at the precision of the first use, which
+        all others share."""
         constant = self.operations["constant"]
-        return [constant(x.value) if x.name == "constant" else None for x in self.program.operations]
+        return [
+            constant(x.value) if x.name == "constant" else None for x in self.program.operations
+        ]
 
     @cached_property
     def _steps(self) -> tuple[list[_Step], list[_Step]]:

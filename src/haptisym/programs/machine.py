@@ -1,4 +1,5 @@
-"""A program in floats as machine code, made by Numba: one pass over the frequencies, at the speed of memory."""
+"""A program in floats as machine code, made by Numba: one pass over the frequencies, at the speed
+of memory."""
 
 from __future__ import annotations
 
@@ -33,11 +34,13 @@ _WRITTEN: dict[str, Callable[..., Expr]] = {
 
 @dataclass(frozen=True, eq=False)
 class Machine:
-    """A program as machine code: each step rounded for itself, as NumPy does it, and no operation reordered.
+    """A program as machine code: each step rounded for itself, as NumPy does it, and no operation
+    reordered.
 
-    Where a program holds no sines, cosines or powers, the doubles are those of ``Floats``, bit for bit; those may differ
-    by a few units in the last place between NumPy and the mathematical library that Numba calls. Machine code runs where the
-    frequency alone is an array; arrays of parameters are left to ``Floats``.
+    Where a program holds no sines, cosines or powers, the doubles are those of ``Floats``, bit for
+    bit; those may differ by a few units in the last place between NumPy and the mathematical
+    library that Numba calls. Machine code runs where the frequency alone is an array; arrays of
+    parameters are left to ``Floats``.
     Raises SceneError where Numba is not installed.
     """
 
@@ -45,10 +48,13 @@ class Machine:
 
     def __post_init__(self) -> None:
         if find_spec("numba") is None:
-            raise SceneError('engine: "numba" needs Numba, which is not installed: pip install "haptisym[fast]"')
+            raise SceneError(
+                'engine: "numba" needs Numba, which is not installed: pip install "haptisym[fast]"'
+            )
 
     def run(self, inputs: Sequence[Any], size: int, out: Any) -> None:
-        """Fill the rows of ``out``, one for each result; an input is a float or an array of that size."""
+        """Fill the rows of ``out``, one for each result; an input is a float or an array of that
+        size."""
         omega, *numbers = inputs
         if not np.ndim(omega) or any(np.ndim(x) for x in numbers):
             Floats(self.program).run(inputs, size, out)
@@ -101,7 +107,8 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
     waves = {"sinc": wave, "sincm1": less_one}
     library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
     found = tuple(names[x] for x in results)
-    # lambdify prints the steps as they are, in their order: they are the common subexpressions, and there is no more
+    # lambdify prints the steps as they are, in their order: they are the common subexpressions, and
+    # there is no more
     source = lambdify(arguments, found, [library, "math"], cse=lambda _: (steps, found))
     return numba.njit(source, error_model="numpy")
 

@@ -1,4 +1,5 @@
-"""Straight-line programs: one list of operations for every arithmetic that runs it (floats, double-doubles, balls)."""
+"""Straight-line programs: one list of operations for every arithmetic that runs it (floats,
+double-doubles, balls)."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ V = TypeVar("V")
 
 
 class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy names functions
-    """sin(x)/x - 1, and 0 at x = 0: for floats, in which the difference would lose its digits where x is small."""
+    """sin(x)/x - 1, and 0 at x = 0: for floats, in which the difference would lose its digits where
+    x is small."""
 
     @classmethod
     def eval(cls, x: Expr) -> Expr | None:
@@ -29,14 +31,17 @@ class phi(Function):  # type: ignore[misc]  # noqa: N801 - as above
 
 
 SMALL, LAST = 2.0, 27
-"""Up to which x floats sum the series of sin(x)/x - 1, and to which term x^(LAST - 1)/LAST!: less than 2^-65 is left out."""
+"""Up to which x floats sum the series of sin(x)/x - 1, and to which term x^(LAST - 1)/LAST!: less
+than 2^-65 is left out."""
 
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, exp, phi, power, input or constant.
+    """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, exp, phi,
+    power, input or constant.
 
-    ``arguments`` : indices of earlier steps; for an input its index. ``value`` : of a constant, an ``fmpq`` or a SymPy number.
+    ``arguments`` : indices of earlier steps; for an input its index. ``value`` : of a constant, an
+    ``fmpq`` or a SymPy number.
     """
 
     name: str
@@ -46,7 +51,8 @@ class Operation:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """Operations in order, and the indices of the results by name. Inputs are in the order of ``inputs``.
+    """Operations in order, and the indices of the results by name. Inputs are in the order of
+    ``inputs``.
 
     ``labels`` : what a reader calls a step; with a minus before it, what he calls its negative.
     """
@@ -71,7 +77,8 @@ class Program:
     def run(
         self, functions: Mapping[str, Callable[..., V]], inputs: Sequence[V], known: Mapping[int, V]
     ) -> dict[str, V]:
-        """The results by name in an arithmetic of ``functions``; ``known`` : its constants, by their places."""
+        """The results by name in an arithmetic of ``functions``; ``known`` : its constants, by
+        their places."""
         found = dict(known)
         for i, step in enumerate(self.operations):
             if step.name == "input":
@@ -117,13 +124,15 @@ class Writer:
         return self._step("constant", value=value if isinstance(value, fmpq) else fmpq(value))
 
     def label(self, x: int, name: str) -> int:
-        """The same step under a name, for a reader: the first name stays; inputs, their squares and numbers have none."""
+        """The same step under a name, for a reader: the first name stays; inputs, their squares and
+        numbers have none."""
         step = self.operations[x]
         is_square = len(set(step.arguments)) == 1 < len(step.arguments)
         if step.name == "neg":
             self.label(step.arguments[0], f"-{name}")
         elif not (
-            step.name in ("input", "constant") or (is_square and self.operations[step.arguments[0]].name == "input")
+            step.name in ("input", "constant")
+            or (is_square and self.operations[step.arguments[0]].name == "input")
         ):
             self.labels.setdefault(x, name)
         return x
@@ -162,7 +171,11 @@ class Writer:
         if a is not None:
             return self.constant(-a)
         if step.name in ("neg", "sub"):
-            return step.arguments[0] if step.name == "neg" else self.sub(step.arguments[1], step.arguments[0])
+            return (
+                step.arguments[0]
+                if step.name == "neg"
+                else self.sub(step.arguments[1], step.arguments[0])
+            )
         return self._step("neg", x)
 
     def mul(self, x: int, y: int) -> int:
@@ -238,8 +251,11 @@ class Writer:
                 return self._step(kind.__name__, self.expression(given.args[0]))
         raise SceneError(f"{given} cannot be compiled: only + - * /, powers, sines and cosines can")
 
-    def polynomial(self, ring: PolynomialRing, polynomial: Polynomial, meanings: Sequence[Expr] | None = None) -> int:
-        """A polynomial by Horner's rule in each variable; they mean expressions in the inputs, those of the ring unless given."""
+    def polynomial(
+        self, ring: PolynomialRing, polynomial: Polynomial, meanings: Sequence[Expr] | None = None
+    ) -> int:
+        """A polynomial by Horner's rule in each variable; they mean expressions in the inputs,
+        those of the ring unless given."""
         terms = {tuple(map(int, e)): value for e, value in polynomial.to_dict().items()}
         return self._horner(terms, meanings or ring.meanings)
 

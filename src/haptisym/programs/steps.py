@@ -10,7 +10,19 @@ from itertools import count
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
-from sympy import Abs, Expr, Pow, Rational, Symbol, cos, count_ops, default_sort_key, factor_terms, sin, sqrt
+from sympy import (
+    Abs,
+    Expr,
+    Pow,
+    Rational,
+    Symbol,
+    cos,
+    count_ops,
+    default_sort_key,
+    factor_terms,
+    sin,
+    sqrt,
+)
 
 from haptisym.kernel.objects import Shown, counted
 from haptisym.programs.program import Operation, Program
@@ -20,7 +32,8 @@ from haptisym.programs.program import Operation, Program
 class Steps(Shown):
     """A straight-line computation: definitions in order, then named results.
 
-    ``definitions`` : pairs of a name and its value, an expression in the arguments and in earlier names.
+    ``definitions`` : pairs of a name and its value, an expression in the arguments and in earlier
+    names.
     ``results`` : named expressions in the arguments and in the defined names.
 
     >>> from sympy import symbols
@@ -36,7 +49,8 @@ class Steps(Shown):
         return f"{', '.join(self.results)} in {counted(len(self.definitions), 'definition')}"
 
     def only(self, names: Iterable[str]) -> Steps:
-        """Some of the results, and the definitions that they need, but those that are one result and nothing else."""
+        """Some of the results, and the definitions that they need, but those that are one result
+        and nothing else."""
         results = {name: self.results[name] for name in names}
         uses = Counter(x for e in results.values() for x in e.free_symbols)
         kept: dict[Symbol, Expr] = {}
@@ -60,18 +74,25 @@ class Steps(Shown):
 
     @property
     def operations(self) -> int:
-        """The number of arithmetic operations and function calls, each definition counted once; those within numbers are none.
+        """The number of arithmetic operations and function calls, each definition counted once;
+        those within numbers are none.
 
         >>> from sympy import cos, symbols
         >>> a, b = symbols("a b")
         >>> Steps((), {"y": (a + b) * cos(a + b)}).operations
         4
         """
-        numbers = {x: _FRACTION for e in self._values() for x in e.atoms(Rational) if x.q != 1 and abs(x.p) != 1}
+        numbers = {
+            x: _FRACTION
+            for e in self._values()
+            for x in e.atoms(Rational)
+            if x.q != 1 and abs(x.p) != 1
+        }
         return sum(int(count_ops(e.xreplace(numbers))) for e in self._values())
 
     def at(self, values: Mapping[Symbol, Expr]) -> dict[str, Expr]:
-        """The results for given values of the arguments (exact for exact values), computed definition by definition.
+        """The results for given values of the arguments (exact for exact values), computed
+        definition by definition.
 
         >>> from sympy import Integer, symbols
         >>> a, b = symbols("a b")
@@ -89,7 +110,8 @@ DISTORTION = ("real", "imag", "ratio_real", "ratio_imag", "relative_real", "rela
 
 
 def page_steps(program: Program) -> Steps:
-    """A program for a person: its labels are names, and so is what is long; angles are whole where that is shorter.
+    """A program for a person: its labels are names, and so is what is long; angles are whole where
+    that is shorter.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -110,7 +132,9 @@ def page_steps(program: Program) -> Steps:
     """
     reader = _PageReader(program, {"c", *(x.name for x in program.inputs)})
     results = reader.results()
-    return Steps(tuple((Symbol(name, real=True), value) for name, value in reader.definitions), results)
+    return Steps(
+        tuple((Symbol(name, real=True), value) for name, value in reader.definitions), results
+    )
 
 
 _FRACTION = Symbol("fraction")
@@ -119,9 +143,11 @@ V = TypeVar("V")
 
 @dataclass
 class Reader(ABC, Generic[V]):
-    """Reads a program, operation by operation, into expressions of some kind; ``taken`` : names that no step may get.
+    """Reads a program, operation by operation, into expressions of some kind; ``taken`` : names
+    that no step may get.
 
-    Steps with labels get them as names, if others use them, and what is used twice and ``is_worth`` it gets x0, x1, ...
+    Steps with labels get them as names, if others use them, and what is used twice and ``is_worth``
+    it gets x0, x1, ...
     """
 
     program: Program
@@ -176,7 +202,10 @@ class Reader(ABC, Generic[V]):
             return self.input(self.program.inputs[step.arguments[0]])
         if step.name == "constant":
             return self.constant(step.value)
-        if step.name == "sub" and (opposite := Operation("sub", step.arguments[::-1])) in self.named:
+        if (
+            step.name == "sub"
+            and (opposite := Operation("sub", step.arguments[::-1])) in self.named
+        ):
             return self.made("neg", self.named[opposite])
         return self.made(step.name, *(self.values[n] for n in step.arguments))
 
@@ -235,7 +264,8 @@ _MADE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
 
 
 def _uses(program: Program, results: Iterable[int] = ()) -> Counter[int]:
-    """How often each step is used, by others and as these results; a negative's uses are those of the step itself."""
+    """How often each step is used, by others and as these results; a negative's uses are those of
+    the step itself."""
     uses = Counter(results)
     for n in reversed(range(len(program.operations))):
         step = program.operations[n]

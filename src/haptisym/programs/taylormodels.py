@@ -1,10 +1,12 @@
-"""Functions over many small boxes at once, with proven bounds: Taylor models of second order for values and slopes.
+"""Functions over many small boxes at once, with proven bounds: Taylor models of second order for
+values and slopes.
 
-A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that bounds all the rest, together with
-the same for each of its n slopes d/dt_i: rows of the arrays, the value first; and all that for each of many boxes. What
-intervals lose where a variable occurs twice, models keep to third order. Of many variables slopes may be kept to first order
-alone: n^2 numbers then, where n^3 take most of the time. Floats, with every rounding error in ``r``: a model is
-a proof, not an estimate. Where ``r`` is not finite nothing is known.
+A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that
+bounds all the rest, together with the same for each of its n slopes d/dt_i: rows of the arrays, the
+value first; and all that for each of many boxes. What intervals lose where a variable occurs twice,
+models keep to third order. Of many variables slopes may be kept to first order alone: n^2 numbers
+then, where n^3 take most of the time. Floats, with every rounding error in ``r``: a model is a
+proof, not an estimate. Where ``r`` is not finite nothing is known.
 
 Programs and rational formulas run in them.
 """
@@ -38,7 +40,8 @@ _TINY = 1e-290  # against underflow: of a value, and of a coefficient
 class Model:
     """``c0`` (boxes, m), ``c1`` (boxes, m, n), ``c2`` (boxes, m, n, n), ``r`` (boxes, m).
 
-    m = 1 + n: the value and its slopes; or m = 1: the value alone. Slopes of first order have no rows in ``c2``.
+    m = 1 + n: the value and its slopes; or m = 1: the value alone. Slopes of first order have no
+    rows in ``c2``.
     """
 
     c0: Array
@@ -73,7 +76,8 @@ class Model:
         return bool(self.c2.shape[1] < self.c0.shape[1])
 
     def bounds(self) -> tuple[Array, Array]:
-        """The least and the greatest that the value and each slope can be, (boxes, m); infinite where nothing is known."""
+        """The least and the greatest that the value and each slope can be, (boxes, m); infinite
+        where nothing is known."""
         with np.errstate(over="ignore", invalid="ignore"):  # what is too large is unknown
             radius = self.deviation * (1 + _ROUNDING) + np.abs(self.c0) * _ROUNDING
         radius = np.where(np.isfinite(radius) & np.isfinite(self.c0), radius, np.inf)
@@ -82,7 +86,12 @@ class Model:
 
     def __add__(self, other: Model) -> Model:
         sizes = np.abs(self.c0) + self.deviation + np.abs(other.c0) + other.deviation
-        return Model(self.c0 + other.c0, self.c1 + other.c1, self.c2 + other.c2, self.r + other.r + _ROUNDING * sizes)
+        return Model(
+            self.c0 + other.c0,
+            self.c1 + other.c1,
+            self.c2 + other.c2,
+            self.r + other.r + _ROUNDING * sizes,
+        )
 
     def __neg__(self) -> Model:
         return Model(-self.c0, -self.c1, -self.c2, self.r)
@@ -100,7 +109,9 @@ class Model:
         if other is self:
             return Model(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
         if self.c0.shape[1] > 1:
-            for array, more in zip(found.arrays, _product(self._value, other._slopes).arrays, strict=True):
+            for array, more in zip(
+                found.arrays, _product(self._value, other._slopes).arrays, strict=True
+            ):
                 array[:, 1:] += more
         return found
 
@@ -146,11 +157,15 @@ class Model:
         return self._chained(cosine, -sine), self._chained(sine, cosine)
 
     def sinc(self) -> Model:
-        """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a difference of larger numbers."""
+        """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a
+        difference of larger numbers."""
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
         f, df, d2f, d3f = sinc_and_slopes(a)
         lost = _ROUNDING * np.minimum(np.abs(a), 1)
-        value, slope = self._composed(f, df, d2f / 2, rest / 4), self._composed(df, d2f, d3f / 2, rest / 5 + lost)
+        value, slope = (
+            self._composed(f, df, d2f / 2, rest / 4),
+            self._composed(df, d2f, d3f / 2, rest / 5 + lost),
+        )
         return self._chained(value, slope)
 
     def sincm1(self) -> Model:
@@ -163,7 +178,10 @@ class Model:
     def to_the(self, order: Model) -> Model:
         """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
         smooth = (self.log() * order).exp()
-        (least, most), top = (x[:, 0] for x in order.bounds()), np.maximum(self.bounds()[1][:, 0], 0.0)
+        (least, most), top = (
+            (x[:, 0] for x in order.bounds()),
+            np.maximum(self.bounds()[1][:, 0], 0.0),
+        )
         rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), self)
         return smooth.where(np.isfinite(smooth.bounds()[1]).all(-1), rough)
 
@@ -188,7 +206,9 @@ class Model:
         c1 = df[..., None] * x1
         c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
         square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2
-        whole = np.abs(f) + np.abs(df) * (d1 + d2) + np.abs(half) * d1**2  # of what is in f, c1 and c2
+        whole = (
+            np.abs(f) + np.abs(df) * (d1 + d2) + np.abs(half) * d1**2
+        )  # of what is in f, c1 and c2
         lost = _ROUNDING * whole + _TINY * (1 + self.deviation[:, :1]) ** 2
         radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + lost
         return Model(f, c1, c2, radius)
@@ -199,17 +219,23 @@ class Model:
 
     def _over(self, slopes: Model) -> Model:
         """This value with those slopes."""
-        return Model(*(np.concatenate(pair, 1) for pair in zip(self.arrays, slopes.arrays, strict=True)))
+        return Model(
+            *(np.concatenate(pair, 1) for pair in zip(self.arrays, slopes.arrays, strict=True))
+        )
 
     def where(self, known: Array, other: Model) -> Model:
         """This model for the boxes where ``known`` holds, and the other one for the rest."""
         k = known[:, None]
-        c1, c2 = np.where(k[..., None], self.c1, other.c1), np.where(k[..., None, None], self.c2, other.c2)
+        c1, c2 = (
+            np.where(k[..., None], self.c1, other.c1),
+            np.where(k[..., None, None], self.c2, other.c2),
+        )
         return Model(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
 
 
 def _sum_of_sizes(x: Array, axes: int) -> Array:
-    """The sum of sizes along the last axes, or a little more: each addition rounds, and of many variables there are many."""
+    """The sum of sizes along the last axes, or a little more: each addition rounds, and of many
+    variables there are many."""
     sides = tuple(range(-axes, 0))
     return np.add.reduce(np.abs(x), sides) * (1 + x.shape[-1] ** axes * 2.0**-53)
 
@@ -224,15 +250,20 @@ def _product(x: Model, y: Model) -> Model:
         c2 = np.empty((len(c0), 0, *[c1.shape[-1]] * 2))
         r = r + np.abs(x.c0) * y._second + np.abs(y.c0) * x._second + x._first * y._first
     else:
-        c2 = x.c0[..., None, None] * y.c2 + y.c0[..., None, None] * x.c2 + x.c1[..., :, None] * y.c1[..., None, :]
+        c2 = (
+            x.c0[..., None, None] * y.c2
+            + y.c0[..., None, None] * x.c2
+            + x.c1[..., :, None] * y.c1[..., None, :]
+        )
     return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
 
 
 def _quotient(x: Model, y: Model) -> Model:
-    """Each row over a value: the parabola q for which x - q y begins with the third order, and how large (x - q y)/y is.
+    """Each row over a value: the parabola q for which x - q y begins with the third order, and how
+    large (x - q y)/y is.
 
-    Of rows of first order it is the line for which that begins with the second. Of numerator and denominator that vary alike
-    nothing is lost so, and little of others.
+    Of rows of first order it is the line for which that begins with the second. Of numerator and
+    denominator that vary alike nothing is lost so, and little of others.
     """
     a = y.c0
     w1, w2 = y.c1 / a[..., None], y.c2 / a[..., None, None]
@@ -240,7 +271,11 @@ def _quotient(x: Model, y: Model) -> Model:
     c1 = x.c1 / a[..., None] - c0[..., None] * w1
     c2 = x.c2
     if not x.is_linear:
-        c2 = x.c2 / a[..., None, None] - c0[..., None, None] * w2 - c1[..., :, None] * w1[..., None, :]
+        c2 = (
+            x.c2 / a[..., None, None]
+            - c0[..., None, None] * w2
+            - c1[..., :, None] * w1[..., None, :]
+        )
     missed = x - _product(Model(c0, c1, c2, np.zeros(c0.shape)), y)
     least = np.abs(a) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
     r = (np.abs(missed.c0) + missed.deviation) / least * (1 + _ROUNDING) + _TINY
@@ -249,10 +284,17 @@ def _quotient(x: Model, y: Model) -> Model:
 
 def constant(value: float, boxes: int, sides: int, *, slopes: int = 2) -> Model:
     """A number, known to within some roundings; its slopes are 0."""
-    return _flat(np.full(boxes, value), np.zeros((boxes, 1 + sides if slopes else 1)), sides, linear=slopes == 1)
+    return _flat(
+        np.full(boxes, value),
+        np.zeros((boxes, 1 + sides if slopes else 1)),
+        sides,
+        linear=slopes == 1,
+    )
 
 
-def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: int = 2) -> Model:
+def variable(
+    middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: int = 2
+) -> Model:
     """middle + radius t_side for each box, to within some roundings of numbers up to ``size``.
 
     ``slopes`` : their order, 2 or 1; without them if 0.
@@ -265,7 +307,8 @@ def variable(middle: Array, radius: Array, size: Array, side: int, sides: int, *
 
 
 def between(low: Array, high: Array, like: Model) -> Model:
-    """A function that lies between two numbers, with slopes of which nothing is known; ``like`` : any model over the boxes."""
+    """A function that lies between two numbers, with slopes of which nothing is known; ``like`` :
+    any model over the boxes."""
     r = np.full(like.c0.shape, np.inf)
     r[:, 0] = (high - low) / 2 * (1 + _ROUNDING)
     return _flat((low + high) / 2, r, like.c1.shape[-1], linear=like.is_linear)
@@ -350,7 +393,8 @@ class Modelled:
 
 
 def valued(formula: Expr, known: Mapping[Expr, Model], like: Model) -> Model:
-    """A formula of what is known and exact numbers by + * / and whole powers; ``like`` : any model over the same cells."""
+    """A formula of what is known and exact numbers by + * / and whole powers; ``like`` : any model
+    over the same cells."""
     if formula in known:
         return known[formula]
     if not formula.free_symbols & set(known):

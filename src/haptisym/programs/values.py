@@ -30,13 +30,17 @@ else:
 
 _LEAST = 32  # frequencies that are not taken apart to find those at which a float overflows
 _MOST_DOUBLED = 28  # decimal digits that a double-double can prove
-_ROOM = {True: (53, 1020), False: (107, 900)}  # binary digits and greatest exponent of floats, and of double-doubles
+_ROOM = {
+    True: (53, 1020),
+    False: (107, 900),
+}  # binary digits and greatest exponent of floats, and of double-doubles
 _MOST_KEPT = 64  # judgements
 _FEW = 24  # points for which balls alone are cheaper than an array of double-doubles
 
 
 class Values(NamedTuple):
-    """Values of the closed forms at the given frequencies, each of the shape of the broadcast arguments."""
+    """Values of the closed forms at the given frequencies, each of the shape of the broadcast
+    arguments."""
 
     real: Array
     imag: Array
@@ -61,19 +65,26 @@ def chosen(of: Sequence[str] | str | None) -> tuple[str, ...]:
     names = (of,) if isinstance(of, str) else tuple(of)
     wrong = [name for name in names if name not in Values._fields or names.count(name) > 1]
     if wrong or not names:
-        raise SceneError(f"of: {wrong[0] if wrong else 'nothing'}: choose among {', '.join(Values._fields)}, each once")
+        raise SceneError(
+            f"of: {wrong[0] if wrong else 'nothing'}: choose among "
+            f"{', '.join(Values._fields)}, each once"
+        )
     return names
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Compiled(Shown):
-    """A function ``f(omega, name=value, ...)`` of frequencies in rad/s and parameters in SI, all of them broadcast.
+    """A function ``f(omega, name=value, ...)`` of frequencies in rad/s and parameters in SI, all of
+    them broadcast.
 
-    ``fields`` : what it returns, as a named tuple (``Values`` where it is all of them) of arrays of the broadcast shape.
-    ``parameters`` : the names that it must be given. Arguments are exact: the doubles that they are.
-    Steps that could overflow, or lose digits to underflow, are never left to floats: such frequencies are computed as at the
-    level "certified". Values that floats leave undefined (0/0) are limits; poles are infinite; a result beyond the range of
-    doubles is infinite or 0. Frequencies that are not finite give not-a-number.
+    ``fields`` : what it returns, as a named tuple (``Values`` where it is all of them) of arrays of
+    the broadcast shape.
+    ``parameters`` : the names that it must be given. Arguments are exact: the doubles that they
+    are.
+    Steps that could overflow, or lose digits to underflow, are never left to floats: such
+    frequencies are computed as at the level "certified". Values that floats leave undefined (0/0)
+    are limits; poles are infinite; a result beyond the range of doubles is infinite or 0.
+    Frequencies that are not finite give not-a-number.
     """
 
     fields: tuple[str, ...]
@@ -84,7 +95,10 @@ class Compiled(Shown):
     floats: Floats | Machine
 
     def _line(self) -> str:
-        return f"of {', '.join(['omega', *self.parameters])}: {', '.join(self.fields)} ({self.accuracy.value})"
+        return (
+            f"of {', '.join(['omega', *self.parameters])}: {', '.join(self.fields)} "
+            f"({self.accuracy.value})"
+        )
 
     def __call__(self, /, omega: ArrayLike, **values: ArrayLike) -> Any:
         inputs, shape, size = self._inputs(omega, values)
@@ -97,21 +111,26 @@ class Compiled(Shown):
         return Values if self.fields == Values._fields else _tuple("Values", self.fields)
 
     def digits(self, /, omega: ArrayLike, count: int, **values: ArrayLike) -> Any:
-        """Correctly rounded decimal strings with ``count`` significant digits, by the cheapest method that proves them.
+        """Correctly rounded decimal strings with ``count`` significant digits, by the cheapest
+        method that proves them.
 
-        The named tuple has the fields, strings or arrays of strings in the broadcast shape, and besides ``method``, what proved
-        how many of the values, and ``seconds``, what that cost. "0", "inf", "-inf" and "nan" are written so. A tie within 200
-        more digits goes to the even digit.
+        The named tuple has the fields, strings or arrays of strings in the broadcast shape, and
+        besides ``method``, what proved how many of the values, and ``seconds``, what that cost.
+        "0", "inf", "-inf" and "nan" are written so. A tie within 200 more digits goes to the even
+        digit.
         """
         count = whole("digits", count)
         started = time.perf_counter()
         inputs, shape, size = self._inputs(omega, values)
         texts, methods = self._texts(inputs, size, count)
         columns = [
-            texts[name][0] if shape == () else np.array(texts[name], dtype=object).reshape(shape) for name in texts
+            texts[name][0] if shape == () else np.array(texts[name], dtype=object).reshape(shape)
+            for name in texts
         ]
         method = ", ".join(f"{n} by {name}" for name, n in methods.most_common())
-        return _tuple("Digits", (*self.fields, "method", "seconds"))(*columns, method, time.perf_counter() - started)
+        return _tuple("Digits", (*self.fields, "method", "seconds"))(
+            *columns, method, time.perf_counter() - started
+        )
 
     @cached_property
     def certified(self) -> Certified:
@@ -132,16 +151,20 @@ class Compiled(Shown):
             out[:, ~_are_finite(inputs, size)] = np.nan
             if not fast:
                 return
-        # one sum tells of all whether any is not finite; where they overflow only together, nothing is repaired
+        # one sum tells of all whether any is not finite; where they overflow only together, nothing
+        # is repaired
         if not (found and found.finite) and not _all_finite(out):
             self._repair(inputs, out)
 
     def _judged(self, inputs: tuple[MagnitudeRange, ...]) -> Judgement:
-        """What can over- or underflow, kept for other inputs of that size: it takes longer than a thousand frequencies."""
+        """What can over- or underflow, kept for other inputs of that size: it takes longer than a
+        thousand frequencies."""
         if inputs not in self._judgements:
             if len(self._judgements) >= _MOST_KEPT:
                 self._judgements.clear()
-            self._judgements[inputs] = judged(self.program, inputs, *_ROOM[self.accuracy is Accuracy.FAST])
+            self._judgements[inputs] = judged(
+                self.program, inputs, *_ROOM[self.accuracy is Accuracy.FAST]
+            )
         return self._judgements[inputs]
 
     @cached_property
@@ -157,7 +180,11 @@ class Compiled(Shown):
                 self._prove(inputs, size, out)
                 return
             for part in (slice(0, size // 2), slice(size // 2, size)):
-                self._watch([x if np.ndim(x) == 0 else x[part] for x in inputs], part.stop - part.start, out[:, part])
+                self._watch(
+                    [x if np.ndim(x) == 0 else x[part] for x in inputs],
+                    part.stop - part.start,
+                    out[:, part],
+                )
 
     def _prove(self, inputs: Sequence[Any], size: int, out: Any) -> None:
         found, _ = self.certified.run(inputs, size)
@@ -174,11 +201,15 @@ class Compiled(Shown):
 
     def _repair(self, inputs: Sequence[Any], out: Any) -> None:
         for n in np.flatnonzero(~np.isfinite(out).all(axis=0)).tolist():
-            names = [name for name, row in zip(self.fields, out, strict=True) if not np.isfinite(row[n])]
+            names = [
+                name for name, row in zip(self.fields, out, strict=True) if not np.isfinite(row[n])
+            ]
             for name, value in self.certified.at(_point(inputs, n), names).items():
                 out[self.fields.index(name), n] = value
 
-    def _texts(self, inputs: Sequence[Any], size: int, count: int) -> tuple[dict[str, list[str | None]], Counter[str]]:
+    def _texts(
+        self, inputs: Sequence[Any], size: int, count: int
+    ) -> tuple[dict[str, list[str | None]], Counter[str]]:
         texts: dict[str, list[str | None]] = {name: [None] * size for name in self.fields}
         methods: Counter[str] = Counter()
         if count <= _MOST_DOUBLED and size > _FEW:
@@ -195,22 +226,31 @@ class Compiled(Shown):
                 methods["limit" if isinstance(number, float) else "ball arithmetic"] += 1
         return texts, +methods
 
-    def _inputs(self, omega: ArrayLike, values: Mapping[str, ArrayLike]) -> tuple[list[Any], tuple[int, ...], int]:
-        """Single numbers as floats, everything else as flat arrays of the broadcast shape; that shape, and its size."""
+    def _inputs(
+        self, omega: ArrayLike, values: Mapping[str, ArrayLike]
+    ) -> tuple[list[Any], tuple[int, ...], int]:
+        """Single numbers as floats, everything else as flat arrays of the broadcast shape; that
+        shape, and its size."""
         if sorted(values) != list(self.parameters):
             needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
             raise SceneError(f"parameters needed are {needed}; given are {given}")
-        arguments = [_array("omega", omega), *[_array(name, values[name]) for name in self.parameters]]
+        arguments = [
+            _array("omega", omega),
+            *[_array(name, values[name]) for name in self.parameters],
+        ]
         shapes = {x.shape for x in arguments}
         try:
             shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
             listed = ", ".join(
-                f"{name} {x.shape}" for name, x in zip(("omega", *self.parameters), arguments, strict=True)
+                f"{name} {x.shape}"
+                for name, x in zip(("omega", *self.parameters), arguments, strict=True)
             )
             raise SceneError(f"the shapes of the arguments do not broadcast: {listed}") from None
         flat = [
-            float(x.item()) if x.size == 1 else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
+            float(x.item())
+            if x.size == 1
+            else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
             for x in arguments
         ]
         return flat, shape, prod(shape)
@@ -218,7 +258,9 @@ class Compiled(Shown):
 
 def _array(name: str, given: ArrayLike) -> Array:
     if np.iscomplexobj(given):
-        raise SceneError(f"{name}: give real {'frequencies in rad/s' if name == 'omega' else 'numbers in SI'}")
+        raise SceneError(
+            f"{name}: give real {'frequencies in rad/s' if name == 'omega' else 'numbers in SI'}"
+        )
     try:
         return np.asarray(given, dtype=float)
     except (TypeError, ValueError):
@@ -255,9 +297,13 @@ def _decimal(row: Sequence[float], count: int) -> str | None:
 
 
 def compiled(
-    program: Program, forms: FormsAt, accuracy: Accuracy | str = Accuracy.FAST, engine: Engine | str = Engine.NUMPY
+    program: Program,
+    forms: FormsAt,
+    accuracy: Accuracy | str = Accuracy.FAST,
+    engine: Engine | str = Engine.NUMPY,
 ) -> Compiled:
-    """The function of a program whose results are fields of ``Values``; SceneError for a wrong level or engine."""
+    """The function of a program whose results are fields of ``Values``; SceneError for a wrong
+    level or engine."""
     level = Accuracy.of(accuracy)
     floats = Machine(program) if Engine.of(engine) is Engine.NUMBA else Floats(program)
     names = tuple(x.name for x in program.inputs[1:])

@@ -1,8 +1,9 @@
-"""The boxes of typeset mathematics: what a formula looks like, before anyone decides how it is written down.
+"""The boxes of typeset mathematics: what a formula looks like, before anyone decides how it is
+written down.
 
-``layout`` makes a tree of them from an expression, or for the name of a quantity; ``text`` here, ``latex`` and ``mathml`` write
-it, each with a table that has a form for every kind of box. Order, signs and fences of a formula are in the tree, so that all
-writers agree on them.
+``layout`` makes a tree of them from an expression, or for the name of a quantity; ``text`` here,
+``latex`` and ``mathml`` write it, each with a table that has a form for every kind of box. Order,
+signs and fences of a formula are in the tree, so that all writers agree on them.
 """
 
 from __future__ import annotations
@@ -144,21 +145,40 @@ class Titled:
 
 @dataclass(frozen=True, slots=True)
 class Equation:
-    """Sides that are related in turn: ``relations`` (one of ``= ≈ ≠ < > ≤ ≥``) stand between ``sides``."""
+    """Sides that are related in turn: ``relations`` (one of ``= ≈ ≠ < > ≤ ≥``) stand between
+    ``sides``."""
 
     sides: tuple[Box, ...]
     relations: tuple[str, ...]
 
 
 Box: TypeAlias = (
-    Numeral | Ratio | Name | Operator | Sum | Product | Fraction | Power | Root | Exponential | Applied | Prefixed | Fenced
-    | Absolute | Grid | Titled | Equation
-)  # fmt: skip
+    Numeral
+    | Ratio
+    | Name
+    | Operator
+    | Sum
+    | Product
+    | Fraction
+    | Power
+    | Root
+    | Exponential
+    | Applied
+    | Prefixed
+    | Fenced
+    | Absolute
+    | Grid
+    | Titled
+    | Equation
+)
 
 
 def needs_dot(left: Box, right: Box) -> bool:
-    """Whether two neighbours in a product need a sign between them: two numbers, or what comes after an operator's operand."""
-    return isinstance(left, Prefixed) or (isinstance(left, Numeral | Ratio) and _starts_with_digit(right))
+    """Whether two neighbours in a product need a sign between them: two numbers, or what comes
+    after an operator's operand."""
+    return isinstance(left, Prefixed) or (
+        isinstance(left, Numeral | Ratio) and _starts_with_digit(right)
+    )
 
 
 def _starts_with_digit(box: Box) -> bool:
@@ -170,7 +190,8 @@ def _starts_with_digit(box: Box) -> bool:
 
 
 def formed(box: Box, forms: Mapping[type, Callable[[Any], str]]) -> str:
-    """A box as a writer writes it: ``forms`` has a form for every kind. TypeError for what is no box."""
+    """A box as a writer writes it: ``forms`` has a form for every kind. TypeError for what is no
+    box."""
     if type(box) not in forms:
         raise TypeError(f"not a box: {type(box).__name__}")
     return forms[type(box)](box)
@@ -186,8 +207,15 @@ def text(box: Box) -> str:
 
 
 _KEYS = {
-    "≈": "~", "≠": "!=", "≤": "<=", "≥": ">=", "ln": "log", "arsinh": "asinh", "arcosh": "acosh", "artanh": "atanh",
-}  # fmt: skip
+    "≈": "~",
+    "≠": "!=",
+    "≤": "<=",
+    "≥": ">=",
+    "ln": "log",
+    "arsinh": "asinh",
+    "arcosh": "acosh",
+    "artanh": "atanh",
+}
 _KEYS |= {f"arc{name}": f"a{name}" for name in ("sin", "cos", "tan")}
 
 
@@ -212,20 +240,33 @@ def signed(terms: Sequence[tuple[int, Box]], form: Callable[[Box], str]) -> str:
 def related(x: Equation, form: Callable[[Box], str], relations: Mapping[str, str]) -> str:
     """The sides of an equation with its relations between them."""
     pairs = zip(x.relations, x.sides[1:], strict=True)
-    return "".join((form(x.sides[0]), *(f" {relations.get(sign, sign)} {form(side)}" for sign, side in pairs)))
+    return "".join(
+        (form(x.sides[0]), *(f" {relations.get(sign, sign)} {form(side)}" for sign, side in pairs))
+    )
 
 
 _TEXT: Mapping[type, Callable[[Any], str]] = {
-    Numeral: lambda x: f"{x.digits}e{x.exponent}" if x.exponent else x.digits, Ratio: lambda x: f"{x.above}/{x.below}",
-    Name: lambda x: x.text, Operator: lambda x: _KEYS.get(x.name, x.name), Sum: lambda x: signed(x.terms, text),
+    Numeral: lambda x: f"{x.digits}e{x.exponent}" if x.exponent else x.digits,
+    Ratio: lambda x: f"{x.above}/{x.below}",
+    Name: lambda x: x.text,
+    Operator: lambda x: _KEYS.get(x.name, x.name),
+    Sum: lambda x: signed(x.terms, text),
     Product: _product,
-    Fraction: lambda x: f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, Product, Fraction, Ratio)}",
-    Power: lambda x: f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, Product, Fraction, Ratio, Power)}",
-    Root: lambda x: f"sqrt({text(x.inside)})", Exponential: lambda x: f"exp({text(x.exponent)})",
+    Fraction: lambda x: (
+        f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, Product, Fraction, Ratio)}"
+    ),
+    Power: lambda x: (
+        f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, Product, Fraction, Ratio, Power)}"
+    ),
+    Root: lambda x: f"sqrt({text(x.inside)})",
+    Exponential: lambda x: f"exp({text(x.exponent)})",
     Applied: lambda x: f"{text(x.function)}({', '.join(map(text, x.arguments))})",
     Prefixed: lambda x: f"{text(x.operator)} {_inside(x.operand, Sum, Fraction)}",
     Fenced: lambda x: f"({text(x.inside)})",
-    Absolute: lambda x: f"abs({text(x.inside)})" if "|" in text(x.inside) else f"|{text(x.inside)}|",
+    Absolute: lambda x: (
+        f"abs({text(x.inside)})" if "|" in text(x.inside) else f"|{text(x.inside)}|"
+    ),
     Grid: lambda x: "[" + ", ".join("[" + ", ".join(map(text, row)) + "]" for row in x.rows) + "]",
-    Titled: lambda x: x.text, Equation: lambda x: related(x, text, _KEYS),
-}  # fmt: skip
+    Titled: lambda x: x.text,
+    Equation: lambda x: related(x, text, _KEYS),
+}

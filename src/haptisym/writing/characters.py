@@ -1,4 +1,5 @@
-"""Which characters of a scene or a file leave the program: none that speaks to a terminal or turns text around."""
+"""Which characters of a scene or a file leave the program: none that speaks to a terminal or turns
+text around."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ _HARMLESS = "\n\t\N{SOFT HYPHEN}\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 def is_hidden(c: str) -> bool:
     """Whether a character acts instead of being seen.
 
-    Such are controls (C0 and C1), overrides of direction, separators of lines, and what is no character. What shapes the
-    letters of a script stays, and so do the ends of lines.
+    Such are controls (C0 and C1), overrides of direction, separators of lines, and what is no
+    character. What shapes the letters of a script stays, and so do the ends of lines.
     """
     return not c.isprintable() and c not in _HARMLESS and category(c) in _HIDDEN
 

@@ -1,9 +1,10 @@
-"""Code in NumPy, C, Octave and MATLAB, or JavaScript: one function that computes a scene's closed forms, without haptisym.
+"""Code in NumPy, C, Octave and MATLAB, or JavaScript: one function that computes a scene's closed
+forms, without haptisym.
 
-Each language allows certain names, and lays a routine out in its own way: its documentation, safe in its comments, and then its
-statements. The steps of a program become expressions: numbers are the nearest doubles, and there are no more brackets than are
-needed. At the end stand the functions that a user calls: code of a scene, or of a distortion, as a function of omega and of the
-parameters.
+Each language allows certain names, and lays a routine out in its own way: its documentation, safe
+in its comments, and then its statements. The steps of a program become expressions: numbers are the
+nearest doubles, and there are no more brackets than are needed. At the end stand the functions that
+a user calls: code of a scene, or of a distortion, as a function of omega and of the parameters.
 """
 
 from __future__ import annotations
@@ -44,7 +45,8 @@ from haptisym.writing.layout import plain as in_line
 
 
 class Language(Enum):
-    """A programming language of ``scene_code`` and ``distortion_code``; its value is the ending of its files."""
+    """A programming language of ``scene_code`` and ``distortion_code``; its value is the ending of
+    its files."""
 
     NUMPY = "py"
     C = "c"
@@ -59,7 +61,11 @@ class Language(Enum):
             return given
         if isinstance(given, str) and given.lower() in known:
             return known[given.lower()]
-        way = "; for Julia take c, which it calls by ccall, or numpy" if str(given).lower() in ("julia", "jl") else ""
+        way = (
+            "; for Julia take c, which it calls by ccall, or numpy"
+            if str(given).lower() in ("julia", "jl")
+            else ""
+        )
         raise SceneError(f"language: {quoted(given)} is none of {', '.join(known)}{way}")
 
 
@@ -67,34 +73,50 @@ def _words(text: str) -> frozenset[str]:
     return frozenset(text.split())
 
 
-_FUNCTIONS = _words("abs cos exp fabs log max min pow sin sinc sqrt tan pi")  # what the code itself may call
+_FUNCTIONS = _words(
+    "abs cos exp fabs log max min pow sin sinc sqrt tan pi"
+)  # what the code itself may call
 RESERVED: Mapping[Language, frozenset[str]] = {
     Language.NUMPY: _FUNCTIONS
     | {*keyword.kwlist, *keyword.softkwlist, "np", "float", "NamedTuple", "shape", "results"},
     Language.C: _FUNCTIONS
     | _words(
-        "alignas alignof asm auto bool break case catch char class const constexpr continue default delete do double else "
-        "enum extern false float for friend goto if inline int long namespace new nullptr operator private protected public "
-        "register restrict return short signed sizeof static static_assert struct switch template this thread_local throw "
-        "true try typedef typename typeof typeof_unqual union unsigned using virtual void volatile while main values "
-        "acos asin atan atan2 ceil cosh sinh tanh floor fmod frexp ldexp log10 modf erf erfc gamma lgamma tgamma hypot "
-        "j0 j1 jn y0 y1 yn cbrt exp2 expm1 log1p log2 logb fma fdim fmax fmin remainder round trunc rint nan isnan isinf "
+        "alignas alignof asm auto bool break case catch char class const constexpr continue "
+        "default delete do double else "
+        "enum extern false float for friend goto if inline int long namespace new nullptr "
+        "operator private protected public "
+        "register restrict return short signed sizeof static static_assert struct switch "
+        "template this thread_local throw "
+        "true try typedef typename typeof typeof_unqual union unsigned using virtual void "
+        "volatile while main values "
+        "acos asin atan atan2 ceil cosh sinh tanh floor fmod frexp ldexp log10 modf erf erfc "
+        "gamma lgamma tgamma hypot "
+        "j0 j1 jn y0 y1 yn cbrt exp2 expm1 log1p log2 logb fma fdim fmax fmin remainder "
+        "round trunc rint nan isnan isinf "
         "index linux unix signgam HUGE_VAL INFINITY NAN"
     ),
     Language.OCTAVE: _FUNCTIONS
     | _words(
-        "break case catch classdef continue do else elseif end end_try_catch end_unwind_protect endclassdef endenumeration "
-        "endevents endfor endfunction endif endmethods endparfor endproperties endswitch endwhile enumeration events for "
-        "function global if methods otherwise parfor persistent properties return spmd switch try until unwind_protect "
-        "unwind_protect_cleanup while arguments import i j I J e Inf NaN NA eps ans inf nan true false ones zeros size zero "
+        "break case catch classdef continue do else elseif end end_try_catch "
+        "end_unwind_protect endclassdef endenumeration "
+        "endevents endfor endfunction endif endmethods endparfor endproperties endswitch "
+        "endwhile enumeration events for "
+        "function global if methods otherwise parfor persistent properties return spmd "
+        "switch try until unwind_protect "
+        "unwind_protect_cleanup while arguments import i j I J e Inf NaN NA eps ans inf nan "
+        "true false ones zeros size zero "
         "values nargin nargout"
     ),
     Language.JAVASCRIPT: _FUNCTIONS
     | _words(
-        "abstract arguments async await boolean break byte case catch char class const continue debugger default delete do "
-        "double else enum eval export extends false final finally float for function get goto if implements import in "
-        "instanceof int interface let long module native new null of package private protected public return set short "
-        "static super switch synchronized this throw throws transient true try typeof undefined var void volatile while "
+        "abstract arguments async await boolean break byte case catch char class const "
+        "continue debugger default delete do "
+        "double else enum eval export extends false final finally float for function get "
+        "goto if implements import in "
+        "instanceof int interface let long module native new null of package private "
+        "protected public return set short "
+        "static super switch synchronized this throw throws transient true try typeof "
+        "undefined var void volatile while "
         "with yield Math Infinity NaN Object exports require globalThis window"
     ),
 }
@@ -103,8 +125,11 @@ RESERVED: Mapping[Language, frozenset[str]] = {
 _LONGEST = 60  # characters of a name; MATLAB reads 63
 
 
-def identifiers(names: Iterable[str], language: Language, taken: Iterable[str] = ()) -> dict[str, str]:
-    """For each name, one that the language allows and that nothing else has: itself where possible, else visibly changed.
+def identifiers(
+    names: Iterable[str], language: Language, taken: Iterable[str] = ()
+) -> dict[str, str]:
+    """For each name, one that the language allows and that nothing else has: itself where possible,
+    else visibly changed.
 
     >>> identifiers(["m", "lambda", "ζ", "k 1"], Language.NUMPY)
     {'m': 'm', 'lambda': 'lambda_', 'ζ': 'zeta', 'k 1': 'k_1'}
@@ -138,16 +163,22 @@ def _letter(c: str) -> str:
 
 def function_name(name: str, language: Language) -> str:
     """The name if the language allows it for a function; SceneError otherwise."""
-    if not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name) or len(name) > _LONGEST or name in RESERVED[language]:
+    if (
+        not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name)
+        or len(name) > _LONGEST
+        or name in RESERVED[language]
+    ):
         raise SceneError(
-            f'"{name[:80]}" cannot name a function in {language.name}: use at most {_LONGEST} ASCII letters, digits and _, '
+            f'"{name[:80]}" cannot name a function in {language.name}: use at most '
+            f"{_LONGEST} ASCII letters, digits and _, "
             "a letter in front, and no word that the language has"
         )
     return name
 
 
 def comment(text: str) -> str:
-    """Any text as one line that ends no comment and no string, in any of the languages, and hides nothing.
+    """Any text as one line that ends no comment and no string, in any of the languages, and hides
+    nothing.
 
     >>> comment("a */ b\\nc")
     'a * / b c'
@@ -176,9 +207,11 @@ class Described:
 class Routine:
     """A function in one language, all but its layout.
 
-    ``heading`` : what the function computes, in a line. ``notes`` : paragraphs, what there is to know and where it comes from.
-    ``definitions`` and ``values`` : names (or results) and expressions as text. ``unused`` : arguments on which nothing
-    depends. ``helpers`` : what sin(x)/x (``sinc``) and sin(x)/x - 1 (``sincm1``) are called, where a result needs them.
+    ``heading`` : what the function computes, in a line. ``notes`` : paragraphs, what there is to
+    know and where it comes from.
+    ``definitions`` and ``values`` : names (or results) and expressions as text. ``unused`` :
+    arguments on which nothing depends. ``helpers`` : what sin(x)/x (``sinc``) and sin(x)/x - 1
+    (``sincm1``) are called, where a result needs them.
     """
 
     name: str
@@ -207,12 +240,20 @@ def _numpy(r: Routine) -> Iterable[str]:
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from _paragraphs(r, "# ")
     yield from ("", "from typing import NamedTuple", "", "import numpy as np", "", "")
-    yield from (f"class {values}(NamedTuple):", '    """Arrays of the broadcast shape of the arguments."""', "")
+    yield from (
+        f"class {values}(NamedTuple):",
+        '    """Arrays of the broadcast shape of the arguments."""',
+        "",
+    )
     yield from (f"    {x.name}: np.ndarray  # {x.words}" for x in r.results)
     yield from ("", "")
     if name := r.helpers.get("sinc"):
         yield from (f"def {name}(x):", f'    """{_SINC}."""')
-        yield from ("    return np.where(x == 0.0, 1.0, np.sin(x) / np.where(x == 0.0, 1.0, x))", "", "")
+        yield from (
+            "    return np.where(x == 0.0, 1.0, np.sin(x) / np.where(x == 0.0, 1.0, x))",
+            "",
+            "",
+        )
     if name := r.helpers.get("sincm1"):
         yield from (
             f"def {name}(x):",
@@ -220,24 +261,37 @@ def _numpy(r: Routine) -> Iterable[str]:
             f"    near = np.minimum(np.abs(x), {SMALL})",
             "    y = 0.0",
         )
-        yield from (f"    for n in range({LAST}, 1, -2):", "        y = -near*near/(n*(n - 1))*(1.0 + y)")
+        yield from (
+            f"    for n in range({LAST}, 1, -2):",
+            "        y = -near*near/(n*(n - 1))*(1.0 + y)",
+        )
         yield from (f"    far = np.where(np.abs(x) > {SMALL}, x, 1.0)",)
         yield from (f"    return np.where(np.abs(x) > {SMALL}, np.sin(far)/far - 1.0, y)", "", "")
     yield from _wrapped(f"def {r.name}({r.listed}):", "    ")
     yield from (f'    """{r.heading}', "", "    Parameters", "    ----------")
     yield from _documented(r.arguments, "    ", " : array_like")
     yield from (
-        "", "    Returns", "    -------", f"    {values}", "        Arrays of the broadcast shape of the arguments.",
-    )  # fmt: skip
+        "",
+        "    Returns",
+        "    -------",
+        f"    {values}",
+        "        Arrays of the broadcast shape of the arguments.",
+    )
     yield '    """'
     yield from (f"    {x.name} = np.asarray({x.name}, dtype=float)" for x in r.arguments)
-    yield from _wrapped(f"    shape = np.broadcast_shapes({', '.join(f'{x.name}.shape' for x in r.arguments)})", "    ")
+    yield from _wrapped(
+        f"    shape = np.broadcast_shapes({', '.join(f'{x.name}.shape' for x in r.arguments)})",
+        "    ",
+    )
     yield '    with np.errstate(all="ignore"):  # at a pole the value is inf or nan'
     yield from _statements(r.definitions, "        {} = {}", "        ", "({})")
     yield "        results = ("
     for name, text in r.values:
         yield from (f"            # {name}", *_wrapped(f"            {text},", "            "))
-    yield from ("        )", f"    return {values}(*(np.broadcast_to(x, shape).astype(float) for x in results))")
+    yield from (
+        "        )",
+        f"    return {values}(*(np.broadcast_to(x, shape).astype(float) for x in results))",
+    )
 
 
 def _c(r: Routine) -> Iterable[str]:
@@ -261,8 +315,16 @@ def _c(r: Routine) -> Iterable[str]:
         yield from (f"/* {_SINC} */", f"static double {name}(double x)", "{")
         yield from ("    return x == 0.0 ? 1.0 : sin(x)/x;", "}", "")
     if name := r.helpers.get("sincm1"):
-        yield from (f"/* {_SINCM1} */", f"static double {name}(double x)", "{", "    double n, y = 0.0;")
-        yield from (f"    if (fabs(x) > {SMALL}) return sin(x)/x - 1.0;", f"    for (n = {LAST}.0; n > 1.0; n -= 2.0)")
+        yield from (
+            f"/* {_SINCM1} */",
+            f"static double {name}(double x)",
+            "{",
+            "    double n, y = 0.0;",
+        )
+        yield from (
+            f"    if (fabs(x) > {SMALL}) return sin(x)/x - 1.0;",
+            f"    for (n = {LAST}.0; n > 1.0; n -= 2.0)",
+        )
         yield from ("        y = -x*x/(n*(n - 1.0))*(1.0 + y);", "    return y;", "}", "")
     yield from (*_wrapped(prototype, ""), "{")
     if r.uses_pi:
@@ -275,19 +337,32 @@ def _c(r: Routine) -> Iterable[str]:
 def _octave(r: Routine) -> Iterable[str]:
     call = f"values = {r.name}({r.listed})"
     yield from _wrapped(f"function {call}", "  ", " ...")
-    yield from (f"%{r.name.upper()}  {r.heading}", *_filled(call, "%   "), "%", "%   Arrays or numbers:")
+    yield from (
+        f"%{r.name.upper()}  {r.heading}",
+        *_filled(call, "%   "),
+        "%",
+        "%   Arrays or numbers:",
+    )
     yield from _documented(r.arguments, "%   ", "")
     yield from ("%", "%   A struct of arrays of their common size (as by broadcasting):")
     yield from _documented(r.results, "%   values.", "")
     yield from ("%", *_notes(r, "%   "), "")
-    yield from _wrapped(f"  zero = zeros(size({' + '.join(x.name for x in r.arguments)}));", "  ", " ...")
+    yield from _wrapped(
+        f"  zero = zeros(size({' + '.join(x.name for x in r.arguments)}));", "  ", " ..."
+    )
     yield from _statements(r.definitions, "  {} = {};", "  ", continued=" ...")
     yield from (*_statements(r.values, "  values.{} = zero + ({});", "  ", continued=" ..."), "end")
     if name := r.helpers.get("sinc"):
         yield from ("", f"function y = {name}(x)", f"% {_SINC}", "  y = ones(size(x));")
         yield from ("  other = x ~= 0;", "  y(other) = sin(x(other))./x(other);", "end")
     if name := r.helpers.get("sincm1"):
-        yield from ("", f"function y = {name}(x)", f"% {_SINCM1}", "  y = zeros(size(x));", f"  for n = {LAST}:-2:3")
+        yield from (
+            "",
+            f"function y = {name}(x)",
+            f"% {_SINCM1}",
+            "  y = zeros(size(x));",
+            f"  for n = {LAST}:-2:3",
+        )
         yield from ("    y = -x.*x/(n*(n - 1)).*(1 + y);", "  end", f"  other = abs(x) > {SMALL};")
         yield from ("  y(other) = sin(x(other))./x(other) - 1;", "end")
 
@@ -296,7 +371,13 @@ def _javascript(r: Routine) -> Iterable[str]:
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from ("/*", *_paragraphs(r, " * "), " */", "")
     if name := r.helpers.get("sinc"):
-        yield from (f"/** {_SINC} */", f"function {name}(x) {{", "  return x === 0 ? 1 : Math.sin(x)/x;", "}", "")
+        yield from (
+            f"/** {_SINC} */",
+            f"function {name}(x) {{",
+            "  return x === 0 ? 1 : Math.sin(x)/x;",
+            "}",
+            "",
+        )
     if name := r.helpers.get("sincm1"):
         yield from (
             f"/** {_SINCM1} */",
@@ -304,23 +385,37 @@ def _javascript(r: Routine) -> Iterable[str]:
             f"  if (Math.abs(x) > {SMALL}) return Math.sin(x)/x - 1;",
         )
         yield from (
-            "  let y = 0;", f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);", "  return y;",
-            "}", "",
-        )  # fmt: skip
+            "  let y = 0;",
+            f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);",
+            "  return y;",
+            "}",
+            "",
+        )
     yield from ("/**", f" * @typedef {{Object}} {values}")
     yield from (f" * @property {{number}} {x.name} {x.words}" for x in r.results)
     yield from (" */", "", "/**", f" * {r.heading}", " *")
     yield from (f" * @param {{number}} {x.name} {x.words}" for x in r.arguments)
-    yield from (f" * @returns {{{values}}}", " */", *_wrapped(f"function {r.name}({r.listed}) {{", "  "))
+    yield from (
+        f" * @returns {{{values}}}",
+        " */",
+        *_wrapped(f"function {r.name}({r.listed}) {{", "  "),
+    )
     yield '  "use strict";'
     yield from _statements(r.definitions, "  const {} = {};", "  ")
     yield from ("  return {", *_statements(r.values, "    {}: {},", "    "), "  };", "}", "")
-    yield from ('if (typeof module !== "undefined" && module.exports) {', f"  module.exports = {{ {r.name} }};", "}")
+    yield from (
+        'if (typeof module !== "undefined" && module.exports) {',
+        f"  module.exports = {{ {r.name} }};",
+        "}",
+    )
 
 
 _LAYOUTS: Mapping[Language, Callable[[Routine], Iterable[str]]] = {
-    Language.NUMPY: _numpy, Language.C: _c, Language.OCTAVE: _octave, Language.JAVASCRIPT: _javascript,
-}  # fmt: skip
+    Language.NUMPY: _numpy,
+    Language.C: _c,
+    Language.OCTAVE: _octave,
+    Language.JAVASCRIPT: _javascript,
+}
 
 
 def _paragraphs(r: Routine, mark: str) -> Iterable[str]:
@@ -340,7 +435,9 @@ def _notes(r: Routine, mark: str) -> Iterable[str]:
 
 
 def _filled(text: str, mark: str, indent: str = "  ") -> list[str]:
-    return textwrap.wrap(text, _WIDTH, initial_indent=mark, subsequent_indent=mark + indent, break_on_hyphens=False)
+    return textwrap.wrap(
+        text, _WIDTH, initial_indent=mark, subsequent_indent=mark + indent, break_on_hyphens=False
+    )
 
 
 def _documented(described: Sequence[Described], indent: str, kind: str) -> Iterable[str]:
@@ -355,18 +452,26 @@ def _documented(described: Sequence[Described], indent: str, kind: str) -> Itera
 
 
 def _statements(
-    pairs: Sequence[tuple[str, str]], form: str, indent: str, bracket: str = "{}", continued: str = ""
+    pairs: Sequence[tuple[str, str]],
+    form: str,
+    indent: str,
+    bracket: str = "{}",
+    continued: str = "",
 ) -> Iterable[str]:
-    """One statement for each pair of a name and an expression; a long one on several lines, in brackets where needed."""
+    """One statement for each pair of a name and an expression; a long one on several lines, in
+    brackets where needed."""
     for name, text in pairs:
         whole = form.format(name, text)
         yield from _wrapped(
-            whole if len(whole) <= _WIDTH else form.format(name, bracket.format(text)), indent, continued
+            whole if len(whole) <= _WIDTH else form.format(name, bracket.format(text)),
+            indent,
+            continued,
         )
 
 
 def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
-    """A line of code on as many lines as it needs, broken at spaces, each but the last with what continues a line.
+    """A line of code on as many lines as it needs, broken at spaces, each but the last with what
+    continues a line.
 
     Never at a line's first equals sign, after which Python must see an open bracket.
     """
@@ -374,9 +479,13 @@ def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
         return [line]
     own = line.lstrip()
     lines = textwrap.wrap(
-        own.replace(" = ", _EQUALS, 1), _WIDTH, initial_indent=line[: -len(own)], subsequent_indent=f"{indent}    ",
-        break_long_words=False, break_on_hyphens=False,
-    )  # fmt: skip
+        own.replace(" = ", _EQUALS, 1),
+        _WIDTH,
+        initial_indent=line[: -len(own)],
+        subsequent_indent=f"{indent}    ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     lines = [x.replace(_EQUALS, " = ") for x in lines]
     return [*(f"{x}{continued}" for x in lines[:-1]), lines[-1]]
 
@@ -386,7 +495,8 @@ def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes arithmetic; ``whole`` : whether a whole number may be written without a point."""
+    """How a language writes arithmetic; ``whole`` : whether a whole number may be written without a
+    point."""
 
     power: str
     library: str = ""
@@ -444,7 +554,8 @@ class CodePiece:
 
 @dataclass(kw_only=True)
 class CodeReader(Reader[CodePiece]):
-    """``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and ``sincm1``.
+    """``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and
+    ``sincm1``.
 
     >>> from haptisym.programs.program import Writer
     >>> from sympy import sqrt
@@ -472,10 +583,13 @@ class CodeReader(Reader[CodePiece]):
         """The nearest double, as the language writes it."""
         if value == pi:
             return CodePiece(self.dialect.pi)
-        number = nearest_double(Rational(int(value.p), int(value.q)) if isinstance(value, fmpq) else value)
+        number = nearest_double(
+            Rational(int(value.p), int(value.q)) if isinstance(value, fmpq) else value
+        )
         is_whole = self.dialect.whole and number.is_integer() and abs(number) < 1e15
         return CodePiece(
-            str(int(number)) if is_whole else repr(number), Precedence.PRODUCT if number < 0 else Precedence.ATOM
+            str(int(number)) if is_whole else repr(number),
+            Precedence.PRODUCT if number < 0 else Precedence.ATOM,
         )
 
     def name(self, name: str) -> CodePiece:
@@ -491,20 +605,31 @@ class CodeReader(Reader[CodePiece]):
             piece: CodePiece = getattr(self, f"_{operation}")(*arguments)
             return piece
         known = {**self.helpers, "abs": f"{self.dialect.library}{self.dialect.absolute}"}
-        return CodePiece(f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})")
+        return CodePiece(
+            f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})"
+        )
 
     def _add(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if (x.is_negative, y.kind is Precedence.SUM) > (y.is_negative, x.kind is Precedence.SUM):
             x, y = y, x
-        return self._sub(x, self._neg(y)) if y.is_negative else CodePiece(f"{x.text} + {y.as_first}", Precedence.SUM)
+        return (
+            self._sub(x, self._neg(y))
+            if y.is_negative
+            else CodePiece(f"{x.text} + {y.as_first}", Precedence.SUM)
+        )
 
     def _sub(self, x: CodePiece, y: CodePiece) -> CodePiece:
-        return CodePiece(f"{x.text} + {y.unsigned}" if y.is_negative else f"{x.text} - {y.as_first}", Precedence.SUM)
+        return CodePiece(
+            f"{x.text} + {y.unsigned}" if y.is_negative else f"{x.text} - {y.as_first}",
+            Precedence.SUM,
+        )
 
     def _neg(self, x: CodePiece) -> CodePiece:
         if x.is_negative:
             return CodePiece(x.unsigned, x.kind)
-        return CodePiece(f"-{x.as_first}", min(Precedence.PRODUCT, max(x.kind, Precedence.QUOTIENT)))
+        return CodePiece(
+            f"-{x.as_first}", min(Precedence.PRODUCT, max(x.kind, Precedence.QUOTIENT))
+        )
 
     def _mul(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if _leads(y) > _leads(x):
@@ -513,7 +638,9 @@ class CodeReader(Reader[CodePiece]):
         return CodePiece(f"{x.as_first}{self.dialect.times}{y.at_least(Precedence.PRODUCT)}", kind)
 
     def _div(self, x: CodePiece, y: CodePiece) -> CodePiece:
-        return CodePiece(f"{x.as_first}{self.dialect.over}{y.at_least(Precedence.POWER)}", Precedence.QUOTIENT)
+        return CodePiece(
+            f"{x.as_first}{self.dialect.over}{y.at_least(Precedence.POWER)}", Precedence.QUOTIENT
+        )
 
     def _power(self, x: CodePiece, y: CodePiece) -> CodePiece:
         if y.text == "0.5":
@@ -526,7 +653,15 @@ class CodeReader(Reader[CodePiece]):
 
 def _leads(x: CodePiece) -> int:
     """Which factor stands first: what begins with a minus, then numbers, then a quotient."""
-    return 3 if x.is_negative else 2 if x.text[0].isdigit() else 1 if x.kind is Precedence.QUOTIENT else 0
+    return (
+        3
+        if x.is_negative
+        else 2
+        if x.text[0].isdigit()
+        else 1
+        if x.kind is Precedence.QUOTIENT
+        else 0
+    )
 
 
 def nearest_double(number: Expr) -> float:
@@ -539,11 +674,14 @@ def nearest_double(number: Expr) -> float:
     try:
         return 0.0 if _vanishes(number) else float(ExactNumber(number))
     except OverflowError:
-        raise SceneError(f"{str(number)[:60]} is too large for a double, whose largest is 1.8e308") from None
+        raise SceneError(
+            f"{str(number)[:60]} is too large for a double, whose largest is 1.8e308"
+        ) from None
 
 
 def _vanishes(number: Expr) -> bool:
-    """Whether a number made with roots is below 1e-600 of what it is a sum of: zero, or nothing beside any double."""
+    """Whether a number made with roots is below 1e-600 of what it is a sum of: zero, or nothing
+    beside any double."""
     if not any(isinstance(x, Add) for x in preorder_traversal(number)):
         return False
     with ctx.workprec(4096):
@@ -553,7 +691,8 @@ def _vanishes(number: Expr) -> bool:
 
 @dataclass(frozen=True)
 class Argument:
-    """What a function is given: its symbol, unit, meaning, the values it may have and, where there is one, an example."""
+    """What a function is given: its symbol, unit, meaning, the values it may have and, where there
+    is one, an example."""
 
     symbol: Symbol
     unit: str = "SI units"
@@ -564,7 +703,8 @@ class Argument:
 
 @dataclass(frozen=True)
 class About:
-    """What the header of a file says: a title, paragraphs of notes, and for each result what it is and its unit."""
+    """What the header of a file says: a title, paragraphs of notes, and for each result what it is
+    and its unit."""
 
     title: str = ""
     notes: tuple[str, ...] = ()
@@ -573,20 +713,24 @@ class About:
 
 @dataclass(frozen=True)
 class Source:
-    """All that code in any language is written from: what is computed, from what, and what is said about it."""
+    """All that code in any language is written from: what is computed, from what, and what is said
+    about it."""
 
     program: Program
     arguments: tuple[Argument, ...]
     about: About = About()
 
     def code(self, language: Language | str, *, name: str = "distortion") -> str:
-        """The text of one function that computes the program, self-contained, documented in the language's own style.
+        """The text of one function that computes the program, self-contained, documented in the
+        language's own style.
 
-        ``arguments`` are all that the program needs, in the order of the call. NumPy, Octave and MATLAB functions take and
-        return arrays (broadcast, shape kept, constants included); C fills a struct of doubles,
-        its declarations first, in an include guard; JavaScript returns an object. Numbers are the doubles nearest to the exact
-        ones. A name that the language does not allow is changed, and the documentation says so.
-        Raises SceneError for a missing or doubled argument, and for a name that cannot be a function's.
+        ``arguments`` are all that the program needs, in the order of the call. NumPy, Octave and
+        MATLAB functions take and return arrays (broadcast, shape kept, constants included); C fills
+        a struct of doubles, its declarations first, in an include guard; JavaScript returns an
+        object. Numbers are the doubles nearest to the exact ones. A name that the language does not
+        allow is changed, and the documentation says so.
+        Raises SceneError for a missing or doubled argument, and for a name that cannot be a
+        function's.
 
         >>> from haptisym.programs.program import Writer
         >>> k = Argument(Symbol("k"), "N/m", "stiffness", "> 0")
@@ -607,7 +751,9 @@ class Source:
         <BLANKLINE>
         """
         language, program, listed = Language.of(language), self.program, self.arguments
-        used = {program.inputs[step.arguments[0]] for step in program.operations if step.name == "input"}
+        used = {
+            program.inputs[step.arguments[0]] for step in program.operations if step.name == "input"
+        }
         _check(program, used, listed)
         own = function_name(name, language)
         helpers = {kind: f"{own}_{kind}" for kind in ("sinc", "sincm1")}
@@ -615,16 +761,23 @@ class Source:
         chosen = identifiers((a.symbol.name for a in listed), language, taken)
         names = {a.symbol: chosen[a.symbol.name] for a in listed}
         reader = CodeReader(
-            program, {*taken, *names.values(), *RESERVED[language]}, dialect=DIALECTS[language], names=names,
+            program,
+            {*taken, *names.values(), *RESERVED[language]},
+            dialect=DIALECTS[language],
+            names=names,
             helpers=helpers,
-        )  # fmt: skip
+        )
         values = {x: piece.text for x, piece in reader.results().items()}
         operations = {step.name for step in program.operations}
         routine = Routine(
             name=own,
             heading=comment(self.about.title or "Values of closed forms.").rstrip(".") + ".",
-            notes=tuple(comment(x) for x in (*self.about.notes, f"Generated by haptisym {__version__}.")),
-            arguments=tuple(Described(names[a.symbol], _argument_words(a, names, used)) for a in listed),
+            notes=tuple(
+                comment(x) for x in (*self.about.notes, f"Generated by haptisym {__version__}.")
+            ),
+            arguments=tuple(
+                Described(names[a.symbol], _argument_words(a, names, used)) for a in listed
+            ),
             results=tuple(Described(x, _result_words(x, self.about)) for x in values),
             definitions=tuple((x, piece.text) for x, piece in reader.definitions),
             values=tuple(values.items()),
@@ -641,14 +794,20 @@ def _check(program: Program, used: Set[Symbol], arguments: tuple[Argument, ...])
     if doubled is not None:
         raise SceneError(f"{doubled} is an argument twice")
     if missing := used - set(symbols):
-        raise SceneError(f"the steps need {', '.join(sorted(map(str, missing)))}, which is no argument")
+        raise SceneError(
+            f"the steps need {', '.join(sorted(map(str, missing)))}, which is no argument"
+        )
     if not program.results or not arguments:
         raise SceneError("a function needs at least one argument and one result")
 
 
 def _argument_words(argument: Argument, names: Mapping[Symbol, str], used: Set[Symbol]) -> str:
     own = argument.symbol.name
-    words = [", ".join(x for x in (argument.meaning, argument.unit) if x), argument.range, argument.example]
+    words = [
+        ", ".join(x for x in (argument.meaning, argument.unit) if x),
+        argument.range,
+        argument.example,
+    ]
     words += [f"called {own} in the formulas"] if names[argument.symbol] != own else []
     words += ["no result depends on it"] if argument.symbol not in used else []
     return comment("; ".join(x for x in words if x))
@@ -664,18 +823,28 @@ def _result_words(name: str, about: About) -> str:
 
 FREQUENCY = Argument(omega, "rad/s", "angular frequency", ">= 0")
 _MEANINGS = {
-    "real": "Re dH, the real part of the distortion dH = H_perc - H_env", "imag": "Im dH",
+    "real": "Re dH, the real part of the distortion dH = H_perc - H_env",
+    "imag": "Im dH",
     "ratio_real": "r_r = |Re dH|/|H_env|, what the JND judges, a ratio",
     "ratio_imag": "r_i = |Im dH|/|H_env|, what the JND judges, a ratio",
     "relative_real": "Re(dH/H_env), which is not r_r, a ratio",
-    "relative_imag": "Im(dH/H_env), which is not r_i, a ratio", "environment_real": "Re H_env, what should be felt",
-    "environment_imag": "Im H_env", "perceived_real": "Re H_perc, what is felt", "perceived_imag": "Im H_perc",
-}  # fmt: skip
+    "relative_imag": "Im(dH/H_env), which is not r_i, a ratio",
+    "environment_real": "Re H_env, what should be felt",
+    "environment_imag": "Im H_env",
+    "perceived_real": "Re H_perc, what is felt",
+    "perceived_imag": "Im H_perc",
+}
 _NOTES = (
-    "H is force per position at s = j omega. Re H > 0 is felt as stiffness Re H, Re H < 0 as mass -Re H/omega^2.",
+    (
+        "H is force per position at s = j omega. Re H > 0 is felt as stiffness Re H, Re H < 0 as "
+        "mass -Re H/omega^2."
+    ),
     "At omega = 0 the values are the limits where these are finite. At a pole they are Inf or NaN.",
     "At a zero of H_env 0/0 is NaN, where compile() of haptisym gives the limit.",
-    "An argument that is 0 may make 0/0 there, which is NaN: a term that is not there is better left out of the scene.",
+    (
+        "An argument that is 0 may make 0/0 there, which is NaN: a term that is not there is "
+        "better left out of the scene."
+    ),
 )
 
 
@@ -688,13 +857,15 @@ def scene_code(
 ) -> str:
     """The closed forms of a scene as a function of omega and of its parameters.
 
-    ``parameters`` : the names of those that stay arguments, in SI; all by default, none for ``()``. The others have the
-    scene's values in the code. The results are Re and Im of dH, of dH/H_env, of H_env and of H_perc, and the ratios r_r
-    and r_i. Raises SceneError for a parameter that the scene does not have.
+    ``parameters`` : the names of those that stay arguments, in SI; all by default, none for ``()``.
+    The others have the scene's values in the code. The results are Re and Im of dH, of dH/H_env, of
+    H_env and of H_perc, and the ratios r_r and r_i. Raises SceneError for a parameter that the
+    scene does not have.
 
-    With sums of squares for moduli and half angles for delays, each part has an error below 1e-12 (|H_env| + |H_perc|),
-    the ratios and relative parts below 1e-12 (1 + |H_perc|/|H_env|): tested for every shipped scene, with its
-    values and with values around them, at omega = 0 and up to 10^4 rad/s.
+    With sums of squares for moduli and half angles for delays, each part has an error below 1e-12
+    (|H_env| + |H_perc|), the ratios and relative parts below 1e-12 (1 + |H_perc|/|H_env|): tested
+    for every shipped scene, with its values and with values around them, at omega = 0 and up to
+    10^4 rad/s.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> text = scene_code(load_scene("fu2019"), Language.C, parameters=["omega_n"])
@@ -712,7 +883,11 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     ['omega', 'k', 'tau']
     """
     scene = as_scene(scene)
-    free = scene.parameters if parameters is None else [scene.knobs[name].felt() for name in parameters]
+    free = (
+        scene.parameters
+        if parameters is None
+        else [scene.knobs[name].felt() for name in parameters]
+    )
     limit = next((x for x in free if x.parts), None)
     if limit is not None:
         raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
@@ -720,12 +895,19 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     chain = scene.chain.at(fixed)
     arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]
-    about = About(scene.title or "Distortion of a haptic display", _scene_notes(scene, fixed), _results(scene.motion))
+    about = About(
+        scene.title or "Distortion of a haptic display",
+        _scene_notes(scene, fixed),
+        _results(scene.motion),
+    )
     return Source(computed(chain), (FREQUENCY, *arguments), about)
 
 
-def distortion_code(distortion: Distortion, language: Language | str, *, name: str = "distortion") -> str:
-    """The closed forms of a distortion as a function of omega and of the parameters that are still symbols, by name.
+def distortion_code(
+    distortion: Distortion, language: Language | str, *, name: str = "distortion"
+) -> str:
+    """The closed forms of a distortion as a function of omega and of the parameters that are still
+    symbols, by name.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -734,13 +916,20 @@ def distortion_code(distortion: Distortion, language: Language | str, *, name: s
     True
     """
     arguments = [FREQUENCY, *(Argument(x) for x in sorted(distortion.free_symbols, key=str))]
-    notes = (f"H_env(s) = {_formula(distortion.environment)}", f"H_perc(s) = {_formula(distortion.perceived)}", *_NOTES)
+    notes = (
+        f"H_env(s) = {_formula(distortion.environment)}",
+        f"H_perc(s) = {_formula(distortion.perceived)}",
+        *_NOTES,
+    )
     about = About("Distortion of a haptic display", notes, _results(None))
-    return Source(computed(distortion.needed_chain), tuple(arguments), about).code(language, name=name)
+    return Source(computed(distortion.needed_chain), tuple(arguments), about).code(
+        language, name=name
+    )
 
 
 def computed(chain: Chain) -> Program:
-    """The fields of ``Values``, in its order: the program that ``compile`` runs, if no value of it is a limit."""
+    """The fields of ``Values``, in its order: the program that ``compile`` runs, if no value of it
+    is a limit."""
     program = chain.program(Values._fields)
     return program if _has_no_limits(chain, program) else closed(chain)
 
@@ -749,12 +938,15 @@ def closed(chain: Chain) -> Program:
     """The same from the closed forms, in lowest terms."""
     d = Distortion.of(chain)
     dynamics = (d.env.numerator, d.env.denominator, d.perc.denominator)
-    factors = [p for polynomial in dynamics for p, _ in d.env.ring.factors(polynomial, in_square=False)[1]]
+    factors = [
+        p for polynomial in dynamics for p, _ in d.env.ring.factors(polynomial, in_square=False)[1]
+    ]
     return closed_program(d.functions(Values._fields), factors, chain.parameters)
 
 
 def _has_no_limits(chain: Chain, program: Program) -> bool:
-    """Whether all values are values: Re and Im of H_env have no zero in common, and nothing is 0/0 at 0."""
+    """Whether all values are values: Re and Im of H_env have no zero in common, and nothing is 0/0
+    at 0."""
     environment = on_axis(chain.ring.convert(chain.environment).reduced())
     R, X = (part_of(environment, part).function.numerator for part in Part)
     apart = R.is_zero() or X.is_zero() or R.gcd(X).is_constant()
@@ -764,7 +956,10 @@ def _has_no_limits(chain: Chain, program: Program) -> bool:
 
 def _results(motion: MotionKind | None) -> dict[str, tuple[str, str]]:
     force = Dimension.STIFFNESS.unit(motion)
-    return {name: (words, "" if name.startswith(("ratio", "relative")) else force) for name, words in _MEANINGS.items()}
+    return {
+        name: (words, "" if name.startswith(("ratio", "relative")) else force)
+        for name, words in _MEANINGS.items()
+    }
 
 
 def _formula(expression: Expr) -> str:
@@ -774,9 +969,14 @@ def _formula(expression: Expr) -> str:
 
 
 def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
-    chain = ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects) or "none"
+    chain = (
+        ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects)
+        or "none"
+    )
     rendered = [f"Rendered instead: {_formula(scene.rendering.dynamics)}"] if scene.rendered else []
-    given = ", ".join(f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed)
+    given = ", ".join(
+        f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed
+    )
     limits = [THRESHOLD] if scene.knobs.limits else []  # a polygon has none
     return (
         f"H_env(s) = {_formula(scene.environment.dynamics)} ({scene.environment.model})",
@@ -792,7 +992,12 @@ def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
 _LABELS = {"environment": "the environment", "rendered": "what is rendered"}
 
 
-_RANGES = {Rule.POSITIVE: "> 0", Rule.NONNEGATIVE: ">= 0", Rule.FRACTION: "between 0 and 1", Rule.ANY: "any sign"}
+_RANGES = {
+    Rule.POSITIVE: "> 0",
+    Rule.NONNEGATIVE: ">= 0",
+    Rule.FRACTION: "between 0 and 1",
+    Rule.ANY: "any sign",
+}
 
 
 def _argument(p: Knob, motion: MotionKind | None) -> Argument:
@@ -801,4 +1006,6 @@ def _argument(p: Knob, motion: MotionKind | None) -> Argument:
     unit = "" if p.dimension is Dimension.RATIO else p.unit_in(motion) or "SI units"
     example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
     model = "" if label.endswith(f" {p.model}") else f" ({p.model})"
-    return Argument(p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example)
+    return Argument(
+        p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example
+    )

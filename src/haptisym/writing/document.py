@@ -1,10 +1,13 @@
-"""A page before anyone decides how it is set: words with formulas and numbers among them, tables, figures.
+"""A page before anyone decides how it is set: words with formulas and numbers among them, tables,
+figures.
 
-A page is written once, as a ``Document``; the writers ``plain``, ``latex`` and ``html`` set it. Each has two lengths, *brief*
-(a terminal, a notebook) and *in full* (a report), and a block may be different in the two (``Versions``).
+A page is written once, as a ``Document``; the writers ``plain``, ``latex`` and ``html`` set it.
+Each has two lengths, *brief* (a terminal, a notebook) and *in full* (a report), and a block may be
+different in the two (``Versions``).
 
-A page holds numbers, not digits: a ``Real`` is exact and has the direction in which it may be rounded, a ``Frequency`` has no
-unit yet. ``Document.prepared`` rounds each once, to the digits that were asked for, and puts frequencies into the scene's unit.
+A page holds numbers, not digits: a ``Real`` is exact and has the direction in which it may be
+rounded, a ``Frequency`` has no unit yet. ``Document.prepared`` rounds each once, to the digits that
+were asked for, and puts frequencies into the scene's unit.
 """
 
 from __future__ import annotations
@@ -34,9 +37,11 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Real:
-    """A number that is rounded where the page is written; ``least`` : digits that it needs, as others would look the same.
+    """A number that is rounded where the page is written; ``least`` : digits that it needs, as
+    others would look the same.
 
-    ``most`` : digits that it has, of an estimate. ``unit`` : in which it is printed, and which is printed behind it.
+    ``most`` : digits that it has, of an estimate. ``unit`` : in which it is printed, and which is
+    printed behind it.
     """
 
     value: Printable
@@ -86,8 +91,11 @@ class Code:
 
 DIGITS = 4
 """Of the numbers of a page, where no others are asked for."""
-Phrase: TypeAlias = "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | tuple[Phrase, ...]"
-"""Words with formulas, numbers and emphasis among them; phrases are joined by putting them into a tuple."""
+Phrase: TypeAlias = (
+    "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | tuple[Phrase, ...]"
+)
+"""Words with formulas, numbers and emphasis among them; phrases are joined by putting them into a
+tuple."""
 
 
 @dataclass(frozen=True)
@@ -106,7 +114,8 @@ class Notes:
 
 @dataclass(frozen=True)
 class Facts:
-    """A list of what things are called and what they are; ``role`` : its class on a page of HTML."""
+    """A list of what things are called and what they are; ``role`` : its class on a page of
+    HTML."""
 
     rows: tuple[tuple[Phrase, Phrase], ...]
     role: str = ""
@@ -123,7 +132,8 @@ class Flow:
 class Column:
     """A column of a table: its heading; whether it holds numbers; whether it is there in full only.
 
-    ``hertz`` : of frequencies, whose heading ends with the page's unit; where that is rad/s a column in Hz follows.
+    ``hertz`` : of frequencies, whose heading ends with the page's unit; where that is rad/s a
+    column in Hz follows.
     """
 
     heading: Phrase
@@ -134,15 +144,21 @@ class Column:
 
 @dataclass(frozen=True)
 class Table:
-    """Rows below headings. ``caption`` : what a table is called in a report; in text the section's title has it."""
+    """Rows below headings. ``caption`` : what a table is called in a report; in text the section's
+    title has it."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Phrase, ...], ...]
     caption: Phrase = ""
 
     def cut(self, *, full: bool) -> Table:
-        """Without the columns that are there in full only, unless it is ``full``, and without empty ones."""
-        kept = [i for i, column in enumerate(self.columns) if (full or not column.full) and not self._is_blank(i)]
+        """Without the columns that are there in full only, unless it is ``full``, and without empty
+        ones."""
+        kept = [
+            i
+            for i, column in enumerate(self.columns)
+            if (full or not column.full) and not self._is_blank(i)
+        ]
         rows = tuple(tuple(row[i] for i in kept) for row in self.rows)
         return Table(tuple(self.columns[i] for i in kept), rows, self.caption)
 
@@ -152,7 +168,8 @@ class Table:
 
 @dataclass(frozen=True)
 class Line:
-    """``left = value``, or ``left = meaning = value``, where an ``optional`` value is left out if it is long."""
+    """``left = value``, or ``left = meaning = value``, where an ``optional`` value is left out if
+    it is long."""
 
     left: Box
     value: Expr | Box
@@ -182,7 +199,8 @@ class Equations:
 
 @dataclass(frozen=True)
 class Figure:
-    """A drawing, in reports only: its name, what it shows, how it is made, and whether it takes the page's whole width."""
+    """A drawing, in reports only: its name, what it shows, how it is made, and whether it takes the
+    page's whole width."""
 
     name: str
     caption: Phrase
@@ -199,7 +217,8 @@ class Live:
 
 @dataclass(frozen=True)
 class Versions:
-    """What a page has in brief, and what it has in full instead; that is made only when it is wanted."""
+    """What a page has in brief, and what it has in full instead; that is made only when it is
+    wanted."""
 
     brief: tuple[Block, ...] = ()
     full: Callable[[], Iterable[Block]] = tuple
@@ -225,7 +244,19 @@ class Section:
     """Whether it stands behind the text in a document of LaTeX."""
 
 
-Block: TypeAlias = Paragraph | Notes | Facts | Flow | Table | Equations | Figure | Live | Versions | Formulas | Section
+Block: TypeAlias = (
+    Paragraph
+    | Notes
+    | Facts
+    | Flow
+    | Table
+    | Equations
+    | Figure
+    | Live
+    | Versions
+    | Formulas
+    | Section
+)
 
 
 @dataclass(frozen=True)
@@ -240,10 +271,15 @@ class Document:
     frequency: Unit = RADIANS
     """The unit in which frequencies are printed."""
 
-    def prepared(self, *, full: bool, live: bool = False, digits: int = DIGITS, formulas: bool = False) -> Document:
-        """The page as it is written, in full or in brief: its numbers rounded; ``live`` : with what works on a page of HTML."""
+    def prepared(
+        self, *, full: bool, live: bool = False, digits: int = DIGITS, formulas: bool = False
+    ) -> Document:
+        """The page as it is written, in full or in brief: its numbers rounded; ``live`` : with what
+        works on a page of HTML."""
         style = Style(full, live, digits, formulas, self.frequency)
-        return replace(self, lead=tuple(map(style.phrase, self.lead)), blocks=tuple(style.chosen(self.blocks)))
+        return replace(
+            self, lead=tuple(map(style.phrase, self.lead)), blocks=tuple(style.chosen(self.blocks))
+        )
 
     def figures(self) -> Iterator[Figure]:
         """All figures that a report has."""
@@ -274,11 +310,15 @@ class Style:
             if isinstance(block, Versions):
                 yield from self.chosen(block.full() if self.full else block.brief)
             elif isinstance(block, Formulas):
-                yield from self.chosen(block.blocks() if self.full or self.formulas else block.otherwise)
+                yield from self.chosen(
+                    block.blocks() if self.full or self.formulas else block.otherwise
+                )
             elif isinstance(block, Section):
                 if inside := tuple(self.chosen(block.blocks)):
                     yield replace(block, title=self.phrase(block.title), blocks=inside)
-            elif self.live if isinstance(block, Live) else self.full or not isinstance(block, Figure):
+            elif (
+                self.live if isinstance(block, Live) else self.full or not isinstance(block, Figure)
+            ):
                 yield self._settled(block)
 
     def _settled(self, block: Block) -> Block:
@@ -289,10 +329,16 @@ class Style:
         if isinstance(block, Notes):
             return Notes(tuple(map(self.phrase, block.entries)))
         if isinstance(block, Facts):
-            return replace(block, rows=tuple((self.phrase(x), self.phrase(y)) for x, y in block.rows))
+            return replace(
+                block, rows=tuple((self.phrase(x), self.phrase(y)) for x, y in block.rows)
+            )
         if isinstance(block, Flow):
             return Flow(tuple(map(self.phrase, block.links)))
-        return replace(block, caption=self.phrase(block.caption)) if isinstance(block, Figure) else block
+        return (
+            replace(block, caption=self.phrase(block.caption))
+            if isinstance(block, Figure)
+            else block
+        )
 
     def _table(self, table: Table) -> Table:
         """Its numbers rounded, frequencies of rad/s in two columns."""
@@ -300,19 +346,27 @@ class Style:
         rows: list[list[Phrase]] = [[] for _ in table.rows]
         two = self.frequency == RADIANS
         for i, column in enumerate(table.columns):
-            heading = (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
-            columns.append(replace(column, heading=self.phrase(heading), hertz=False))  # settled: not once more
+            heading = (
+                (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
+            )
+            columns.append(
+                replace(column, heading=self.phrase(heading), hertz=False)
+            )  # settled: not once more
             columns += [Column("Hz", number=True, full=column.full)] * (column.hertz and two)
             for row, cells in zip(table.rows, rows, strict=True):
                 cells.append(self.phrase(row[i]))
                 if column.hertz and two:
                     cells.append(self._hertz(row[i]))
-        return Table(tuple(columns), tuple(map(tuple, rows)), self.phrase(table.caption)).cut(full=self.full)
+        return Table(tuple(columns), tuple(map(tuple, rows)), self.phrase(table.caption)).cut(
+            full=self.full
+        )
 
     def _hertz(self, cell: Phrase) -> Phrase:
         """The frequency of a cell in Hz."""
         return (
-            self._real(Real(in_unit(cell.value, _HERTZ), cell.way, cell.least)) if isinstance(cell, Frequency) else ""
+            self._real(Real(in_unit(cell.value, _HERTZ), cell.way, cell.least))
+            if isinstance(cell, Frequency)
+            else ""
         )
 
     def phrase(self, words: Phrase) -> Phrase:
@@ -325,12 +379,16 @@ class Style:
             return self._frequency(words)
         if isinstance(words, OfFrequency):
             is_omega = self.frequency == RADIANS
-            return self.frequency.text if words.of == "unit" else named("omega" if is_omega else "f")
+            return (
+                self.frequency.text if words.of == "unit" else named("omega" if is_omega else "f")
+            )
         return Strong(self.phrase(words.words)) if isinstance(words, Strong) else words
 
     def _real(self, x: Real) -> Phrase:
         value = in_unit(x.value, x.unit.size)
-        number = Number(printed(value, min(max(self.digits, x.least), x.most), x.way), float(x.value))
+        number = Number(
+            printed(value, min(max(self.digits, x.least), x.most), x.way), float(x.value)
+        )
         return (number, f"\xa0{x.unit.text}") if x.unit.text else number
 
     def _frequency(self, x: Frequency) -> Phrase:

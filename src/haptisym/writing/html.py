@@ -1,7 +1,8 @@
-"""A document as a page of HTML that loads nothing from anywhere, and as a piece of one for notebooks.
+"""A document as a page of HTML that loads nothing from anywhere, and as a piece of one for
+notebooks.
 
-HTML is a value: text is escaped by construction, and only what was built here is markup. Equations are aligned at their
-relations, long ones broken at their signs, long fractions set in named parts.
+HTML is a value: text is escaped by construction, and only what was built here is markup. Equations
+are aligned at their relations, long ones broken at their signs, long fractions set in named parts.
 """
 
 from __future__ import annotations
@@ -19,7 +20,17 @@ from typing import NamedTuple
 from sympy import Expr
 
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Fenced, Fraction, Name, Product, Sum, Word, needs_dot
+from haptisym.writing.boxes import (
+    Absolute,
+    Box,
+    Fenced,
+    Fraction,
+    Name,
+    Product,
+    Sum,
+    Word,
+    needs_dot,
+)
 from haptisym.writing.characters import printable
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.latex import is_long, tex, width
@@ -93,7 +104,8 @@ _BAR = '<mo stretchy="false">|</mo>'
 
 @dataclass
 class Parts:
-    """The numerators and denominators that were given names, so that one that occurs again is not written again."""
+    """The numerators and denominators that were given names, so that one that occurs again is not
+    written again."""
 
     given: dict[Box, Name] = field(default_factory=dict)
 
@@ -102,12 +114,15 @@ class Parts:
         if box in self.given:
             return self.given[box], False
         count = 1 + sum(name.head.letters == letter for name in self.given.values())
-        self.given[box] = Name(f"{letter}_{count}", Word(letter, upright=False), (Word(str(count), upright=False),))
+        self.given[box] = Name(
+            f"{letter}_{count}", Word(letter, upright=False), (Word(str(count), upright=False),)
+        )
         return self.given[box], True
 
 
 def display(formulas: Sequence[doc.Line], parts: Parts | None = None) -> Html:
-    """The formulas in one block, aligned at their relations, which scrolls by itself where it is too wide.
+    """The formulas in one block, aligned at their relations, which scrolls by itself where it is
+    too wide.
 
     >>> from haptisym.kernel.rings import s
     >>> from haptisym.writing.document import Line
@@ -147,13 +162,19 @@ def _rows(f: doc.Line, parts: Parts) -> Iterator[tuple[str, str]]:
         yield from _valued(left, relation, f.box, ROOM - _wide(f.left), parts)
 
 
-def _valued(left: str, relation: str, box: Box, room: float, parts: Parts) -> Iterator[tuple[str, str]]:
-    minus, quotient = (_MINUS, box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
+def _valued(
+    left: str, relation: str, box: Box, room: float, parts: Parts
+) -> Iterator[tuple[str, str]]:
+    minus, quotient = (
+        (_MINUS, box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
+    )
     if not isinstance(quotient, Fraction) or _wide(box) <= room:
         yield from _broken(left, relation, box, room)
         return
-    named = [(x, *parts.name(x, letter)) if _wide(x) > room - 2 else (x, x, False)
-             for x, letter in ((quotient.above, "𝒩"), (quotient.below, "𝒟"))]  # fmt: skip
+    named = [
+        (x, *parts.name(x, letter)) if _wide(x) > room - 2 else (x, x, False)
+        for x, letter in ((quotient.above, "𝒩"), (quotient.below, "𝒟"))
+    ]
     yield left, f"{relation}{minus}{markup(Fraction(named[0][1], named[1][1]))}"
     for part, name, is_new in named:
         if is_new:
@@ -182,12 +203,20 @@ def _pieces(box: Box, depth: int) -> Iterator[_Piece]:
     """A formula cut at its signs and between its factors, also within parentheses."""
     if isinstance(box, Sum):
         for i, (sign, term) in enumerate(box.terms):
-            before = (_PLUS if sign > 0 else _MINUS).replace("<mo>", _INFIX) if i else _MINUS if sign < 0 else ""
+            before = (
+                (_PLUS if sign > 0 else _MINUS).replace("<mo>", _INFIX)
+                if i
+                else _MINUS
+                if sign < 0
+                else ""
+            )
             yield from _after(before, depth, _pieces(term, depth))
     elif isinstance(box, Product):
         for i, factor in enumerate(box.factors):
             dotted = i > 0 and needs_dot(box.factors[i - 1], factor)
-            yield from _after(_DOT if dotted else _TIMES if i else "", depth + 10, _pieces(factor, depth))
+            yield from _after(
+                _DOT if dotted else _TIMES if i else "", depth + 10, _pieces(factor, depth)
+            )
     elif isinstance(box, Fenced) and _wide(box) > ROOM / 4:
         yield from _fenced(_OPEN, list(_pieces(box.inside, depth + 1)), _CLOSE)
     elif isinstance(box, Absolute) and _wide(box) > ROOM:
@@ -199,7 +228,9 @@ def _pieces(box: Box, depth: int) -> Iterator[_Piece]:
 def _after(before: str, penalty: int, pieces: Iterable[_Piece]) -> Iterator[_Piece]:
     """The pieces with an operator in front, where a line may be broken."""
     first, *others = pieces
-    yield _Piece(before + first.text, first.width + (1.2 if "+" in before or "−" in before else 0.0), penalty)
+    yield _Piece(
+        before + first.text, first.width + (1.2 if "+" in before or "−" in before else 0.0), penalty
+    )
     yield from others
 
 
@@ -220,7 +251,8 @@ def _lines(pieces: list[_Piece], room: float) -> Iterator[str]:
 
 
 def _fitting(pieces: Sequence[_Piece], room: float) -> int:
-    """How many pieces to put on a line: as many as fit, fewer if that breaks outside of parentheses."""
+    """How many pieces to put on a line: as many as fit, fewer if that breaks outside of
+    parentheses."""
     ends: list[float] = []
     for piece in pieces:
         total = piece.width + (ends[-1] if ends else 0.0)
@@ -250,20 +282,27 @@ _POLICY = (
 """Nothing is loaded; ``data:`` are the grounds of figures, which are part of the page."""
 
 
-def html(document: Document, drawn: Callable[[doc.Figure], Html], record: tuple[str, str], made: str) -> str:
-    """The whole page, in full: it loads nothing from anywhere, and forbids itself to. Text of the scene stays text.
+def html(
+    document: Document, drawn: Callable[[doc.Figure], Html], record: tuple[str, str], made: str
+) -> str:
+    """The whole page, in full: it loads nothing from anywhere, and forbids itself to. Text of the
+    scene stays text.
 
-    ``drawn`` : how a figure is drawn within a page; ``record`` : a name and the document of ``to_json``, which is kept in the
-    element of that name; ``made`` : by what the page was made.
+    ``drawn`` : how a figure is drawn within a page; ``record`` : a name and the document of
+    ``to_json``, which is kept in the element of that name; ``made`` : by what the page was made.
     """
     style = Html((files("haptisym") / "data" / "report.css").read_text(encoding="utf-8"))
     head = element(
-        "head", element("meta", given={"charset": "utf-8"}),
+        "head",
+        element("meta", given={"charset": "utf-8"}),
         element("meta", given={"http-equiv": "Content-Security-Policy", "content": _POLICY}),
-        element("meta", given={"name": "viewport", "content": "width=device-width, initial-scale=1"}),
+        element(
+            "meta", given={"name": "viewport", "content": "width=device-width, initial-scale=1"}
+        ),
         element("meta", given={"name": "color-scheme", "content": "light dark"}),
-        element("title", document.title), element("style", style),
-    )  # fmt: skip
+        element("title", document.title),
+        element("style", style),
+    )
     document = document.prepared(full=True, live=True)
     kind = [element("p", document.kind, given={"class": "kind"})] if document.kind else []
     lead = [element("p", phrase(x), given={"class": "source"}) for x in document.lead]
@@ -326,7 +365,9 @@ class _Writer:
         """Blocks one after the other; small figures side by side."""
         return joined(
             x
-            for is_pair, group in groupby(blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide)
+            for is_pair, group in groupby(
+                blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide
+            )
             for x in (_paired(map(self.block, group)) if is_pair else map(self.block, group))
         )
 
@@ -345,12 +386,17 @@ class _Writer:
 
     @block.register
     def _(self, block: doc.Facts) -> Html:
-        rows = (element("div", element("dt", phrase(x)), element("dd", phrase(y))) for x, y in block.rows)
+        rows = (
+            element("div", element("dt", phrase(x)), element("dd", phrase(y)))
+            for x, y in block.rows
+        )
         return element("dl", *rows, given={"class": block.role or "facts"})
 
     @block.register
     def _(self, block: doc.Flow) -> Html:
-        return element("ol", *(element("li", phrase(x)) for x in block.links), given={"class": "chain"})
+        return element(
+            "ol", *(element("li", phrase(x)) for x in block.links), given={"class": "chain"}
+        )
 
     @block.register
     def _(self, block: doc.Equations) -> Html:
@@ -377,17 +423,26 @@ class _Writer:
     @block.register
     def _(self, block: doc.Table) -> Html:
         """It scrolls by itself where it is too wide."""
-        shown = [[said(x.heading), *(said(row[i]) for row in block.rows)] for i, x in enumerate(block.columns)]
+        shown = [
+            [said(x.heading), *(said(row[i]) for row in block.rows)]
+            for i, x in enumerate(block.columns)
+        ]
         widths = [max(map(len, x)) for x in shown]
         most = _WORDS if sum(_CUT if x > _WORDS else x for x in widths) <= _LINE else _TIGHT
         look = [_look(x, own[1:], most) for x, own in zip(block.columns, shown, strict=True)]
         columns = list(zip(block.columns, look, strict=True))
-        head = element("tr", *(element("th", phrase(x.heading), given={"scope": "col", **g}) for x, g in columns))
+        head = element(
+            "tr",
+            *(element("th", phrase(x.heading), given={"scope": "col", **g}) for x, g in columns),
+        )
         cells = [[*map(phrase, row)] for row in block.rows]
         for i, column in enumerate(block.columns):
             if column.number:
                 _point([said(row[i]) for row in block.rows], cells, i)
-        body = [element("tr", *(element("td", x, given=g) for x, g in zip(row, look, strict=True))) for row in cells]
+        body = [
+            element("tr", *(element("td", x, given=g) for x, g in zip(row, look, strict=True)))
+            for row in cells
+        ]
         title = [element("caption", phrase(block.caption))] if block.caption else []
         whole = element("table", *title, element("thead", head), element("tbody", *body))
         return element("div", whole, given={"class": "scroll"})

@@ -1,7 +1,8 @@
-"""A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures); plain ASCII.
+"""A document in LaTeX, for pdflatex with article, amsmath and booktabs (graphicx for figures);
+plain ASCII.
 
-From the letter up: text and names, formulas, equations of an ``align*`` that stay on the page (long ones broken at their signs,
-long fractions in named parts), phrases, blocks, documents.
+From the letter up: text and names, formulas, equations of an ``align*`` that stay on the page (long
+ones broken at their signs, long fractions in named parts), phrases, blocks, documents.
 """
 
 from __future__ import annotations
@@ -25,25 +26,111 @@ from haptisym.writing.layout import CAPITALS, GREEK, greek, layout, named
 from haptisym.writing.plain import NUMBER, said, widths_of
 
 _SPECIAL = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
-    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}",
-    "|": r"\textbar{}", '"': "''", "`": r"\`{}", "–": r"\textendash{}", "—": r"\textemdash{}", "‘": "`{}", "’": "'",
-    "“": "``{}", "”": "''{}", "„": ",,", "«": r"\ensuremath{\ll}", "»": r"\ensuremath{\gg}", "…": r"\dots{}", "ß": r"\ss{}",
-    "æ": r"\ae{}", "Æ": r"\AE{}", "œ": r"\oe{}", "Œ": r"\OE{}", "ø": r"\o{}", "Ø": r"\O{}", "ł": r"\l{}", "Ł": r"\L{}",
-    "ı": r"\i{}", "ȷ": r"\j{}", "§": r"\S{}", "¶": r"\P{}", "©": r"\copyright{}", "£": r"\pounds{}", "đ": "d", "Đ": "D",
-    "ð": "d", "Ð": "D", "þ": "th", "Þ": "Th", "€": "EUR", "†": r"\dag{}",
-}  # fmt: skip
+    "\\": r"\textbackslash{}",
+    "{": r"\{",
+    "}": r"\}",
+    "$": r"\$",
+    "&": r"\&",
+    "#": r"\#",
+    "%": r"\%",
+    "_": r"\_",
+    "^": r"\textasciicircum{}",
+    "~": r"\textasciitilde{}",
+    "<": r"\textless{}",
+    ">": r"\textgreater{}",
+    "|": r"\textbar{}",
+    '"': "''",
+    "`": r"\`{}",
+    "–": r"\textendash{}",
+    "—": r"\textemdash{}",
+    "‘": "`{}",
+    "’": "'",
+    "“": "``{}",
+    "”": "''{}",
+    "„": ",,",
+    "«": r"\ensuremath{\ll}",
+    "»": r"\ensuremath{\gg}",
+    "…": r"\dots{}",
+    "ß": r"\ss{}",
+    "æ": r"\ae{}",
+    "Æ": r"\AE{}",
+    "œ": r"\oe{}",
+    "Œ": r"\OE{}",
+    "ø": r"\o{}",
+    "Ø": r"\O{}",
+    "ł": r"\l{}",
+    "Ł": r"\L{}",
+    "ı": r"\i{}",
+    "ȷ": r"\j{}",
+    "§": r"\S{}",
+    "¶": r"\P{}",
+    "©": r"\copyright{}",
+    "£": r"\pounds{}",
+    "đ": "d",
+    "Đ": "D",
+    "ð": "d",
+    "Ð": "D",
+    "þ": "th",
+    "Þ": "Th",
+    "€": "EUR",
+    "†": r"\dag{}",
+}
 _MATH = {
-    "°": r"^{\circ}", "±": r"\pm", "∓": r"\mp", "×": r"\times", "·": r"\cdot", "⋅": r"\cdot", "−": "-", "÷": r"\div",
-    "≤": r"\le", "≥": r"\ge", "≠": r"\ne", "≈": r"\approx", "≡": r"\equiv", "∞": r"\infty", "√": r"\surd", "∂": r"\partial",
-    "∫": r"\int", "∑": r"\sum", "∏": r"\prod", "∆": r"\Delta", "Ω": r"\Omega", "ℜ": r"\Re", "ℑ": r"\Im", "∠": r"\angle",
-    "→": r"\to", "←": r"\leftarrow", "↔": r"\leftrightarrow", "⇒": r"\Rightarrow", "∈": r"\in", "µ": r"\mu", "¬": r"\neg",
-    "ϵ": r"\epsilon", "ϕ": r"\phi", "φ": r"\varphi", "ε": r"\varepsilon", "ς": r"\varsigma", "′": "'", "″": "''",
-}  # fmt: skip
+    "°": r"^{\circ}",
+    "±": r"\pm",
+    "∓": r"\mp",
+    "×": r"\times",
+    "·": r"\cdot",
+    "⋅": r"\cdot",
+    "−": "-",
+    "÷": r"\div",
+    "≤": r"\le",
+    "≥": r"\ge",
+    "≠": r"\ne",
+    "≈": r"\approx",
+    "≡": r"\equiv",
+    "∞": r"\infty",
+    "√": r"\surd",
+    "∂": r"\partial",
+    "∫": r"\int",
+    "∑": r"\sum",
+    "∏": r"\prod",
+    "∆": r"\Delta",
+    "Ω": r"\Omega",
+    "ℜ": r"\Re",
+    "ℑ": r"\Im",
+    "∠": r"\angle",
+    "→": r"\to",
+    "←": r"\leftarrow",
+    "↔": r"\leftrightarrow",
+    "⇒": r"\Rightarrow",
+    "∈": r"\in",
+    "µ": r"\mu",
+    "¬": r"\neg",
+    "ϵ": r"\epsilon",
+    "ϕ": r"\phi",
+    "φ": r"\varphi",
+    "ε": r"\varepsilon",
+    "ς": r"\varsigma",
+    "′": "'",
+    "″": "''",
+}
 _ACCENTS = {
-    "\u0300": "`", "\u0301": "'", "\u0302": "^", "\u0303": "~", "\u0304": "=", "\u0306": "u", "\u0307": ".", "\u0308": '"',
-    "\u030a": "r", "\u030b": "H", "\u030c": "v", "\u0323": "d", "\u0327": "c", "\u0331": "b",
-}  # fmt: skip
+    "\u0300": "`",
+    "\u0301": "'",
+    "\u0302": "^",
+    "\u0303": "~",
+    "\u0304": "=",
+    "\u0306": "u",
+    "\u0307": ".",
+    "\u0308": '"',
+    "\u030a": "r",
+    "\u030b": "H",
+    "\u030c": "v",
+    "\u0323": "d",
+    "\u0327": "c",
+    "\u0331": "b",
+}
 _SIGNS = {"∞": r"\infty"}
 _NEGATIVE, _MINUS = re.compile(r"(?<![\w.})-])-(?=\.?\d)"), r"\\ensuremath{-}"
 _LONG_WORD = 20  # letters; a longer one gets places to break
@@ -51,7 +138,8 @@ _BREAK = re.compile(r"\d{5}(?=\d{5})|[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[
 
 
 def escape(text: str) -> str:
-    r"""Any text for pdflatex: special characters, accents, Greek, signs and subscripts; what it lacks, by code point.
+    r"""Any text for pdflatex: special characters, accents, Greek, signs and subscripts; what it
+    lacks, by code point.
 
     Long words get places to break. A letter that the font lacks loses its mark (ę is e).
 
@@ -59,12 +147,16 @@ def escape(text: str) -> str:
     ("50\\% of \\ensuremath{\\omega}\\textsubscript{0}\\_x \\'{e}", '[U+4E2D]\\allowbreak{}')
     """
     words = text.replace("\0", " ").split()
-    marked = " ".join(_BREAK.sub(r"\g<0>\0", word) if len(word) > _LONG_WORD else word for word in words)
+    marked = " ".join(
+        _BREAK.sub(r"\g<0>\0", word) if len(word) > _LONG_WORD else word for word in words
+    )
     return re.sub("-(?=-)", "-{}", _escaped(marked))  # no ligature
 
 
 def _escaped(text: str) -> str:
-    return "".join(r"\allowbreak{}" if c == "\0" else _character(c) for c in unicodedata.normalize("NFC", text))
+    return "".join(
+        r"\allowbreak{}" if c == "\0" else _character(c) for c in unicodedata.normalize("NFC", text)
+    )
 
 
 def _character(c: str) -> str:
@@ -87,7 +179,13 @@ def _character(c: str) -> str:
 def _accented(c: str) -> str:
     base, *marks = list(unicodedata.normalize("NFKD", c))
     if not base.isascii():
-        return "" if unicodedata.combining(base) else " " if base.isspace() else rf"[U+{ord(c):04X}]\allowbreak{{}}"
+        return (
+            ""
+            if unicodedata.combining(base)
+            else " "
+            if base.isspace()
+            else rf"[U+{ord(c):04X}]\allowbreak{{}}"
+        )
     if len(marks) == 1 and marks[0] in _ACCENTS and base.isalpha():
         dotless = "\\" if base in "ij" else ""
         return rf"\{_ACCENTS[marks[0]]}{{{dotless}{base}}}"
@@ -100,11 +198,14 @@ def coded(words: str) -> str:
     >>> coded("5 % more: see `x_1`.")
     '5 \\% more: see \\texttt{x\\_1}.'
     """
-    return "".join(rf"\texttt{{{escape(x)}}}" if i % 2 else spaced(x) for i, x in enumerate(words.split("`")))
+    return "".join(
+        rf"\texttt{{{escape(x)}}}" if i % 2 else spaced(x) for i, x in enumerate(words.split("`"))
+    )
 
 
 def spaced(words: str) -> str:
-    r"""Words in LaTeX, with a space at their ends where they have one; a negative number has a minus sign, not a hyphen.
+    r"""Words in LaTeX, with a space at their ends where they have one; a negative number has a
+    minus sign, not a hyphen.
 
     >>> spaced("from -1.5 to 2e-3 ")
     'from \\ensuremath{-}1.5 to 2e-3 '
@@ -114,7 +215,8 @@ def spaced(words: str) -> str:
 
 
 def symbol_name(name: str) -> str:
-    r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand upright.
+    r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand
+    upright.
 
     >>> symbol_name("omega_n"), symbol_name("omega_n_filter"), symbol_name("k1"), symbol_name("Mm")
     ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1', 'M_m')
@@ -170,13 +272,23 @@ def _numeral(x: boxes.Numeral) -> str:
 def _product(x: boxes.Product) -> str:
     parts = [tex(x.factors[0])]
     for left, right in pairwise(x.factors):
-        sign = r" \cdot " if boxes.needs_dot(left, right) else r" \, " if isinstance(right, boxes.Prefixed) else " "
+        sign = (
+            r" \cdot "
+            if boxes.needs_dot(left, right)
+            else r" \, "
+            if isinstance(right, boxes.Prefixed)
+            else " "
+        )
         parts.append(sign + tex(right))
     return "".join(parts)
 
 
 def _power(x: boxes.Power) -> str:
-    exponent = f"{x.exponent.above}/{x.exponent.below}" if isinstance(x.exponent, boxes.Ratio) else tex(x.exponent)
+    exponent = (
+        f"{x.exponent.above}/{x.exponent.below}"
+        if isinstance(x.exponent, boxes.Ratio)
+        else tex(x.exponent)
+    )
     if isinstance(x.base, boxes.Applied):
         return f"{tex(x.base.function)}^{{{exponent}}}{_arguments(x.base)}"
     return f"{tex(x.base)}^{{{exponent}}}"
@@ -190,7 +302,9 @@ _TEX: Mapping[type, Callable[[Any], str]] = {
     boxes.Numeral: _numeral,
     boxes.Ratio: lambda x: rf"\tfrac{{{x.above}}}{{{x.below}}}",
     boxes.Name: lambda x: set_name(x),
-    boxes.Operator: lambda x: rf"\{x.name}" if _OPERATORS.fullmatch(x.name) else rf"\operatorname{{{x.name}}}",
+    boxes.Operator: lambda x: (
+        rf"\{x.name}" if _OPERATORS.fullmatch(x.name) else rf"\operatorname{{{x.name}}}"
+    ),
     boxes.Sum: lambda x: boxes.signed(x.terms, tex),
     boxes.Product: _product,
     boxes.Fraction: lambda x: rf"\frac{{{tex(x.above)}}}{{{tex(x.below)}}}",
@@ -202,7 +316,9 @@ _TEX: Mapping[type, Callable[[Any], str]] = {
     boxes.Fenced: lambda x: parenthesised(tex(x.inside)),
     boxes.Absolute: lambda x: rf"\left| {tex(x.inside)} \right|",
     boxes.Grid: lambda x: (
-        r"\begin{pmatrix} " + r" \\ ".join(" & ".join(map(tex, row)) for row in x.rows) + r" \end{pmatrix}"
+        r"\begin{pmatrix} "
+        + r" \\ ".join(" & ".join(map(tex, row)) for row in x.rows)
+        + r" \end{pmatrix}"
     ),
     boxes.Titled: lambda x: tex(x.inside),
     boxes.Equation: lambda x: boxes.related(x, tex, RELATIONS),
@@ -244,7 +360,8 @@ def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
 
 @dataclass
 class Names:
-    """The numerators and denominators that were given names, so that one that occurs again is not written again."""
+    """The numerators and denominators that were given names, so that one that occurs again is not
+    written again."""
 
     given: dict[str, str] = field(default_factory=dict)
 
@@ -258,7 +375,8 @@ class Names:
 
 
 def is_long(value: Expr | Box, lines: int = 10) -> bool:
-    """Whether a formula would take more lines than that, or holds a number that does not fit on one."""
+    """Whether a formula would take more lines than that, or holds a number that does not fit on
+    one."""
     if isinstance(value, Expr) and sum(1 for _ in preorder_traversal(value)) > 50 * lines:
         return True
     text = formula(value) if isinstance(value, Expr) else tex(value)
@@ -282,12 +400,15 @@ def _lines(row: doc.Line, room: float, names: Names) -> Iterator[str]:
 
 
 def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
-    """An equation, and what the names stand for that long parts of its fractions get, as exactly as the fractions do."""
+    """An equation, and what the names stand for that long parts of its fractions get, as exactly as
+    the fractions do."""
     text, meant = tex(box), []
     terms = [x for _, x in box.terms] if isinstance(box, boxes.Sum) else [box]
     for term in terms:
         shown = tex(term)
-        if isinstance(term, boxes.Fraction) and width(shown if len(terms) > 1 else text) > room - 3 * (len(terms) > 1):
+        if isinstance(term, boxes.Fraction) and width(
+            shown if len(terms) > 1 else text
+        ) > room - 3 * (len(terms) > 1):
             parts = []
             for letter, part in (("N", tex(term.above)), ("D", tex(term.below))):
                 name, is_new = names.name(part, letter) if width(part) > room - 2 else (part, False)
@@ -310,7 +431,8 @@ _BREAK_TEXLINES = re.compile(r"(?<![-+(]) (?!\\times|\\cdot|\)|\\[bB]igr)(?<!\\t
 
 
 def broken(text: str, room: float) -> list[str]:
-    """A formula in lines no wider than that, broken before signs (or factors) that are not inside a fraction or root.
+    """A formula in lines no wider than that, broken before signs (or factors) that are not inside a
+    fraction or root.
 
     >>> broken("a + b + c + d", 5.0)
     ['a + b + c', '{} + d']
@@ -320,13 +442,16 @@ def broken(text: str, room: float) -> list[str]:
     while pieces:
         count = _fitting(pieces, room if not lines else room - 3)
         line = " ".join(piece for piece, _ in pieces[:count])
-        lines.append(line if not lines else f"{{}} {line}" if line[0] in "+-" else rf"{{}} \times {line}")
+        lines.append(
+            line if not lines else f"{{}} {line}" if line[0] in "+-" else rf"{{}} \times {line}"
+        )
         pieces = pieces[count:]
     return lines
 
 
 def _fitting(pieces: list[tuple[str, int]], room: float) -> int:
-    """How many pieces to put on a line: as many as fit, fewer if that breaks outside of parentheses."""
+    """How many pieces to put on a line: as many as fit, fewer if that breaks outside of
+    parentheses."""
     total, most = 0.0, 0
     ends: list[float] = []
     for piece, _ in pieces:
@@ -349,7 +474,9 @@ def _pieces(text: str) -> list[tuple[str, int]]:
     pieces, start, penalty = [], 0, 0
     for found in _BREAK_TEXLINES.finditer(text):
         before, after = text[: found.start()], text[found.end() :]
-        if before.count("{") == before.count("}") and before.count(r"\left") == before.count(r"\right"):
+        if before.count("{") == before.count("}") and before.count(r"\left") == before.count(
+            r"\right"
+        ):
             pieces.append((text[start : found.start()], penalty))
             depth = before.count("(") - before.count(")")
             is_sign, is_sum = (
@@ -362,12 +489,22 @@ def _pieces(text: str) -> list[tuple[str, int]]:
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\S", re.DOTALL)
 _WIDTHS = {
-    **dict.fromkeys("+-=<>", 1.2), **dict.fromkeys("()|.,'", 0.35), **dict.fromkeys("0123456789", 0.5),
+    **dict.fromkeys("+-=<>", 1.2),
+    **dict.fromkeys("()|.,'", 0.35),
+    **dict.fromkeys("0123456789", 0.5),
     **dict.fromkeys("mwMWHNX", 0.85),
-    r"\quad": 1.0, r"\,": 0.17, r"\cdot": 0.7, r"\times": 1.2, r"\approx": 1.3, r"\Delta": 0.85, r"\omega": 0.65,
-    **dict.fromkeys((r"\left", r"\right", r"\mathrm", r"\mathcal", r"\text", r"\operatorname"), 0.0),
+    r"\quad": 1.0,
+    r"\,": 0.17,
+    r"\cdot": 0.7,
+    r"\times": 1.2,
+    r"\approx": 1.3,
+    r"\Delta": 0.85,
+    r"\omega": 0.65,
+    **dict.fromkeys(
+        (r"\left", r"\right", r"\mathrm", r"\mathcal", r"\text", r"\operatorname"), 0.0
+    ),
     **dict.fromkeys((r"\bigl", r"\bigr", r"\Bigl", r"\Bigr"), 0.1),
-}  # fmt: skip
+}
 
 
 def width(text: str) -> float:
@@ -434,7 +571,8 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 
 
 def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
-    """The whole document, in full. ``figures`` : the files of its figures, by their names; others are left out.
+    """The whole document, in full. ``figures`` : the files of its figures, by their names; others
+    are left out.
 
     >>> from haptisym.writing.document import Document, Paragraph
     >>> latex(Document("A title", (), (Paragraph("5 % more"),))).count("5 \\\\% more")
@@ -445,7 +583,12 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     information = _information(f"{document.kind}: {document.title}" if kind else document.title)
     body = "\n\n".join([*map(phrase, document.lead), fragment(document.blocks, figures)])
-    return _TEMPLATE % (graphics, information, rf"{kind}\\[1ex] \large {title}" if kind else title, body)
+    return _TEMPLATE % (
+        graphics,
+        information,
+        rf"{kind}\\[1ex] \large {title}" if kind else title,
+        body,
+    )
 
 
 def fragment(blocks: Iterable[Block], figures: Mapping[str, str] = _NONE, *, depth: int = 0) -> str:
@@ -454,13 +597,15 @@ def fragment(blocks: Iterable[Block], figures: Mapping[str, str] = _NONE, *, dep
 
 
 def piece(document: Document) -> str:
-    """A document as a piece of another one, without title and source: remarks about its scene, and its blocks."""
+    """A document as a piece of another one, without title and source: remarks about its scene, and
+    its blocks."""
     document = document.prepared(full=True)
     return fragment([*_asides(document), *document.blocks], depth=2)
 
 
 def tables(document: Document, digits: int = doc.DIGITS) -> str:
-    """The tables of a document in brief, and the lines below its title but for the source, which is a string."""
+    """The tables of a document in brief, and the lines below its title but for the source, which is
+    a string."""
     document = document.prepared(full=False, digits=digits)
     return fragment([*_tables(document.blocks), *_asides(document)])
 
@@ -478,11 +623,14 @@ def _tables(blocks: Iterable[Block]) -> Iterator[doc.Table]:
 
 
 def _information(title: str) -> str:
-    """What the PDF says about itself, plain or in UTF-16, and an identity that does not depend on where it was made."""
+    """What the PDF says about itself, plain or in UTF-16, and an identity that does not depend on
+    where it was made."""
     plain = re.fullmatch(r"[\w ,.:;'=/+-]*(?:\([\w ,.:;'=/+-]*\)[\w ,.:;'=/+-]*)*", title, re.ASCII)
     coded = ("\ufeff" + title).encode("utf-16-be").hex().upper()
     told = f"({title})" if plain else f"<{coded}>"
-    return rf"\ifdefined\pdfinfo \pdfinfo{{/Title {told} /Creator (haptisym)}} \pdftrailerid{{}} \fi"
+    return (
+        rf"\ifdefined\pdfinfo \pdfinfo{{/Title {told} /Creator (haptisym)}} \pdftrailerid{{}} \fi"
+    )
 
 
 def phrase(words: Phrase) -> str:
@@ -521,14 +669,16 @@ def _digits(digits: str) -> str:
 
 @dataclass(frozen=True)
 class _Writer:
-    """LaTeX of blocks. Named numerators and denominators are shared by all equations of a document."""
+    """LaTeX of blocks. Named numerators and denominators are shared by all equations of a
+    document."""
 
     figures: Mapping[str, str]
     names: Names = field(default_factory=Names)
     depth: int = 0
 
     def joined(self, blocks: Sequence[Block]) -> str:
-        """Blocks one after the other: a display belongs to the paragraph before it; figures stand side by side."""
+        """Blocks one after the other: a display belongs to the paragraph before it; figures stand
+        side by side."""
         text = ""
         for kind, group in groupby(blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide):
             for written in [self._side_by_side(list(group))] if kind else map(self._written, group):
@@ -552,7 +702,11 @@ class _Writer:
     def _(self, block: doc.Facts) -> str:
         rows = [rf"  \item[\normalfont {phrase(key)}] {phrase(words)}" for key, words in block.rows]
         return "\n".join(
-            [r"\begin{description} \setlength{\itemsep}{0pt} \setlength{\parskip}{0pt}", *rows, r"\end{description}"]
+            [
+                r"\begin{description} \setlength{\itemsep}{0pt} \setlength{\parskip}{0pt}",
+                *rows,
+                r"\end{description}",
+            ]
         )
 
     @_written.register
@@ -578,7 +732,9 @@ class _Writer:
 
     def _side_by_side(self, figures: Sequence[Block]) -> str:
         drawn = [x for x in figures if isinstance(x, doc.Figure)]
-        return "\n\n".join(filter(None, (self._floating(drawn[i : i + 2], 0.48) for i in range(0, len(drawn), 2))))
+        return "\n\n".join(
+            filter(None, (self._floating(drawn[i : i + 2], 0.48) for i in range(0, len(drawn), 2)))
+        )
 
     def _floating(self, figures: Iterable[doc.Figure], width: float) -> str:
         columns = "\\hfill\n".join(
@@ -588,7 +744,9 @@ class _Writer:
             for x in figures
             if x.name in self.figures
         )
-        return f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}" if columns else ""
+        return (
+            f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}" if columns else ""
+        )
 
     @_written.register
     def _(self, block: doc.Table) -> str:
@@ -604,7 +762,9 @@ class _Writer:
             [row for _, row in group]
             for _, group in groupby(zip(ends, rows, strict=True), lambda x: (x[0] - 1) // _MOST)
         ]
-        return "\n\n".join(_table(block, columns, heads, x, is_first=i == 0) for i, x in enumerate(pieces))
+        return "\n\n".join(
+            _table(block, columns, heads, x, is_first=i == 0) for i, x in enumerate(pieces)
+        )
 
 
 _MOST = 32  # lines of a table, so that it fits on a page
@@ -622,22 +782,41 @@ def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
             row[i] = rf"\phantom{{{'0' * (max(before) - n)}}}{row[i]}"
 
 
-def _table(table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool) -> str:
+def _table(
+    table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool
+) -> str:
     caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
     named = [f"  \\caption{{{caption}}}"] if table.caption else []
-    return "\n".join([
-        r"\begin{table}[!htbp]", r"  \centering", *named, rf"  \begin{{tabular}}{{{columns}}}", r"    \toprule",
-        f"    {' & '.join(heads)} \\\\", r"    \midrule", *rows, r"    \bottomrule", r"  \end{tabular}", r"\end{table}",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            r"\begin{table}[!htbp]",
+            r"  \centering",
+            *named,
+            rf"  \begin{{tabular}}{{{columns}}}",
+            r"    \toprule",
+            f"    {' & '.join(heads)} \\\\",
+            r"    \midrule",
+            *rows,
+            r"    \bottomrule",
+            r"  \end{tabular}",
+            r"\end{table}",
+        ]
+    )
 
 
 def _columns(table: doc.Table) -> tuple[str, list[int]]:
-    """The columns of a table, as wide as they are, or paragraphs where the line would be too long; and lines of each row."""
-    rows = [[_breakable(x) for x in row] for row in ([c.heading for c in table.columns], *table.rows)]
+    """The columns of a table, as wide as they are, or paragraphs where the line would be too long;
+    and lines of each row."""
+    rows = [
+        [_breakable(x) for x in row] for row in ([c.heading for c in table.columns], *table.rows)
+    ]
     natural = [max(map(len, column)) for column in zip(*rows, strict=True)]
     room = _LINE - _GAP * (len(natural) - 1)
     wide = widths_of(rows, room) or _narrowed(natural, room)
-    columns = ["l" if w >= n else _PARAGRAPHS % (w * _CHARACTER) for w, n in zip(wide, natural, strict=True)]
+    columns = [
+        "l" if w >= n else _PARAGRAPHS % (w * _CHARACTER)
+        for w, n in zip(wide, natural, strict=True)
+    ]
     lines = [max(-(-len(x) // w) for x, w in zip(row, wide, strict=True)) for row in rows[1:]]
     return " ".join(columns), [max(n, 1) for n in lines]
 
@@ -653,4 +832,6 @@ def _narrowed(natural: Sequence[int], room: int) -> list[int]:
 def _breakable(words: Phrase) -> str:
     """About the characters of a phrase, with spaces where long numbers may break."""
     shown = said(words)
-    return re.sub(r"\S{25,}", lambda x: " ".join(x[0][i : i + 5] for i in range(0, len(x[0]), 5)), shown)
+    return re.sub(
+        r"\S{25,}", lambda x: " ".join(x[0][i : i + 5] for i in range(0, len(x[0]), 5)), shown
+    )

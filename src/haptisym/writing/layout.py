@@ -1,10 +1,12 @@
-"""A SymPy expression, or a quantity of the evaluation, laid out as a person would write it: the tree of boxes of all writers.
+"""A SymPy expression, or a quantity of the evaluation, laid out as a person would write it: the
+tree of boxes of all writers.
 
-Names are taken apart: a letter or word with subscripts, Greek letters spelt out or not. Numbers are exact: a whole number is
-written as it is, without separators; a fraction as a decimal where that ends within six digits, or is shorter (9/5 is 1.8),
-else as a fraction. Only ``approximate`` and ``rounded`` round, and whoever uses them says so. Terms and factors stand in the
-order, and grouped, as a person writes them. Nothing is evaluated: the tree stands for the expression exactly. What it has no
-box for (a derivative, say) stands as a function of its arguments.
+Names are taken apart: a letter or word with subscripts, Greek letters spelt out or not. Numbers are
+exact: a whole number is written as it is, without separators; a fraction as a decimal where that
+ends within six digits, or is shorter (9/5 is 1.8), else as a fraction. Only ``approximate`` and
+``rounded`` round, and whoever uses them says so. Terms and factors stand in the order, and grouped,
+as a person writes them. Nothing is evaluated: the tree stands for the expression exactly. What it
+has no box for (a derivative, say) stands as a function of its arguments.
 
 Quantities have a name each:
 
@@ -83,16 +85,54 @@ from haptisym.writing.boxes import (
 )
 
 GREEK = (
-    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
-    "omicron", "pi", "rho", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
-)  # fmt: skip
-CAPITALS = ("Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Upsilon", "Phi", "Psi", "Omega")
-_LETTER_OF = {"force": "F", "amplitude": "A"}  # parameters of effects, called by a word but known by a letter
+    "alpha",
+    "beta",
+    "gamma",
+    "delta",
+    "epsilon",
+    "zeta",
+    "eta",
+    "theta",
+    "iota",
+    "kappa",
+    "lambda",
+    "mu",
+    "nu",
+    "xi",
+    "omicron",
+    "pi",
+    "rho",
+    "sigma",
+    "tau",
+    "upsilon",
+    "phi",
+    "chi",
+    "psi",
+    "omega",
+)
+CAPITALS = (
+    "Gamma",
+    "Delta",
+    "Theta",
+    "Lambda",
+    "Xi",
+    "Pi",
+    "Sigma",
+    "Upsilon",
+    "Phi",
+    "Psi",
+    "Omega",
+)
+_LETTER_OF = {
+    "force": "F",
+    "amplitude": "A",
+}  # parameters of effects, called by a word but known by a letter
 
 
 @cache
 def named(text: str) -> Name:
-    """A symbol's name taken apart: ``_`` starts subscripts, and so does what follows a first letter or ends in digits.
+    """A symbol's name taken apart: ``_`` starts subscripts, and so does what follows a first letter
+    or ends in digits.
 
     >>> [word.letters for word in named("omega_n_filter").below], [word.letters for word in named("zeta_force_sensor").below]
     (['n', 'filter'], ['force sensor'])
@@ -152,7 +192,13 @@ def alphabetical(symbol: Symbol) -> tuple[Any, ...]:
     head, _, below = symbol.name.partition("_")
     name = greek(head) if len(head) == 1 else _LETTER_OF.get(head, head)
     is_greek = name.lower() in GREEK
-    return is_greek, GREEK.index(name.lower()) if is_greek else 0, (name or head).lower(), head, below
+    return (
+        is_greek,
+        GREEK.index(name.lower()) if is_greek else 0,
+        (name or head).lower(),
+        head,
+        below,
+    )
 
 
 _SHORT = 6  # digits of a decimal that a paper would print
@@ -201,7 +247,8 @@ def decimal(value: Decimal) -> Numeral:
 
 
 def approximate(expression: Expr, digits: int = 6) -> Expr:
-    """The formula with long numbers, and if there are any then irrational ones too, rounded to that many digits.
+    """The formula with long numbers, and if there are any then irrational ones too, rounded to that
+    many digits.
 
     The phase of a sine, which grows with omega, stays exact but for the angles in it.
 
@@ -212,11 +259,14 @@ def approximate(expression: Expr, digits: int = 6) -> Expr:
     """
     if is_brief(expression):
         return expression
-    return _with_numbers(expression, lambda x: x if x.is_Integer and abs(x) < 10**digits else rounded(x, digits))
+    return _with_numbers(
+        expression, lambda x: x if x.is_Integer and abs(x) < 10**digits else rounded(x, digits)
+    )
 
 
 def is_brief(expression: Expr) -> bool:
-    """Whether a formula has no long number; to see that makes nothing anew, which takes far longer."""
+    """Whether a formula has no long number; to see that makes nothing anew, which takes far
+    longer."""
     if not expression.free_symbols:
         rational, rest = expression.as_coeff_Mul()
         return is_short(rational) and rest in (S.One, pi, pi**2)
@@ -224,7 +274,9 @@ def is_brief(expression: Expr) -> bool:
         return is_brief(expression.base)
     if not isinstance(expression, Add | Mul):
         return not isinstance(expression, Function) or all(map(is_brief, expression.args))
-    known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
+    known, rest = expression.as_independent(
+        *expression.free_symbols, as_Add=isinstance(expression, Add)
+    )
     return all(map(is_brief, (known, *expression.func.make_args(rest))))
 
 
@@ -238,10 +290,14 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     if isinstance(expression, atan | atan2):  # an angle, which cannot drift
         return expression.func(*(_with_numbers(x, change) for x in expression.args))
     if isinstance(expression, Function):
-        return expression.xreplace({x: _with_numbers(x, change) for x in expression.atoms(atan, atan2)})
+        return expression.xreplace(
+            {x: _with_numbers(x, change) for x in expression.atoms(atan, atan2)}
+        )
     if not isinstance(expression, Add | Mul):
         return expression
-    known, rest = expression.as_independent(*expression.free_symbols, as_Add=isinstance(expression, Add))
+    known, rest = expression.as_independent(
+        *expression.free_symbols, as_Add=isinstance(expression, Add)
+    )
     others = (_with_numbers(x, change) for x in expression.func.make_args(rest))
     return expression.func(change(known), *others)
 
@@ -249,7 +305,13 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
 def rounded(value: Expr, digits: int = 6) -> Expr:
     """A number, rational in pi, correctly rounded."""
     if value.has(I):  # the phase of friction
-        return Add(*(x * rounded(y, digits) for x, y in zip((1, I), value.as_real_imag(), strict=True) if y))
+        return Add(
+            *(
+                x * rounded(y, digits)
+                for x, y in zip((1, I), value.as_real_imag(), strict=True)
+                if y
+            )
+        )
     return Float(ExactNumber(value).digits(digits), digits)
 
 
@@ -268,7 +330,8 @@ def is_short(value: Rational) -> bool:
 
 
 def place(factor: Expr) -> tuple[Any, ...]:
-    """Where a factor stands in a product: numbers, X, parameters, their sums, frequencies, s or omega, j, functions, sums."""
+    """Where a factor stands in a product: numbers, X, parameters, their sums, frequencies, s or
+    omega, j, functions, sums."""
     base = base_of(factor)
     if base in (s, omega):
         return (6,)
@@ -279,7 +342,9 @@ def place(factor: Expr) -> tuple[Any, ...]:
     if isinstance(base, Add):
         if not factor.is_Add and not factor.exp.is_Integer:
             return (10,)
-        return (9 if base.has(s, omega) else 5 if any(map(_is_frequency, base.free_symbols)) else 3,)
+        return (
+            9 if base.has(s, omega) else 5 if any(map(_is_frequency, base.free_symbols)) else 3,
+        )
     return 0 if base.is_number else 8, str(factor)
 
 
@@ -300,7 +365,8 @@ def variable_of(expr: Expr) -> Symbol | None:
 
 
 def grouped(expr: Add, variable: Symbol | None) -> list[Expr]:
-    """The terms of a sum, those with the same power of the variable made one: their coefficients in front of it.
+    """The terms of a sum, those with the same power of the variable made one: their coefficients in
+    front of it.
 
     >>> from sympy import symbols
     >>> b, J, k = symbols("b J k")
@@ -322,13 +388,15 @@ def grouped(expr: Add, variable: Symbol | None) -> list[Expr]:
 
 
 def rank(term: Expr, variable: Symbol | None) -> tuple[Any, ...]:
-    """Sort key of a term: descending powers, quotients last, then the natural order of the factors."""
+    """Sort key of a term: descending powers, quotients last, then the natural order of the
+    factors."""
     names = sorted(place(f) for f in Mul.make_args(term) if not f.is_Number)
     return -_degree(term, variable), any(name[0] == 8 for name in names), not names, str(names)
 
 
 def _degree(term: Expr, variable: Symbol | None) -> Expr:
-    """The power of the variable in a term (of all symbols without one); least for quotients of sums."""
+    """The power of the variable in a term (of all symbols without one); least for quotients of
+    sums."""
     total: Expr = S.Zero
     for f in Mul.make_args(term):
         base, exponent = (f.base, f.exp) if isinstance(f, Pow) else (f, S.One)
@@ -345,7 +413,8 @@ def _degree(term: Expr, variable: Symbol | None) -> Expr:
 
 
 def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
-    """Number, other factors above and other factors below the line; square roots gathered under one root.
+    """Number, other factors above and other factors below the line; square roots gathered under one
+    root.
 
     >>> from sympy import symbols
     >>> k, m = symbols("k m", positive=True)
@@ -366,17 +435,31 @@ def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
     return _one_root(coefficient, above, below)
 
 
-def _one_root(coefficient: Expr, above: list[Expr], below: list[Expr]) -> tuple[Expr, list[Expr], list[Expr]]:
-    """The same quotient with one root above the line; the coefficient goes under it if a number is there already."""
+def _one_root(
+    coefficient: Expr, above: list[Expr], below: list[Expr]
+) -> tuple[Expr, list[Expr], list[Expr]]:
+    """The same quotient with one root above the line; the coefficient goes under it if a number is
+    there already."""
     if not any(map(_is_root, above)):
         root = sqrt(Mul(*(f.base for f in below if _is_root(f))), evaluate=False)
         return coefficient, above, [*(f for f in below if not _is_root(f)), root]
     inside = [f.base for f in above if _is_root(f)] + [1 / f.base for f in below if _is_root(f)]
-    numbers, others = [x for x in inside if x.is_Rational], Mul(*(x for x in inside if not x.is_Rational))
-    under = Mul(Mul(coefficient**2, *numbers), *Mul.make_args(others), evaluate=False) if numbers else others
+    numbers, others = (
+        [x for x in inside if x.is_Rational],
+        Mul(*(x for x in inside if not x.is_Rational)),
+    )
+    under = (
+        Mul(Mul(coefficient**2, *numbers), *Mul.make_args(others), evaluate=False)
+        if numbers
+        else others
+    )
     root = sqrt(under, evaluate=False)
     outside = (S.One if coefficient > 0 else S.NegativeOne) if numbers else coefficient
-    return outside, [*(f for f in above if not _is_root(f)), root], [f for f in below if not _is_root(f)]
+    return (
+        outside,
+        [*(f for f in above if not _is_root(f)), root],
+        [f for f in below if not _is_root(f)],
+    )
 
 
 def _is_root(factor: Expr) -> bool:
@@ -402,14 +485,24 @@ def flipped(factor: Expr) -> Expr:
 
 _FUNCTIONS = {
     **{name: name for name in ("sin", "cos", "tan", "cot", "sinh", "cosh", "tanh", "coth")},
-    **{f"a{name}": f"arc{name}" for name in ("sin", "cos", "tan")}, "asinh": "arsinh", "acosh": "arcosh", "atanh": "artanh",
-    "log": "ln", "re": "Re", "im": "Im", "Max": "max", "Min": "min", "atan2": "atan2",
-}  # fmt: skip
+    **{f"a{name}": f"arc{name}" for name in ("sin", "cos", "tan")},
+    "asinh": "arsinh",
+    "acosh": "arcosh",
+    "atanh": "artanh",
+    "log": "ln",
+    "re": "Re",
+    "im": "Im",
+    "Max": "max",
+    "Min": "min",
+    "atan2": "atan2",
+}
 _CONSTANTS = {pi: named("pi"), I: named("j"), S.Exp1: named("e"), S.Infinity: named("∞")}
 
 _RELATIONS = {"==": "=", "!=": "≠", "<": "<", ">": ">", "<=": "≤", ">=": "≥"}
 
-_Quotient: TypeAlias = tuple[int, Expr, list[Expr], list[Expr]]  # sign, number, factors above and below
+_Quotient: TypeAlias = tuple[
+    int, Expr, list[Expr], list[Expr]
+]  # sign, number, factors above and below
 
 
 def layout(expression: Basic) -> Box:
@@ -424,7 +517,8 @@ Name(text='s', head=Word(letters='s', upright=False), below=())))), (1, Numeral(
 
 
 class _Layout:
-    """Boxes, orders of terms and quotients of an expression's parts: what occurs twice is laid out once."""
+    """Boxes, orders of terms and quotients of an expression's parts: what occurs twice is laid out
+    once."""
 
     def __init__(self) -> None:
         self._boxes: dict[Basic, Box] = {}
@@ -468,7 +562,9 @@ class _Layout:
         if expr.exp == S.Half:
             return Root(self.box(expr.base))
         base = self.box(expr.base)
-        is_bare = expr.base.is_Symbol or expr.base in (pi, I) or (expr.base.is_Integer and expr.base >= 0)
+        is_bare = (
+            expr.base.is_Symbol or expr.base in (pi, I) or (expr.base.is_Integer and expr.base >= 0)
+        )
         is_bare = is_bare or isinstance(base, Absolute | Applied)
         return Power(base if is_bare else Fenced(base), self.box(expr.exp))
 
@@ -483,7 +579,9 @@ class _Layout:
 
     def _function(self, expr: Function) -> Box:
         name = expr.func.__name__
-        return self._applied(Operator(_FUNCTIONS[name]) if name in _FUNCTIONS else named(name), expr)
+        return self._applied(
+            Operator(_FUNCTIONS[name]) if name in _FUNCTIONS else named(name), expr
+        )
 
     def _applied(self, function: Box, expr: Basic) -> Box:
         return Applied(function, tuple(map(self.box, expr.args)))
@@ -495,9 +593,17 @@ class _Layout:
         return Equation((self.box(expr.lhs), self.box(expr.rhs)), (_RELATIONS[expr.rel_op],))
 
     _makers: tuple[tuple[type, Callable[[_Layout, Basic], Box]], ...] = (
-        (Symbol, _symbol), (Number, _number), (Mul, _product), (Pow, _power), (Add, _sum), (Abs, _absolute),
-        (exp, _exponential), (Function, _function), (MatrixBase, _matrix), (Relational, _relation),
-    )  # fmt: skip
+        (Symbol, _symbol),
+        (Number, _number),
+        (Mul, _product),
+        (Pow, _power),
+        (Add, _sum),
+        (Abs, _absolute),
+        (exp, _exponential),
+        (Function, _function),
+        (MatrixBase, _matrix),
+        (Relational, _relation),
+    )
 
     # Signs and quotients.
 
@@ -506,13 +612,16 @@ class _Layout:
         if not (isinstance(expr, Mul | Pow) or expr.is_Number):
             return 1, self.box(expr)
         sign, coefficient, above, below = self._quotient(expr)
-        split = bool(below) and pi in above and isinstance(coefficient, Rational) and coefficient.q < 10
+        split = (
+            bool(below) and pi in above and isinstance(coefficient, Rational) and coefficient.q < 10
+        )
         if not below:
             product = self._side_by_side(coefficient, above)
             return sign, Fenced(product) if isinstance(product, Sum) else product
         upper, lower = coefficient, S.One
         if split or (
-            isinstance(coefficient, Rational) and (coefficient.p == 1 or isinstance(number(coefficient), Ratio))
+            isinstance(coefficient, Rational)
+            and (coefficient.p == 1 or isinstance(number(coefficient), Ratio))
         ):
             upper, lower = Integer(coefficient.p), Integer(coefficient.q)
         return sign, Fraction(self._side_by_side(upper, above), self._side_by_side(lower, below))
@@ -541,7 +650,8 @@ class _Layout:
         return Mul(*(x[0] if len(x) == 1 else f for x, f in zip(terms, factors, strict=True)))
 
     def _oriented(self, coefficient: Expr, above: list[Expr], below: list[Expr]) -> _Quotient:
-        """The same quotient with sums that start with a plus where they can; the sign that is left over in front."""
+        """The same quotient with sums that start with a plus where they can; the sign that is left
+        over in front."""
         sign = -1 if coefficient.is_extended_negative else 1
         for factors in (above, below):
             for i, f in enumerate(factors):
@@ -549,7 +659,12 @@ class _Layout:
                     factors[i], sign = flipped(f), sign * (-1) ** exponent(f)
         for factors in (above, below):
             for i, f in enumerate(factors):
-                if sign < 0 and is_flippable(f) and exponent(f) % 2 and self._absorbs_minus(base_of(f)):
+                if (
+                    sign < 0
+                    and is_flippable(f)
+                    and exponent(f) % 2
+                    and self._absorbs_minus(base_of(f))
+                ):
                     factors[i], sign = flipped(f), 1
         return sign, abs(coefficient), above, below
 
@@ -610,7 +725,8 @@ _SQUARED = Numeral("2")
 
 
 def equation(name: str, value: Basic, *, relation: str = "=", explained: bool = False) -> Equation:
-    """``name = value`` as boxes, for ``text`` (plain), ``tex`` and ``mathml``; ``explained``: with the meaning between them.
+    """``name = value`` as boxes, for ``text`` (plain), ``tex`` and ``mathml``; ``explained``: with
+    the meaning between them.
 
     name : one of those above. relation : ``=``, or ``≈`` where ``value`` was rounded.
     Raises SceneError for any other name.
@@ -639,7 +755,9 @@ def meaning(name: str) -> Box:
 
 def _row(name: str) -> tuple[Box, Box | None]:
     if name not in QUANTITIES:
-        raise SceneError(f"{name!r} is not the name of a quantity: these are {', '.join(QUANTITIES)}")
+        raise SceneError(
+            f"{name!r} is not the name of a quantity: these are {', '.join(QUANTITIES)}"
+        )
     return QUANTITIES[name]
 
 
@@ -666,7 +784,10 @@ def _of_change(operator: str, ratio: str) -> dict[str, tuple[Box, Box | None]]:
         ratio: (function(ratio, _OMEGA), Absolute(Fraction(part, _ENVIRONMENT))),
         f"p_{ratio[-1]}": (function(f"p_{ratio[-1]}", _OMEGA), None),
         f"omega_{ratio[-1]}": (named(f"omega_{ratio[-1]}"), None),
-        f"{operator}(dH/H_env)": (Titled(f"{operator}(dH/H_env)", Prefixed(Operator(operator), _RELATIVE)), None),
+        f"{operator}(dH/H_env)": (
+            Titled(f"{operator}(dH/H_env)", Prefixed(Operator(operator), _RELATIVE)),
+            None,
+        ),
     }
 
 
@@ -688,20 +809,28 @@ def _of_system(system: str) -> dict[str, tuple[Box, Box | None]]:
 def _force(kind: str, system: str) -> Box:
     below = (Word(kind, upright=True), Word(system, upright=True))
     name = f"F_{kind}_{system}"
-    return Titled(name, Applied(Name(name, Word("F", upright=False), below), (Product((_OMEGA, _J)),)))
+    return Titled(
+        name, Applied(Name(name, Word("F", upright=False), below), (Product((_OMEGA, _J)),))
+    )
 
 
 def _of_parameter(key: str, means: Box) -> tuple[Box, Box | None]:
     return Prefixed(named("Delta_jnd"), named(key)), means
 
 
-QUANTITIES: Mapping[str, tuple[Box, Box | None]] = MappingProxyType({
-    **_of_system("env"), **_of_system("perc"), "H_rendered": (_on_s("H_rendered"), None),
-    "dH": (Titled("dH(s)", Prefixed(named("Delta"), function("H", named("s")))), None),
-    **_of_change("Re", "r_r"), **_of_change("Im", "r_i"),
-    "|H_env|": (_SIZE, None), "|H_env|^2": (Power(_SIZE, _SQUARED), None),
-    "jnd k": _of_parameter("k", _LEAST),
-    "jnd b": _of_parameter("b", Fraction(_LEAST, _OMEGA)),
-    "jnd m": _of_parameter("m", Fraction(_LEAST, Power(_OMEGA, _SQUARED))),
-})  # fmt: skip
+QUANTITIES: Mapping[str, tuple[Box, Box | None]] = MappingProxyType(
+    {
+        **_of_system("env"),
+        **_of_system("perc"),
+        "H_rendered": (_on_s("H_rendered"), None),
+        "dH": (Titled("dH(s)", Prefixed(named("Delta"), function("H", named("s")))), None),
+        **_of_change("Re", "r_r"),
+        **_of_change("Im", "r_i"),
+        "|H_env|": (_SIZE, None),
+        "|H_env|^2": (Power(_SIZE, _SQUARED), None),
+        "jnd k": _of_parameter("k", _LEAST),
+        "jnd b": _of_parameter("b", Fraction(_LEAST, _OMEGA)),
+        "jnd m": _of_parameter("m", Fraction(_LEAST, Power(_OMEGA, _SQUARED))),
+    }
+)
 """Each name with its box, and the box of its meaning where there is one."""

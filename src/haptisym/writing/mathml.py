@@ -1,6 +1,8 @@
-"""Formulas in presentation MathML, for HTML pages and notebooks, which needs no script and no style sheet.
+"""Formulas in presentation MathML, for HTML pages and notebooks, which needs no script and no style
+sheet.
 
-Quotients of polynomials whose parameters are numbers are brought into a form that can be read on a screen (``readable``).
+Quotients of polynomials whose parameters are numbers are brought into a form that can be read on a
+screen (``readable``).
 """
 
 from __future__ import annotations
@@ -73,7 +75,10 @@ def _word(word: boxes.Word) -> str:
     if word.letters.isdigit():
         return f"<mn>{word.letters}</mn>"
     if word.upright:
-        return f'<mi mathvariant="normal">{escape(printable(word.letters)).replace(" ", "&#xA0;")}</mi>'
+        return (
+            f"<mi "
+            f'mathvariant="normal">{escape(printable(word.letters)).replace(" ", "&#xA0;")}</mi>'
+        )
     upright = ' mathvariant="normal"' if word.letters in CAPITALS else ""
     return f"<mi{upright}>{letter(word.letters)}</mi>"
 
@@ -126,28 +131,38 @@ def _grid(x: boxes.Grid) -> str:
 
 def _equation(x: boxes.Equation) -> str:
     pairs = zip(x.relations, x.sides[1:], strict=True)
-    return (
-        f"<mrow>{markup(x.sides[0])}{''.join(f'<mo>{escape(sign)}</mo>{markup(side)}' for sign, side in pairs)}</mrow>"
-    )
+    return f"<mrow>{markup(x.sides[0])}{''.join(f'<mo>{escape(sign)}</mo>{markup(side)}' for sign, side in pairs)}</mrow>"
 
 
 _SMALL = '<mstyle displaystyle="false"><mfrac><mn>{}</mn><mn>{}</mn></mfrac></mstyle>'
 _MARKUP: Mapping[type, Callable[[Any], str]] = {
-    boxes.Numeral: _numeral, boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
-    boxes.Name: lambda x: f"<msub>{_word(x.head)}{_subscript(x)}</msub>" if x.below else _word(x.head),
-    boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>', boxes.Sum: _sum, boxes.Product: _product,
-    boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>", boxes.Power: _power,
+    boxes.Numeral: _numeral,
+    boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
+    boxes.Name: lambda x: (
+        f"<msub>{_word(x.head)}{_subscript(x)}</msub>" if x.below else _word(x.head)
+    ),
+    boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>',
+    boxes.Sum: _sum,
+    boxes.Product: _product,
+    boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>",
+    boxes.Power: _power,
     boxes.Root: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
     boxes.Exponential: lambda x: f"<msup><mi>e</mi>{markup(x.exponent)}</msup>",
-    boxes.Applied: lambda x: _applied(markup(x.function), x), boxes.Prefixed: _prefixed,
+    boxes.Applied: lambda x: _applied(markup(x.function), x),
+    boxes.Prefixed: _prefixed,
     boxes.Fenced: lambda x: _between("(", markup(x.inside), ")"),
-    boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"), boxes.Grid: _grid,
-    boxes.Titled: lambda x: markup(x.inside), boxes.Equation: _equation,
-}  # fmt: skip
+    boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"),
+    boxes.Grid: _grid,
+    boxes.Titled: lambda x: markup(x.inside),
+    boxes.Equation: _equation,
+}
 
 
-def readable(function: RationalFunction, variable: Symbol, band: Band = ANYWHERE) -> tuple[Expr, str] | None:
-    """A quotient of numbers' polynomials for reading, denominators monic, and the sign before it, as it may be rounded.
+def readable(
+    function: RationalFunction, variable: Symbol, band: Band = ANYWHERE
+) -> tuple[Expr, str] | None:
+    """A quotient of numbers' polynomials for reading, denominators monic, and the sign before it,
+    as it may be rounded.
 
     None where no rounded form is true on the band.
 
@@ -163,13 +178,17 @@ def readable(function: RationalFunction, variable: Symbol, band: Band = ANYWHERE
 
 
 def estimated(function: RationalFunction, variable: Symbol, digits: int) -> Expr:
-    """The same with all numbers rounded to so many digits, those of delays, too, where they are known no better."""
+    """The same with all numbers rounded to so many digits, those of delays, too, where they are
+    known no better."""
     form = _quotient(_parts(function), variable, digits)
-    return form.xreplace({f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)})
+    return form.xreplace(
+        {f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)}
+    )
 
 
 _Parts: TypeAlias = "list[tuple[list[Expr], int]]"
-"""Coefficients of polynomials with the powers that they have in a product; the first is a function in front of all."""
+"""Coefficients of polynomials with the powers that they have in a product; the first is a function
+in front of all."""
 
 
 def _parts(function: RationalFunction) -> _Parts:
@@ -196,12 +215,16 @@ def _quotient(parts: _Parts, variable: Symbol, digits: int | None) -> Expr:
 
 def _is_short(coefficient: Expr) -> bool:
     """Whether all numbers in it are rational and short to write."""
-    rational = all(isinstance(x, Rational | ImaginaryUnit) or not x.is_number for x in preorder_traversal(coefficient))
+    rational = all(
+        isinstance(x, Rational | ImaginaryUnit) or not x.is_number
+        for x in preorder_traversal(coefficient)
+    )
     return rational and all(is_short(x) for x in coefficient.atoms(Rational))
 
 
 def _rounded(coefficient: Expr, digits: int) -> Expr:
-    """A number to a few digits, unless it is a whole one as short as that; in a larger expression, each of its numbers."""
+    """A number to a few digits, unless it is a whole one as short as that; in a larger expression,
+    each of its numbers."""
     if coefficient.free_symbols or coefficient.has(I):
         numbers: dict[Expr, Expr] = {}
         for term in Add.make_args(coefficient):
@@ -214,7 +237,8 @@ def _rounded(coefficient: Expr, digits: int) -> Expr:
 
 
 def _polynomial(coefficients: list[Expr], variable: Symbol, digits: int | None) -> Expr:
-    """The sum of coefficients times ascending powers, its lowest power in front; exact, or rounded to digits."""
+    """The sum of coefficients times ascending powers, its lowest power in front; exact, or rounded
+    to digits."""
     shown = [c if digits is None else _rounded(c, digits) for c in coefficients]
     lowest = next((n for n, c in enumerate(shown) if c != 0), 0)
     return variable**lowest * Add(*(c * variable**n for n, c in enumerate(shown[lowest:])))

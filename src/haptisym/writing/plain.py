@@ -1,4 +1,5 @@
-"""A document as plain text, as wide as wanted: what a terminal shows, and what ``print`` shows of an answer."""
+"""A document as plain text, as wide as wanted: what a terminal shows, and what ``print`` shows of
+an answer."""
 
 from __future__ import annotations
 
@@ -36,7 +37,8 @@ def plain(
     digits: int = doc.DIGITS,
     formulas: bool = False,
 ) -> str:
-    """The page in brief, in lines of at most so many columns (but of 40 at least; a single word or number is never broken).
+    """The page in brief, in lines of at most so many columns (but of 40 at least; a single word or
+    number is never broken).
 
     ``spell`` : how words are spelt in the characters that there are. ``digits`` : of its
     numbers. ``formulas`` : whether it has them.
@@ -50,7 +52,9 @@ def plain(
       Never on this band.
     <BLANKLINE>
     """
-    writer = _Writer(max(columns, NARROWEST), lambda words: spell(" ".join(printable(words).splitlines())))
+    writer = _Writer(
+        max(columns, NARROWEST), lambda words: spell(" ".join(printable(words).splitlines()))
+    )
     document = document.prepared(full=False, digits=digits, formulas=formulas)
     head = [line for x in (document.title, *document.lead) if x for line in writer.filled(x)]
     blocks = document.blocks
@@ -96,9 +100,13 @@ class _Writer:
         """A phrase in lines; ``first`` and ``rest`` are what these begin with."""
         rest = first if rest is None else rest
         lines = wrap(
-            self._cell(phrase), self.columns, initial_indent=first, subsequent_indent=rest,
-            break_long_words=False, break_on_hyphens=False,
-        )  # fmt: skip
+            self._cell(phrase),
+            self.columns,
+            initial_indent=first,
+            subsequent_indent=rest,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
         return [line.replace("\xa0", " ") for line in lines]
 
     def blocks(self, blocks: Sequence[Block], indent: str) -> Iterator[str]:
@@ -106,7 +114,9 @@ class _Writer:
         for before, block in zip((None, *blocks), blocks, strict=False):
             belongs = isinstance(before, doc.Notes) and isinstance(block, doc.Equations | doc.Facts)
             belongs |= (
-                type(before) is type(block) and isinstance(block, doc.Equations | doc.Facts) and not _is_answer(before)
+                type(before) is type(block)
+                and isinstance(block, doc.Equations | doc.Facts)
+                and not _is_answer(before)
             )
             if before is not None and not belongs:
                 yield ""
@@ -127,7 +137,9 @@ class _Writer:
 
     @block.register
     def _(self, block: doc.Equations, indent: str) -> Iterable[str]:
-        return [line for x in block.lines for line in self.filled(x.equation, _INDENT * 2, _INDENT * 4)]
+        return [
+            line for x in block.lines for line in self.filled(x.equation, _INDENT * 2, _INDENT * 4)
+        ]
 
     @block.register
     def _(self, block: doc.Section, indent: str) -> Iterable[str]:
@@ -144,7 +156,9 @@ class _Writer:
         after = len(indent) + max(map(len, keys), default=0) + 2
         for key, (_, words) in zip(keys, block.rows, strict=True):
             if self.columns - after >= _ROOM:
-                yield from self.filled(words, f"{indent}{key}".ljust(after), " " * (after + 4 * _is_formula(words)))
+                yield from self.filled(
+                    words, f"{indent}{key}".ljust(after), " " * (after + 4 * _is_formula(words))
+                )
             else:
                 yield from self.filled(key, indent, indent + _INDENT)
                 yield from self.filled(words, indent + _INDENT)
@@ -176,7 +190,9 @@ class _Writer:
                 yield ""
             for head, cell in zip(heads, row, strict=True):
                 if cell:
-                    yield from self.filled(f"{head}: {cell}" if head else cell, _INDENT, _INDENT * 2)
+                    yield from self.filled(
+                        f"{head}: {cell}" if head else cell, _INDENT, _INDENT * 2
+                    )
 
 
 def _is_answer(block: Block) -> bool:
@@ -195,8 +211,13 @@ def _is_formula(phrase: Phrase) -> bool:
 def widths_of(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
     """Widths of the columns that fit, at least their longest words; None if there are none."""
     wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    words = [[len(word) for cell in column for word in cell.split(" ")] for column in zip(*rows, strict=True)]
-    least = [max(max(lengths, default=0), min(w, 8)) for lengths, w in zip(words, wide, strict=True)]
+    words = [
+        [len(word) for cell in column for word in cell.split(" ")]
+        for column in zip(*rows, strict=True)
+    ]
+    least = [
+        max(max(lengths, default=0), min(w, 8)) for lengths, w in zip(words, wide, strict=True)
+    ]
     while sum(wide) > room:
         i = max(range(len(wide)), key=lambda i: (wide[i] > least[i], wide[i]))
         if wide[i] <= least[i]:
@@ -217,7 +238,8 @@ def _pointed(rows: Sequence[Sequence[str]], numbers: Sequence[bool]) -> list[tup
 
 
 def _column(cells: Sequence[str]) -> list[str]:
-    """Numbers moved to the right until their points stand below each other; what is no number stays as it is."""
+    """Numbers moved to the right until their points stand below each other; what is no number stays
+    as it is."""
     before = [len(found[0]) if (found := NUMBER.match(x)) else 0 for x in cells]
     return [" " * (max(before) - n) + x if n else x for n, x in zip(before, cells, strict=True)]
 
@@ -226,9 +248,16 @@ def _laid(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
     """The lines of one row; a cell takes more than one where it must."""
     cells = [_filled(x, width) for x, width in zip(row, widths, strict=True)]
     for i in range(max(map(len, cells), default=0)):
-        parts = [(cell[i] if i < len(cell) else "").ljust(width) for cell, width in zip(cells, widths, strict=True)]
+        parts = [
+            (cell[i] if i < len(cell) else "").ljust(width)
+            for cell, width in zip(cells, widths, strict=True)
+        ]
         yield (_INDENT + (" " * _GAP).join(parts)).replace("\xa0", " ").rstrip()
 
 
 def _filled(cell: str, width: int) -> list[str]:
-    return [cell] if len(cell) <= width else wrap(cell, width, break_on_hyphens=False, break_long_words=False)
+    return (
+        [cell]
+        if len(cell) <= width
+        else wrap(cell, width, break_on_hyphens=False, break_long_words=False)
+    )

@@ -1,12 +1,15 @@
-"""Formulas whose numbers are rounded, and which are true as they are printed: that is found out before they are.
+"""Formulas whose numbers are rounded, and which are true as they are printed: that is found out
+before they are.
 
-Where large terms cancel, a formula with six digits of each has none left. So a rounded formula is read as it is printed, each
-number the decimal that it looks like, and compared with the exact one; if it is not true with few digits it gets more, and if
-it is not with many it is not printed. Arguments of functions stay exact: a phase that is rounded drifts.
+Where large terms cancel, a formula with six digits of each has none left. So a rounded formula is
+read as it is printed, each number the decimal that it looks like, and compared with the exact one;
+if it is not true with few digits it gets more, and if it is not with many it is not printed.
+Arguments of functions stay exact: a phase that is rounded drifts.
 
-True is a formula of which each value that is tried is the exact one to four digits, or the exact one at a frequency that is the
-same to four digits: near a zero it may move as the zero may. A polynomial that is printed for its zeros must have the exact
-one's on the band to four digits, each once, and no other: these are certified.
+True is a formula of which each value that is tried is the exact one to four digits, or the exact
+one at a frequency that is the same to four digits: near a zero it may move as the zero may. A
+polynomial that is printed for its zeros must have the exact one's on the band to four digits, each
+once, and no other: these are certified.
 """
 
 from __future__ import annotations
@@ -38,8 +41,9 @@ ANYWHERE: Band = (Integer(0), Integer(100))
 
 def faithful(
     form: Callable[[int | None], Expr], band: Band, digits: Sequence[int] = DIGITS
-) -> tuple[Expr, str] | None:  # fmt: skip
-    """A formula with its numbers rounded to as few digits as keep it true, and the sign to print before it; None where none do.
+) -> tuple[Expr, str] | None:
+    """A formula with its numbers rounded to as few digits as keep it true, and the sign to print
+    before it; None where none do.
 
     ``form`` : the formula with so many digits, exact for None.
 
@@ -81,7 +85,8 @@ def _values(exact: Expr, band: Band) -> list[tuple[float, Any, Any]]:
 
 
 def _compiled(form: Expr) -> Callable[[float], Any]:
-    """The value at a frequency, a parameter that is left being 1; not a number where it is infinite."""
+    """The value at a frequency, a parameter that is left being 1; not a number where it is
+    infinite."""
     symbols = [*form.free_symbols]
     function = lambdify(symbols, form, "mpmath")
 
@@ -99,7 +104,8 @@ def _compiled(form: Expr) -> Callable[[float], Any]:
 
 
 def keeps_zeros(shown: Expr, found: RealFunction, band: Band) -> bool:
-    """Whether a polynomial as it is printed has the zeros on a band that the numerator of a function has, and no other."""
+    """Whether a polynomial as it is printed has the zeros on a band that the numerator of a
+    function has, and no other."""
     printed = found.axis.convert(as_printed(shown))
     both = [RealFunction(found.axis.function(x.numerator)) for x in (found.function, printed)]
     try:

@@ -1,4 +1,5 @@
-"""The schemas of what ``--json`` prints: one file of JSON Schema (2020-12) for each kind of document."""
+"""The schemas of what ``--json`` prints: one file of JSON Schema (2020-12) for each kind of
+document."""
 
 from __future__ import annotations
 
@@ -21,7 +22,9 @@ def schema_names() -> list[str]:
     >>> schema_names()[:3]
     ['answers', 'controlloading', 'cost']
     """
-    return sorted(x.name.removesuffix(".json") for x in _FOLDER.iterdir() if x.name.endswith(".json"))
+    return sorted(
+        x.name.removesuffix(".json") for x in _FOLDER.iterdir() if x.name.endswith(".json")
+    )
 
 
 def schema_text(name: str) -> str:
@@ -29,14 +32,18 @@ def schema_text(name: str) -> str:
     own = name.removeprefix("haptisym.").removesuffix("/1")
     known = schema_names()
     if own not in known:
-        raise SchemaError(f"no document is called {quoted(name)}: {meant(own, known)}these are {', '.join(known)}")
+        raise SchemaError(
+            f"no document is called {quoted(name)}: {meant(own, known)}these are {', '.join(known)}"
+        )
     return (_FOLDER / f"{own}.json").read_text(encoding="utf-8")
 
 
 def json_schema(name: str) -> dict[str, Any]:
-    """The schema of a kind of document, for any validator: keys that it does not name may be there as well.
+    """The schema of a kind of document, for any validator: keys that it does not name may be there
+    as well.
 
-    ``name`` : as ``evaluation``, or as ``haptisym.evaluation/1``, the key ``schema`` of the document.
+    ``name`` : as ``evaluation``, or as ``haptisym.evaluation/1``, the key ``schema`` of the
+    document.
 
     >>> json_schema("haptisym.evaluation/1")["properties"]["band"]
     {'$ref': '#/$defs/interval', 'description': 'The frequencies asked about, rad/s.'}

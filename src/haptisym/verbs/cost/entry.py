@@ -1,7 +1,9 @@
-"""What accuracy costs in time for a scene: measured live, against certified references of higher precision.
+"""What accuracy costs in time for a scene: measured live, against certified references of higher
+precision.
 
-Contenders take turns, so that a slow moment of a machine that others use too slows all of them alike (``interleaved``). Asked are
-the ratios, the crossings, and these with approximated delays and with each effect left out.
+Contenders take turns, so that a slow moment of a machine that others use too slows all of them
+alike (``interleaved``). Asked are the ratios, the crossings, and these with approximated delays and
+with each effect left out.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ from haptisym.verbs.cost.methods import (
     Score,
 )
 
-# --- the stopwatch ---------------------------------------------------------------------------------------------------
+# --- the stopwatch
+# ---------------------------------------------------------------------------------------------------
 
 Key = TypeVar("Key", bound=Hashable)
 _PACKAGES = ("numpy", "sympy", "python-flint", "scipy", "control", "numba")
@@ -54,7 +57,8 @@ _IN_A_ROW, _SHORT = 3, 0.01  # s
 class Timed:
     """The median of the seconds that an attempt took, and what it answered.
 
-    ``spread`` : half of the range in which the middle half of its turns lies, over the median; None of fewer than four turns.
+    ``spread`` : half of the range in which the middle half of its turns lies, over the median; None
+    of fewer than four turns.
     """
 
     seconds: float
@@ -69,12 +73,14 @@ def interleaved(
     rounds: int = 15,
     told: Callable[[Key, int], None] = lambda key, at: None,
 ) -> dict[Key, Timed]:
-    """Every attempt once to warm up, then in turns: at most so many rounds, and none begun after ``budget`` seconds.
+    """Every attempt once to warm up, then in turns: at most so many rounds, and none begun after
+    ``budget`` seconds.
 
-    An attempt whose first run took more than an eighth of the budget is not repeated. In a turn short ones run several times in
-    a row, and the quickest counts: the first pays for what was left behind before it. ``told`` is called with each key and its
-    place as its first run begins. An attempt that raises a HaptisymError has that for its answer. No attempt profits from
-    certified zeros that another one found.
+    An attempt whose first run took more than an eighth of the budget is not repeated. In a turn
+    short ones run several times in a row, and the quickest counts: the first pays for what was left
+    behind before it. ``told`` is called with each key and its place as its first run begins. An
+    attempt that raises a HaptisymError has that for its answer. No attempt profits from certified
+    zeros that another one found.
 
     >>> found = interleaved({"sum": lambda: sum(range(100)), "constant": lambda: 1}, 0.01)
     >>> found["sum"].answer, found["sum"].seconds > found["constant"].seconds
@@ -114,7 +120,8 @@ def _once(attempt: Callable[[], Any]) -> tuple[float, Any]:
 
 
 def machine() -> dict[str, str]:
-    """What is measured on: interpreter, processor count and versions; "absent" for a package that is not installed."""
+    """What is measured on: interpreter, processor count and versions; "absent" for a package that
+    is not installed."""
 
     def of(name: str) -> str:
         try:
@@ -129,7 +136,8 @@ def machine() -> dict[str, str]:
     }
 
 
-# --- the answer ------------------------------------------------------------------------------------------------------
+# --- the answer
+# ------------------------------------------------------------------------------------------------------
 
 _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 to 0.1
 
@@ -138,9 +146,11 @@ _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 t
 class Measurement:
     """One measurement.
 
-    ``task`` : evaluate, crossings, delay or effects. ``digits`` : right decimal digits of the worst number.
-    ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole answer. ``spread`` : half of
-    the range of the middle half of the repeats, over it; None of fewer than four. ``proven`` : whether the answer is proven.
+    ``task`` : evaluate, crossings, delay or effects. ``digits`` : right decimal digits of the worst
+    number.
+    ``seconds`` : median time; of ``evaluate`` for one frequency, of the other tasks for the whole
+    answer. ``spread`` : half of the range of the middle half of the repeats, over it; None of fewer
+    than four. ``proven`` : whether the answer is proven.
     ``missed``, ``invented`` : crossings that are there and not found, found and not there.
     """
 
@@ -170,7 +180,9 @@ class Measurement:
 
 def wrong_words(missed: int, invented: int) -> str:
     """``misses 2 and invents 1``; "" where nothing is wrong."""
-    return " and ".join(f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n)
+    return " and ".join(
+        f"{word} {n}" for word, n in (("misses", missed), ("invents", invented)) if n
+    )
 
 
 @dataclass(frozen=True)
@@ -183,7 +195,8 @@ class Omission:
 
 
 def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
-    """The rows that no other one beats in both digits and time, fastest first; those with wrong counts are left out.
+    """The rows that no other one beats in both digits and time, fastest first; those with wrong
+    counts are left out.
 
     >>> slow, fast, worse = (Measurement("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
     >>> front([slow, fast, worse]) == (fast, slow)
@@ -198,11 +211,14 @@ def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
 
 @dataclass(frozen=True, repr=False)
 class Cost(Answer):
-    """Accuracy against time for a scene: measured on this ``machine``, so another one gives other times. Made by ``cost``.
+    """Accuracy against time for a scene: measured on this ``machine``, so another one gives other
+    times. Made by ``cost``.
 
-    ``rows`` : for each task and method the correct decimal digits, against a proven reference, and the median time, s.
-    ``left_out`` : methods that were not measured, with the reason. ``condition`` : of each task the relative change of its
-    result over that of what is given, infinite at a tangency. ``summary`` : the time of a digit, in a sentence.
+    ``rows`` : for each task and method the correct decimal digits, against a proven reference, and
+    the median time, s.
+    ``left_out`` : methods that were not measured, with the reason. ``condition`` : of each task the
+    relative change of its result over that of what is given, infinite at a tangency. ``summary`` :
+    the time of a digit, in a sentence.
     """
 
     _schema: ClassVar[str] = "haptisym.cost/1"
@@ -226,7 +242,8 @@ class Cost(Answer):
 
     @property
     def busy(self) -> bool:
-        """Whether the repeats scatter so much that something else was running: then no sentence is made of the times."""
+        """Whether the repeats scatter so much that something else was running: then no sentence is
+        made of the times."""
         spreads = [x.spread for x in self.rows if x.spread is not None]
         return bool(spreads) and statistics.median(spreads) > _SCATTER
 
@@ -243,14 +260,21 @@ class Cost(Answer):
         each = (last.seconds - first.seconds) / (last.digits - first.digits)
         lost = sum((x.spread or 0) * x.seconds for x in (first, last))
         grids = [x for x in crossings if x.method.startswith("grid") and x.method[-1].isdigit()]
-        price = f"{duration(each)} a digit" if last.seconds - first.seconds > lost else "no time that shows"
+        price = (
+            f"{duration(each)} a digit"
+            if last.seconds - first.seconds > lost
+            else "no time that shows"
+        )
         said = (
-            f"Here all crossings, proven, to {first.digits:.0f} digits take {duration(first.seconds)}; more digits cost {price}: "
+            f"Here all crossings, proven, to {first.digits:.0f} digits take "
+            f"{duration(first.seconds)}; more digits cost {price}: "
             f"{last.digits:.0f} of them take {duration(last.seconds)}"
         )
         if grids:
             x = max(grids, key=lambda x: x.seconds)
-            found = f"for {x.digits:.1f} digits, and proves nothing" if x.complete else f"and {x.wrong}"
+            found = (
+                f"for {x.digits:.1f} digits, and proves nothing" if x.complete else f"and {x.wrong}"
+            )
             said += f"; a {x.method} points takes {duration(x.seconds)} {found}"
         return f"{said}."
 
@@ -260,11 +284,14 @@ class Cost(Answer):
 
     def _body(self) -> dict[str, Any]:
         return {
-            "band": [float(x) for x in self.scene.band], "summary": self.summary, "busy": self.busy,
+            "band": [float(x) for x in self.scene.band],
+            "summary": self.summary,
+            "busy": self.busy,
             "condition": {task: None if isinf(x) else x for task, x in self.condition.items()},
-            "rows": [row.row() for row in self.rows], "left_out": [asdict(x) for x in self.left_out],
+            "rows": [row.row() for row in self.rows],
+            "left_out": [asdict(x) for x in self.left_out],
             "machine": dict(self.machine),
-        }  # fmt: skip
+        }
 
 
 def duration(seconds: float) -> str:
@@ -279,7 +306,8 @@ def duration(seconds: float) -> str:
     return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
 
 
-# --- what is asked ---------------------------------------------------------------------------------------------------
+# --- what is asked
+# ---------------------------------------------------------------------------------------------------
 
 Progressed = Callable[[str, float], None]
 """Called with what is measured next and the share that is done, from 0 to 1."""
@@ -287,7 +315,8 @@ _ROUNDS = 25
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0}
 """Seconds after which no repeats of a task are begun."""
 _DIGITS = 15
-"""Of the crossings whose time and shift are compared when delays are approximated or effects left out."""
+"""Of the crossings whose time and shift are compared when delays are approximated or effects left
+out."""
 _PADE_ORDERS = range(1, 7)
 _MANY = 10_000  # frequencies at once
 
@@ -305,12 +334,16 @@ class Task:
     """By what the seconds of an attempt are divided."""
 
 
-def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None) -> Cost:
-    """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and each effect left out.
+def cost(
+    scene: Scene | str | Path, *, quick: bool = False, told: Progressed = lambda what, share: None
+) -> Cost:
+    """Measure what accuracy costs for a scene with numbers: the ratios, the crossings, delays, and
+    each effect left out.
 
-    ``quick`` : fewer methods and fewer repeats, for a first look. ``told`` : called as it goes on. The equations are given to
-    every method beforehand, what is timed is the way from there to the answer; medians of interleaved repeats, so that ratios of
-    times hold on a busy machine. Right digits are those that agree with a certified reference of higher precision.
+    ``quick`` : fewer methods and fewer repeats, for a first look. ``told`` : called as it goes on.
+    The equations are given to every method beforehand, what is timed is the way from there to the
+    answer; medians of interleaved repeats, so that ratios of times hold on a busy machine. Right
+    digits are those that agree with a certified reference of higher precision.
     SceneError for a scene with symbols.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -325,7 +358,8 @@ def cost(scene: Scene | str | Path, *, quick: bool = False, told: Progressed = l
 
 
 def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed) -> Cost:
-    """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may take."""
+    """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may
+    take."""
     count, done = sum(len(task.attempts) + 1 for task in tasks), 0
     rows: list[Measurement] = []
     left_out = [x for task in tasks for x in task.left_out]
@@ -334,7 +368,9 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
         def said(method: Method, at: int, before: int = done, name: str = task.name) -> None:
             told(f"{name}: {method.name}", (before + at) / count)
 
-        timed = interleaved(task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said)
+        timed = interleaved(
+            task.attempts, patience * _BUDGETS[task.name], rounds=_ROUNDS, told=said
+        )
         done += len(task.attempts)
         told(f"{task.name}: correct digits", done / count)
         done += 1
@@ -347,7 +383,12 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
             counts = score.missed, score.invented, x.spread
             rows.append(Measurement(task.name, method.name, score.digits, seconds, proven, *counts))
     told("", 1.0)
-    return Cost(scene, tuple(rows), tuple(left_out), {x.name: x.condition for x in tasks if x.condition is not None})
+    return Cost(
+        scene,
+        tuple(rows),
+        tuple(left_out),
+        {x.name: x.condition for x in tasks if x.condition is not None},
+    )
 
 
 def _prepared(
@@ -375,10 +416,13 @@ def _evaluate(scene: Scene, *, quick: bool) -> Task:
     ]
     truth = few.truth(int(max(x.held for x in methods)) + 10)
     return Task(
-        "evaluate", {**groups[0][0], **groups[1][0]},
-        lambda method, answer: few.score(answer[:count], truth, method.held), (*groups[0][1], *groups[1][1]),
-        few.condition, lambda method: len((many if method.at_once else few).omegas),
-    )  # fmt: skip
+        "evaluate",
+        {**groups[0][0], **groups[1][0]},
+        lambda method, answer: few.score(answer[:count], truth, method.held),
+        (*groups[0][1], *groups[1][1]),
+        few.condition,
+        lambda method: len((many if method.at_once else few).omegas),
+    )
 
 
 def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:
@@ -393,12 +437,15 @@ def _crossings(scene: Scene, *, quick: bool) -> Task:
     """All crossings, by grids, eigenvalues and proof."""
     left = ("grid of 10^6", "certified, 300 digits", "certified, 1000 digits") if quick else ()
     question = Crossings.of(scene)
-    attempts, left_out = _prepared((x for x in CROSSINGS.values() if x.name not in left), question, "crossings")
+    attempts, left_out = _prepared(
+        (x for x in CROSSINGS.values() if x.name not in left), question, "crossings"
+    )
     return Task("crossings", attempts, _against(question), left_out, question.condition)
 
 
 def _against(question: Crossings) -> Callable[[Method, Found], Score]:
-    """The score of an answer against the certified crossings of a question, with digits to spare."""
+    """The score of an answer against the certified crossings of a question, with digits to
+    spare."""
     known: dict[int, Found] = {}
 
     def score(method: Method, answer: Found) -> Score:
@@ -411,13 +458,16 @@ def _against(question: Crossings) -> Callable[[Method, Found], Score]:
 
 
 def _simpler(scene: Scene) -> Iterator[Task]:
-    """The crossings with Pade approximants for delays, if there are any, and with each effect left out."""
+    """The crossings with Pade approximants for delays, if there are any, and with each effect left
+    out."""
     d, chain, exact = scene.distortion(), scene.distortion().chain, Crossings.of(scene)
     if any(x.has(exp) for x in d.perc.ring.functions):
         others = {f"Pade, order {n}": partial(approximated, d, n) for n in _PADE_ORDERS}
         yield _compared("delay", exact, "exact delay", others)
     if scene.effects:
-        others = {f"without {x.name}": partial(without, chain, i) for i, x in enumerate(scene.effects)}
+        others = {
+            f"without {x.name}": partial(without, chain, i) for i, x in enumerate(scene.effects)
+        }
         yield _compared("effects", exact, "all effects", others)
 
 
@@ -429,7 +479,9 @@ def approximated(distortion: Distortion, order: int) -> Distortion:
         approximant: Expr = effects.pade_delay(abs(lag), order).matrix[0]
         return approximant if lag > 0 else 1 / approximant
 
-    return Distortion.of(distortion.chain.map(lambda form: form.rewrite([cosh, sinh], exp).replace(exp, pade)))
+    return Distortion.of(
+        distortion.chain.map(lambda form: form.rewrite([cosh, sinh], exp).replace(exp, pade))
+    )
 
 
 def without(chain: Chain, index: int) -> Distortion:
@@ -438,8 +490,11 @@ def without(chain: Chain, index: int) -> Distortion:
     return Distortion.of(Chain(chain.environment, chain.rendered, left))
 
 
-def _compared(task: str, exact: Crossings, name: str, others: Mapping[str, Callable[[], Distortion]]) -> Task:
-    """The crossings of the scene, and of simpler ones in its place: proven for them, but not for the scene."""
+def _compared(
+    task: str, exact: Crossings, name: str, others: Mapping[str, Callable[[], Distortion]]
+) -> Task:
+    """The crossings of the scene, and of simpler ones in its place: proven for them, but not for
+    the scene."""
 
     def ready(question: Crossings) -> Attempt:
         _ = question.functions  # the equations are given to all

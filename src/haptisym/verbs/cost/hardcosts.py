@@ -1,7 +1,8 @@
-"""The hard cases: a scene and a question each on which the usual ways fail, put to our methods and to theirs.
+"""The hard cases: a scene and a question each on which the usual ways fail, put to our methods and
+to theirs.
 
-They are values, made here once, for the tests and for ``haptisym cost --hard-cases`` alike, gathered in families by what makes
-them hard. Each answer has right digits, a time and a verdict.
+They are values, made here once, for the tests and for ``haptisym cost --hard-cases`` alike,
+gathered in families by what makes them hard. Each answer has right digits, a time and a verdict.
 """
 
 from __future__ import annotations
@@ -23,7 +24,15 @@ from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
 from haptisym.verbs.cost.entry import Measurement, interleaved, machine, wrong_words
-from haptisym.verbs.cost.methods import CROSSINGS, RATIO_METHODS, Crossings, Method, Question, RatioQuestion, Score
+from haptisym.verbs.cost.methods import (
+    CROSSINGS,
+    RATIO_METHODS,
+    Crossings,
+    Method,
+    Question,
+    RatioQuestion,
+    Score,
+)
 
 PAPER = (Rational(9, 5), 15, 100)
 """m, b, k of the paper's example."""
@@ -59,7 +68,9 @@ def _family(name: str, why: str) -> Callable[[Callable[[], _Made]], Callable[[],
 def hard_cases(*families: str) -> tuple[HardCase, ...]:
     """All hard cases, or those of some families."""
     return tuple(
-        HardCase(family, name, question) for family in families or FAMILIES for name, question in _MAKERS[family]()
+        HardCase(family, name, question)
+        for family in families or FAMILIES
+        for name, question in _MAKERS[family]()
     )
 
 
@@ -110,7 +121,12 @@ def _wide() -> _Made:
 
 @_family("light damping", "k - m omega^2 cancels at resonance, where |H_env| collapses to b omega")
 def _light() -> _Made:
-    omegas = (_RESONANCE, _RESONANCE * (1 + 1e-12), _RESONANCE * (1 - 1e-9), _RESONANCE * (1 + 1e-3))
+    omegas = (
+        _RESONANCE,
+        _RESONANCE * (1 + 1e-12),
+        _RESONANCE * (1 - 1e-9),
+        _RESONANCE * (1 + 1e-3),
+    )
     for k in range(13):
         yield f"b = 10^-{k} N s/m", RatioQuestion(_filtered(_power(-k)), omegas)
 
@@ -125,7 +141,10 @@ def _half() -> _Made:
 @_family("cascades, values", "expanded coefficients of many low-passes span hundreds of decades")
 def _cascades() -> _Made:
     for n in (10, 20, 40):
-        yield f"{n} low-passes", RatioQuestion(_cascade(n), (1e-6, 1e-2, 1.0, 15.0, 80.0, 300.0, 1e4))
+        yield (
+            f"{n} low-passes",
+            RatioQuestion(_cascade(n), (1e-6, 1e-2, 1.0, 15.0, 80.0, 300.0, 1e4)),
+        )
 
 
 @cache
@@ -134,7 +153,10 @@ def _cascade(n: int) -> Distortion:
     return distort(felt, *(_lowpass(80 + 7 * i, Rational(1, 2 + i % 5)) for i in range(n)))
 
 
-@_family("stiff delays, values", "exp(-j omega tau) - 1 cancels for short delays, turns many times for long ones")
+@_family(
+    "stiff delays, values",
+    "exp(-j omega tau) - 1 cancels for short delays, turns many times for long ones",
+)
 def _delays() -> _Made:
     for k in (-9, -6, -3, 0, 3):
         d = distort(environments.mass_spring_damper(*PAPER), effects.delay(_power(k)))
@@ -146,7 +168,10 @@ def _identity() -> _Made:
     omegas = (1e-3, 1.0, 7.0, 1e3)
     yield "a gain of 1", RatioQuestion(_spring(effects.series("1")), omegas)
     device = effects.four_channel_teleoperator(0.3, 5.1, 307, 0.7, 7.3, 511)
-    yield "four channels without delay", RatioQuestion(distort(environments.mass_spring_damper(*PAPER), device), omegas)
+    yield (
+        "four channels without delay",
+        RatioQuestion(distort(environments.mass_spring_damper(*PAPER), device), omegas),
+    )
     yield (
         "a lag and its inverse",
         RatioQuestion(_spring(effects.first_order_lag(20), effects.series("1 + s/20")), omegas),
@@ -164,10 +189,15 @@ def _poles() -> _Made:
 def _nothing_at_rest() -> _Made:
     damped = environments.mass_spring_damper(m=2, b=5)
     yield "a shunt damper", RatioQuestion(distort(damped, effects.shunt(b=1)), (0.0, 1e-150, 1.0))
-    yield "a lag", RatioQuestion(distort(damped, effects.first_order_lag(20)), (0.0, 1e-150, 1e-8, 1.0))
+    yield (
+        "a lag",
+        RatioQuestion(distort(damped, effects.first_order_lag(20)), (0.0, 1e-150, 1e-8, 1.0)),
+    )
     yield (
         "a mass alone",
-        RatioQuestion(distort(environments.mass_spring_damper(m=2), _lowpass()), (0.0, 1e-100, 1e-8, 1.0)),
+        RatioQuestion(
+            distort(environments.mass_spring_damper(m=2), _lowpass()), (0.0, 1e-100, 1e-8, 1.0)
+        ),
     )
 
 
@@ -188,7 +218,10 @@ def _delayed_tangency() -> _Made:
     d = _spring(effects.delay(Rational(1, 5)))  # r_i = |sin(omega/5)| is at most 1, at 5 pi/2 rad/s
     for k in range(1, 41, 3):
         for sign, word in ((-1, "below"), (1, "above")):
-            yield f"10^-{k} {word}", Crossings(d, _c(3, 1 + sign * _power(-k)), (Integer(0), Integer(12)))
+            yield (
+                f"10^-{k} {word}",
+                Crossings(d, _c(3, 1 + sign * _power(-k)), (Integer(0), Integer(12))),
+            )
 
 
 @_family("cascades, crossings", "the threshold polynomial has degree up to 160")
@@ -197,14 +230,22 @@ def _cascade_crossings() -> _Made:
         yield f"{n} low-passes", Crossings(_cascade(n), _c(Rational(1, 10)), _BAND)
 
 
-@_family("clustered thresholds", "crossings 1e-4 apart, ten and twenty of them, coefficients of both signs")
+@_family(
+    "clustered thresholds",
+    "crossings 1e-4 apart, ten and twenty of them, coefficients of both signs",
+)
 def _clustered() -> _Made:
     for n in (4, 10, 20):
         roots = [1 + Rational(i, 10_000) for i in range(1, n + 1)]
-        yield f"{n} crossings", _prescribed("*".join(f"(-s^2 - {x})" for x in map(_quotient, roots)))
+        yield (
+            f"{n} crossings",
+            _prescribed("*".join(f"(-s^2 - {x})" for x in map(_quotient, roots))),
+        )
 
 
-@_family("Mignotte-like thresholds", "two crossings far closer to each other than floats distinguish")
+@_family(
+    "Mignotte-like thresholds", "two crossings far closer to each other than floats distinguish"
+)
 def _mignotte() -> _Made:
     for n, a in ((6, 10), (10, 100), (20, 1000)):
         yield f"degree {n}", _prescribed(f"(s^2)^{n} - 2*({a}*s^2 + 1)^2")
@@ -215,12 +256,16 @@ def _quotient(x: Rational) -> str:
 
 
 def _prescribed(polynomial: str) -> Crossings:
-    """r_r = |c + p(s)| behind a series effect 1 + c + p(s), p even: crossings where p is 0 or -2 c."""
+    """r_r = |c + p(s)| behind a series effect 1 + c + p(s), p even: crossings where p is 0 or -2
+    c."""
     d = _spring(effects.series(f"1 + 1/10 + {polynomial}"))
     return Crossings(d, _c(Rational(1, 10), 1), (Integer(0), Integer(2)))
 
 
-@_family("resonance behind a delay", "|H_env| collapses over a width of b/m, and r rises and falls within")
+@_family(
+    "resonance behind a delay",
+    "|H_env| collapses over a width of b/m, and r rises and falls within",
+)
 def _delayed_resonance() -> _Made:
     between = (_lowpass(), effects.delay(Rational(1, 1000)))
     for k in (3, 6, 9, 12):
@@ -232,14 +277,20 @@ def _delayed_resonance() -> _Made:
 def _long_delays() -> _Made:
     for tau, high in ((Rational(1, 2), 150), (Rational(2), 60)):
         d = distort(environments.mass_spring_damper(*PAPER), _lowpass(), effects.delay(tau))
-        yield f"{float(tau):g} s up to {high} rad/s", Crossings(d, _c(Rational(1, 10)), (Integer(0), Integer(high)))
+        yield (
+            f"{float(tau):g} s up to {high} rad/s",
+            Crossings(d, _c(Rational(1, 10)), (Integer(0), Integer(high))),
+        )
 
 
 @_family("rational crossings", "crossings exactly on the ends of the band and on points of a grid")
 def _rational() -> _Made:
     d = _spring(effects.first_order_lag("0.3 rad/s"))  # r_r = 1/5 at exactly 0.15 rad/s
     for low, high in (("0", "0.15"), ("0.15", "1"), ("0.05", "0.25"), ("0", "1")):
-        yield f"band {low} to {high} rad/s", Crossings(d, _c(Rational(1, 5), 1), (Rational(low), Rational(high)))
+        yield (
+            f"band {low} to {high} rad/s",
+            Crossings(d, _c(Rational(1, 5), 1), (Rational(low), Rational(high))),
+        )
     turned = _spring(effects.first_order_lag(10 * pi))
     yield "at 5 pi rad/s", Crossings(turned, _c(Rational(1, 5), 1), (Integer(0), 5 * pi))
     sprung = distort(environments.mass_spring_damper(m=1, k=100), effects.shunt(k=10))
@@ -254,8 +305,14 @@ def _cancelled() -> _Made:
 
 
 VALUES = (
-    "H_perc - H_env in floats", "python-control", "scipy.signal", "fast", "double-double", "certified", "30 digits",
-)  # fmt: skip
+    "H_perc - H_env in floats",
+    "python-control",
+    "scipy.signal",
+    "fast",
+    "double-double",
+    "certified",
+    "30 digits",
+)
 """The methods that the questions about values are put to."""
 COUNTS = ("grid of 10^4 + Brent", "numpy.roots", "certified, 15 digits", "certified, 50 digits")
 """Those that the questions about crossings are put to."""
@@ -266,7 +323,8 @@ _SPARE = 8  # digits of the reference beyond those of the methods
 
 @dataclass(frozen=True, kw_only=True)
 class HardRow(Measurement):
-    """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is wrong, or why there is none."""
+    """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is
+    wrong, or why there is none."""
 
     family: str
     case: str
@@ -293,10 +351,11 @@ def worst_verdict(rows: Iterable[HardRow]) -> str:
 
 @dataclass(frozen=True, repr=False)
 class HardCosts(Answer):
-    """Cases on which usual methods fail, each by every method, measured on this ``machine``. Made by ``hard_costs``.
+    """Cases on which usual methods fail, each by every method, measured on this ``machine``. Made
+    by ``hard_costs``.
 
-    ``rows`` : correct decimal digits, time in s and ``verdict`` of each: "right", or how many digits are lost, how many crossings
-    missed or invented. References are proven.
+    ``rows`` : correct decimal digits, time in s and ``verdict`` of each: "right", or how many
+    digits are lost, how many crossings missed or invented. References are proven.
     """
 
     _schema: ClassVar[str] = "haptisym.cost/1"
@@ -325,7 +384,8 @@ class HardCosts(Answer):
         failed = sum(row.verdict != "right" for row in usual)
         said = f"{wrong} of them WRONG" if wrong else "none of them wrong"
         return (
-            f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; of {len(usual)} answers by the usual "
+            f"{count} hard questions: haptisym gives {len(proven)} proven answers, {said}; "
+            f"of {len(usual)} answers by the usual "
             f"ways {failed} lose digits, miss crossings or invent some, and none reports it."
         )
 
@@ -334,14 +394,25 @@ class HardCosts(Answer):
         return NoScene("The hard cases")
 
     def _body(self) -> dict[str, Any]:
-        rows = [{**row.row(), "condition": None if isinf(row.condition) else row.condition} for row in self.rows]
-        return {"summary": self.summary, "families": FAMILIES, "rows": rows, "machine": dict(self.machine)}
+        rows = [
+            {**row.row(), "condition": None if isinf(row.condition) else row.condition}
+            for row in self.rows
+        ]
+        return {
+            "summary": self.summary,
+            "families": FAMILIES,
+            "rows": rows,
+            "machine": dict(self.machine),
+        }
 
 
 def hard_costs(
-    cases: Iterable[HardCase] | None = None, *, told: Callable[[str, float], None] = lambda what, share: None
+    cases: Iterable[HardCase] | None = None,
+    *,
+    told: Callable[[str, float], None] = lambda what, share: None,
 ) -> HardCosts:
-    """Put hard cases, all if none are given, to all methods. ``told`` : called with what is next and the share that is done.
+    """Put hard cases, all if none are given, to all methods. ``told`` : called with what is next
+    and the share that is done.
 
     >>> from haptisym.verbs.cost.hardcosts import hard_cases
     >>> found = hard_costs(hard_cases("identities"))
@@ -361,7 +432,9 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
     """One hard case, put to some methods, or to all that fit its question."""
     question = case.question
     is_ratio = isinstance(question, RatioQuestion)
-    chosen = methods or ([RATIO_METHODS[x] for x in VALUES] if is_ratio else [CROSSINGS[x] for x in COUNTS])
+    chosen = methods or (
+        [RATIO_METHODS[x] for x in VALUES] if is_ratio else [CROSSINGS[x] for x in COUNTS]
+    )
     attempts, refused = {}, {}
     for method in chosen:
         try:
@@ -369,14 +442,25 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
         except HaptisymError as error:
             refused[method] = error
     timed = interleaved(attempts, _BUDGET, rounds=3)
-    refused |= {method: x.answer for method, x in timed.items() if isinstance(x.answer, HaptisymError)}
+    refused |= {
+        method: x.answer for method, x in timed.items() if isinstance(x.answer, HaptisymError)
+    }
     digits = int(max(method.held for method in chosen)) + _SPARE
-    truth: Any = question.truth(digits) if isinstance(question, RatioQuestion) else question.certified(digits)
+    truth: Any = (
+        question.truth(digits)
+        if isinstance(question, RatioQuestion)
+        else question.certified(digits)
+    )
     condition = question.condition
     assert condition is not None, "no hard case has a region"
     rows = []
     for method in chosen:
-        about: dict[str, Any] = {"family": case.family, "case": case.name, "condition": condition, "ours": method.ours}
+        about: dict[str, Any] = {
+            "family": case.family,
+            "case": case.name,
+            "condition": condition,
+            "ours": method.ours,
+        }
         row: Any = partial(HardRow, "evaluate" if is_ratio else "crossings", method.name, **about)
         if method in refused:
             rows.append(row(0.0, 0.0, proven=False, verdict=f"cannot: {refused[method]}"))
@@ -384,8 +468,13 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
         x = timed[method]
         score = question.score(x.answer, truth, method.held)
         undecided = getattr(x.answer, "undecided", 0)
-        verdict, proven = "undecided" if undecided else _verdict(score, method.held), method.proves and not undecided
-        rows.append(row(score.digits, x.seconds, proven, score.missed, score.invented, verdict=verdict))
+        verdict, proven = (
+            "undecided" if undecided else _verdict(score, method.held),
+            method.proves and not undecided,
+        )
+        rows.append(
+            row(score.digits, x.seconds, proven, score.missed, score.invented, verdict=verdict)
+        )
     return rows
 
 

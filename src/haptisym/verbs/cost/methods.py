@@ -1,11 +1,14 @@
-"""Questions with certified answers, and the contenders that answer them: haptisym's ways and the usual ones.
+"""Questions with certified answers, and the contenders that answer them: haptisym's ways and the
+usual ones.
 
-Asked are the ratios at frequencies, and the crossings on a band. An answer may come from anywhere: floats of a formula, transfer
-functions with expanded coefficients, sign changes on a grid, eigenvalues of a companion matrix. It is held against a certified
-reference of higher precision. How hard the question itself is, whoever answers it, says its condition number.
+Asked are the ratios at frequencies, and the crossings on a band. An answer may come from anywhere:
+floats of a formula, transfer functions with expanded coefficients, sign changes on a grid,
+eigenvalues of a companion matrix. It is held against a certified reference of higher precision. How
+hard the question itself is, whoever answers it, says its condition number.
 
-The contenders stand in one table for each question, each with what it needs and whether it proves its answer. ``prepare`` makes
-what a method may know beforehand (its formulas, its coefficients); only what it returns is timed.
+The contenders stand in one table for each question, each with what it needs and whether it proves
+its answer. ``prepare`` makes what a method may know beforehand (its formulas, its coefficients);
+only what it returns is timed.
 """
 
 from __future__ import annotations
@@ -50,7 +53,8 @@ AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 
 @dataclass(frozen=True)
 class Score:
-    """How right an answer is: right decimal digits of its worst number; crossings that it lacks and that are none.
+    """How right an answer is: right decimal digits of its worst number; crossings that it lacks and
+    that are none.
 
     A crossing that is missed has no right digits.
     """
@@ -62,7 +66,8 @@ class Score:
 
 @dataclass(frozen=True)
 class Found:
-    """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places that are said to be left open."""
+    """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places
+    that are said to be left open."""
 
     omegas: Mapping[str, Sequence[AnswerNumber]]
     undecided: int = 0
@@ -76,33 +81,51 @@ class RatioQuestion:
     omegas: tuple[float, ...]
 
     def truth(self, digits: int) -> list[tuple[Ball, Ball]]:
-        """Balls around both ratios at each frequency, so many digits right; infinite where a ratio is unbounded."""
-        return [(self.ratio(Part.REAL, x, digits), self.ratio(Part.IMAG, x, digits)) for x in self.omegas]
+        """Balls around both ratios at each frequency, so many digits right; infinite where a ratio
+        is unbounded."""
+        return [
+            (self.ratio(Part.REAL, x, digits), self.ratio(Part.IMAG, x, digits))
+            for x in self.omegas
+        ]
 
     def ratio(self, part: Part, omega: float, digits: int) -> Ball:
         """A ball around one ratio at one frequency."""
-        return _tight(SquareRoot(ValueAt(self.distortion.squared_ratios[part], ExactNumber(Rational(omega)))), digits)
+        return _tight(
+            SquareRoot(ValueAt(self.distortion.squared_ratios[part], ExactNumber(Rational(omega)))),
+            digits,
+        )
 
     @cached_property
     def condition(self) -> float:
-        """The largest relative change of a ratio for a relative change of the frequency, ``|omega r'/r|``; certified."""
+        """The largest relative change of a ratio for a relative change of the frequency, ``|omega
+        r'/r|``; certified."""
         return max((self._sensitivity(part, x) for part in Part for x in self.omegas), default=0.0)
 
     def _sensitivity(self, part: Part, omega: float) -> float:
         if not omega or not 0 < self.ratio(part, omega, 5) < arb("inf"):
             return 0.0
-        found = _Growth(self.distortion.squared_ratios[part], ExactNumber(Rational(omega))).ball(_GROWTH_BITS)
+        found = _Growth(self.distortion.squared_ratios[part], ExactNumber(Rational(omega))).ball(
+            _GROWTH_BITS
+        )
         return abs(omega * float(found.mid()) / 2) if found.is_finite() else inf
 
-    def score(self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float) -> Score:
-        """The right digits of the worst of the values; no more than the ``held`` ones that their numbers can hold."""
-        pairs = [p for given, true in zip(answer, truth, strict=True) for p in zip(given, true, strict=True)]
+    def score(
+        self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float
+    ) -> Score:
+        """The right digits of the worst of the values; no more than the ``held`` ones that their
+        numbers can hold."""
+        pairs = [
+            p
+            for given, true in zip(answer, truth, strict=True)
+            for p in zip(given, true, strict=True)
+        ]
         return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
 
 
 @dataclass(frozen=True)
 class Crossings:
-    """All frequencies of a band at which r_r or r_i meets its threshold, or dH the border of its region."""
+    """All frequencies of a band at which r_r or r_i meets its threshold, or dH the border of its
+    region."""
 
     distortion: Distortion = field(repr=False)
     threshold: Threshold
@@ -134,12 +157,15 @@ class Crossings:
     def certified(self, digits: int) -> Found:
         """All crossings, so many digits right, and how many places stay open."""
         found = self.chart()
-        omegas = {x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria}
+        omegas = {
+            x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria
+        }
         return Found(omegas, len(found.undecided))
 
     @cached_property
     def condition(self) -> float | None:
-        """The largest relative change of a crossing for one of its threshold, ``c/|omega r'|``; infinite at a touch.
+        """The largest relative change of a crossing for one of its threshold, ``c/|omega r'|``;
+        infinite at a touch.
 
         None for a region whose border has corners.
         """
@@ -152,9 +178,14 @@ class Crossings:
         return max((self._sensitivity(square, omega) for square, omega in pairs), default=0.0)
 
     def _square(self, x: Criterion) -> RealFunction:
-        """Of the ratio, but for a number, or of how many times the region must be enlarged; SceneError where it is not smooth."""
+        """Of the ratio, but for a number, or of how many times the region must be enlarged;
+        SceneError where it is not smooth."""
         f = x.measure(self.distortion)
-        return RealFunction((f.function / f.axis.convert(x.limit)).reduced()) if x.threshold.has(omega_) else f
+        return (
+            RealFunction((f.function / f.axis.convert(x.limit)).reduced())
+            if x.threshold.has(omega_)
+            else f
+        )
 
     def _sensitivity(self, square: RealFunction, omega: RealNumber) -> float:
         if omega == ExactNumber(Rational(0)):
@@ -168,10 +199,15 @@ class Crossings:
     def score(self, answer: Found, truth: Found, held: float) -> Score:
         """Right digits of the worst crossing that was found, and those missed and invented."""
         names = [x.name for x in self.criteria]
-        scores = [_matched(answer.omegas[name], truth.omegas[name], held, float(self.band[1])) for name in names]
+        scores = [
+            _matched(answer.omegas[name], truth.omegas[name], held, float(self.band[1]))
+            for name in names
+        ]
         return Score(
-            min(x.digits for x in scores), sum(x.missed for x in scores), sum(x.invented for x in scores)
-        )  # fmt: skip
+            min(x.digits for x in scores),
+            sum(x.missed for x in scores),
+            sum(x.invented for x in scores),
+        )
 
 
 Question: TypeAlias = RatioQuestion | Crossings
@@ -209,7 +245,9 @@ def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
     if isinstance(given, float) and (isnan(given) or isinf(given)):
         return 0.0
     with flint.ctx.workprec(max(128, int(4 * held) + 64)):
-        error = abs(arb(given).mid() - true).upper()  # what the reference leaves open counts as error
+        error = abs(
+            arb(given).mid() - true
+        ).upper()  # what the reference leaves open counts as error
         if error == 0 or (isinstance(given, float) and error <= _LEAST):
             return held
         if true == 0:
@@ -217,11 +255,18 @@ def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
         return min(max(0.0, -float((error / abs(true).lower()).log().mid()) / log(10)), held)
 
 
-def _matched(given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, high: float) -> Score:
-    """Each true crossing takes the nearest number that is still free; what is left over is missed or invented."""
+def _matched(
+    given: Sequence[AnswerNumber], true: Sequence[Ball], held: float, high: float
+) -> Score:
+    """Each true crossing takes the nearest number that is still free; what is left over is missed
+    or invented."""
     with flint.ctx.workprec(max(128, int(4 * held) + 64)):
         near = sorted(
-            ((float(abs(arb(y).mid() - x).mid()), i, j) for i, x in enumerate(true) for j, y in enumerate(given))
+            (
+                (float(abs(arb(y).mid() - x).mid()), i, j)
+                for i, x in enumerate(true)
+                for j, y in enumerate(given)
+            )
         )
     left, free, digits = set(range(len(true))), set(range(len(given))), held
     for distance, i, j in near:
@@ -253,7 +298,8 @@ _BLOCK = 1 << 14  # points that stay in the processor's cache
 
 
 class RefusedError(HaptisymError):
-    """A method does not fit a question, or a package that it needs is missing; the text says which."""
+    """A method does not fit a question, or a package that it needs is missing; the text says
+    which."""
 
 
 # The ratios at frequencies: they answer with a pair (r_r, r_i) for each frequency.
@@ -275,8 +321,13 @@ def naive(distortion: Distortion) -> Callable[[Any], tuple[Any, Any]]:
 
 
 def _with_floats(form: Expr) -> Expr:
-    """Numbers as floats, but for small whole ones: NumPy has no whole numbers as large as SymPy's."""
-    numbers = {x: Float(x, 17) for x in form.atoms(Rational) if not (isinstance(x, Integer) and abs(x) < 100)}
+    """Numbers as floats, but for small whole ones: NumPy has no whole numbers as large as
+    SymPy's."""
+    numbers = {
+        x: Float(x, 17)
+        for x in form.atoms(Rational)
+        if not (isinstance(x, Integer) and abs(x) < 100)
+    }
     return form.xreplace(numbers)
 
 
@@ -284,13 +335,15 @@ def _ratios(H: Any, dH: Any, omega: Array) -> Array:
     """Both ratios, one row for each frequency."""
     size = np.abs(H)
     rows: Array = np.stack(
-        [np.broadcast_to(np.abs(x) / size, omega.shape) for x in (np.real(dH), np.imag(dH))], axis=-1
+        [np.broadcast_to(np.abs(x) / size, omega.shape) for x in (np.real(dH), np.imag(dH))],
+        axis=-1,
     )
     return rows
 
 
 def _quietly(function: Callable[[], Any]) -> Any:
-    """What overflows or divides by zero is judged by its value; warnings of other packages are not about a user's own call."""
+    """What overflows or divides by zero is judged by its value; warnings of other packages are not
+    about a user's own call."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return function()
@@ -333,10 +386,14 @@ def _rational(distortion: Distortion) -> tuple[Any, Any]:
 
 
 def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:
-    """Positive where a change dH of H is noticed: a ratio less its limit, or how many times a region must be enlarged, less 1."""
+    """Positive where a change dH of H is noticed: a ratio less its limit, or how many times a
+    region must be enlarged, less 1."""
     size = np.abs(H)
     if x.joint:
-        return x.joint.enlarged(np.real(dH) / size, np.imag(dH) / size, lambda c: floats_of(c, omega)) - 1
+        return (
+            x.joint.enlarged(np.real(dH) / size, np.imag(dH) / size, lambda c: floats_of(c, omega))
+            - 1
+        )
     part = np.real if x.part is Part.REAL else np.imag
     ratio = np.abs(part(dH)) / size
     if not isinstance(x.region, Sided):
@@ -349,7 +406,8 @@ def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:
 
 
 def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt:
-    """Changes of sign between the points of a grid, each by a straight line, or found by Brent's method."""
+    """Changes of sign between the points of a grid, each by a straight line, or found by Brent's
+    method."""
     function = naive(question.distortion)
     low, high = (float(x) for x in question.band)
 
@@ -360,12 +418,16 @@ def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt
         grid = np.linspace(low, high, count)
         found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
         for start in range(0, count - 1, _BLOCK):
-            block = grid[start : start + _BLOCK + 1]  # neighbouring blocks share a point, which counts once
+            block = grid[
+                start : start + _BLOCK + 1
+            ]  # neighbouring blocks share a point, which counts once
             H, dH = function(block)
             for x in question.criteria:
                 values = np.broadcast_to(margin(x, block, H, dH), block.shape)
                 refine = partial(_brent, partial(excess, criterion=x)) if brent else _straight
-                found[x.name] += _changes(block, values, refine, is_last=start + _BLOCK >= count - 1)
+                found[x.name] += _changes(
+                    block, values, refine, is_last=start + _BLOCK >= count - 1
+                )
         return Found(found)
 
     return lambda: _quietly(attempt)
@@ -388,11 +450,14 @@ def _straight(a: float, b: float, at_a: float, at_b: float) -> float:
 def _brent(function: Callable[[Any], Any], a: float, b: float, at_a: float, at_b: float) -> float:
     from scipy.optimize import brentq
 
-    return float(brentq(lambda omega: float(function(np.float64(omega))), a, b, xtol=1e-300, rtol=1e-15))
+    return float(
+        brentq(lambda omega: float(function(np.float64(omega))), a, b, xtol=1e-300, rtol=1e-15)
+    )
 
 
 def companion_way(question: Crossings) -> Attempt:
-    """numpy.roots on the float coefficients of the exact polynomial in omega^2, or omega: the eigenvalues that are real."""
+    """numpy.roots on the float coefficients of the exact polynomial in omega^2, or omega: the
+    eigenvalues that are real."""
     low, high = (float(x) for x in question.band)
     rows = {x.name: _polynomial(question, x) for x in question.criteria}
 
@@ -414,7 +479,11 @@ def _polynomial(question: Crossings, criterion: Criterion) -> Array:
     excess = question.functions[criterion]
     if not isinstance(excess, RealFunction):
         raise RefusedError("the border of the JND region is not one polynomial")
-    row = None if excess.axis.functions else excess.axis.univariate(excess.function.cleared().numerator)
+    row = (
+        None
+        if excess.axis.functions
+        else excess.axis.univariate(excess.function.cleared().numerator)
+    )
     if row is None:
         raise RefusedError("the equation is not a polynomial with rational coefficients")
     return np.array([float(int(x.p) / int(x.q)) for x in row])
@@ -429,9 +498,10 @@ Prepare: TypeAlias = Callable[[Any], Attempt]
 class Method:
     """A way to an answer.
 
-    ``proves`` : whether its answers are certified. ``ours`` : whether it is haptisym's. ``held`` : decimal digits that its
-    numbers hold. ``packages`` : what must be installed. ``prepare`` takes the question and raises
-    RefusedError where it does not fit. ``at_once`` : whether it answers for many frequencies at once, and should be timed so.
+    ``proves`` : whether its answers are certified. ``ours`` : whether it is haptisym's. ``held`` :
+    decimal digits that its numbers hold. ``packages`` : what must be installed. ``prepare`` takes
+    the question and raises RefusedError where it does not fit. ``at_once`` : whether it answers for
+    many frequencies at once, and should be timed so.
     """
 
     name: str
@@ -486,7 +556,10 @@ RATIO_METHODS: Mapping[str, Method] = {
         Method("scipy.signal", scipy_way, packages=("scipy.signal",)),
         *(_ours(x, partial(_level, accuracy=x)) for x in ("fast", "double-double")),
         _proof("certified", partial(_level, accuracy="certified")),
-        *(_proof(f"{n} digits", partial(_digits, count=n), held=n, at_once=False) for n in (30, 100, 300)),
+        *(
+            _proof(f"{n} digits", partial(_digits, count=n), held=n, at_once=False)
+            for n in (30, 100, 300)
+        ),
     )
 }
 """Ways to the ratios at given frequencies."""
@@ -494,9 +567,16 @@ CROSSINGS: Mapping[str, Method] = {
     x.name: x
     for x in (
         *(Method(f"grid of 10^{n}", partial(grid_way, count=10**n)) for n in range(2, 7)),
-        Method("grid of 10^4 + Brent", partial(grid_way, count=10**4, brent=True), packages=("scipy.optimize",)),
+        Method(
+            "grid of 10^4 + Brent",
+            partial(grid_way, count=10**4, brent=True),
+            packages=("scipy.optimize",),
+        ),
         Method("numpy.roots", companion_way),
-        *(_proof(f"certified, {n} digits", partial(_certified, digits=n), held=n) for n in (15, 50, 100, 300, 1000)),
+        *(
+            _proof(f"certified, {n} digits", partial(_certified, digits=n), held=n)
+            for n in (15, 50, 100, 300, 1000)
+        ),
     )
 }
 """Ways to the crossings on a band."""

@@ -1,18 +1,23 @@
 """The formulas of a scene: closed, in steps, solved, dimensionless, with leading terms.
 
-What is left of a distortion when the devices are fast: its leading terms, and a proven bound on all the rest.
+What is left of a distortion when the devices are fast: its leading terms, and a proven bound on all
+the rest.
 
-Every time constant of an effect (a delay, a sampling period, one over a corner frequency) is multiplied by epsilon: dH is then a
-power series in epsilon, whose terms are rational functions of s. At epsilon = 1 it is the scene's own distortion, and what
-the terms leave is bounded on the scene's band by its certified largest value.
+Every time constant of an effect (a delay, a sampling period, one over a corner frequency) is
+multiplied by epsilon: dH is then a power series in epsilon, whose terms are rational functions of
+s. At epsilon = 1 it is the scene's own distortion, and what the terms leave is bounded on the
+scene's band by its certified largest value.
 
-The parameters of a scene reduced to independent dimensionless groups: fewer of them, and one formula for all sizes.
+The parameters of a scene reduced to independent dimensionless groups: fewer of them, and one
+formula for all sizes.
 
-By Buckingham's theorem a relation between n quantities of r independent dimensions is one between n - r groups. As many
-parameters as there are dimensions serve as units: mass and stiffness of the environment where it has both. In these units
-they are 1, and every other parameter is a number, its group; so the dimensionless scene is the scene with these values.
+By Buckingham's theorem a relation between n quantities of r independent dimensions is one between n
+- r groups. As many parameters as there are dimensions serve as units: mass and stiffness of the
+environment where it has both. In these units they are 1, and every other parameter is a number, its
+group; so the dimensionless scene is the scene with these values.
 
-The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in steps, solved, dimensionless.
+The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in steps,
+solved, dimensionless.
 
 The formulas of a scene.
 """
@@ -74,8 +79,9 @@ from haptisym.programs.steps import Steps
 class Expansion:
     """dH = terms[0] + terms[1] + ... + remainder, for fast devices.
 
-    ``terms`` : in the scene's symbols, of ascending order in the devices' time constants; the first, of order 0, is what
-    devices without any delay would do. ``fast`` : the parameters that make them fast.
+    ``terms`` : in the scene's symbols, of ascending order in the devices' time constants; the
+    first, of order 0, is what devices without any delay would do. ``fast`` : the parameters that
+    make them fast.
     """
 
     scene: Scene = field(repr=False)
@@ -88,7 +94,8 @@ class Expansion:
 
     @cached_property
     def bounds(self) -> Mapping[Part, RealNumber | None]:
-        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None where it is infinite.
+        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None
+        where it is infinite.
 
         Empty where a parameter has no number.
         """
@@ -110,7 +117,8 @@ class Expansion:
 def expansion(scene: Scene, order: int = 1) -> Expansion:
     """The distortion of a scene to some order in the time constants of its effects.
 
-    Raises SceneError where no effect has a time constant, or where the distortion of infinitely fast devices is infinite.
+    Raises SceneError where no effect has a time constant, or where the distortion of infinitely
+    fast devices is infinite.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.kernel.rings import symbols
@@ -120,12 +128,18 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     >>> found.part(Part.IMAG), found.bounds[Part.IMAG].digits(3), found.bounds[Part.REAL].digits(3)
     (-k*omega*tau, '0.0000703', '0.00281')
     """
-    fast = {p.symbol: p.dimension for e in scene.effects for p in e.parameters if p.dimension in _SPEED}
+    fast = {
+        p.symbol: p.dimension for e in scene.effects for p in e.parameters if p.dimension in _SPEED
+    }
     if not fast:
-        raise SceneError("no effect of this scene has a time constant: there is no high-bandwidth approximation")
+        raise SceneError(
+            "no effect of this scene has a time constant: there is no high-bandwidth approximation"
+        )
     epsilon = Dummy("epsilon", positive=True)
     slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
-    depth = order + 2 + 2 * len(fast)  # a hold divides by its period, which costs an order each time
+    depth = (
+        order + 2 + 2 * len(fast)
+    )  # a hold divides by its period, which costs an order each time
     cut = Distortion.of(slowed.map(lambda entry: _truncated(entry, epsilon, depth)))
     terms = _series(cut.difference, epsilon, order)
     return Expansion(scene, tuple(terms), tuple(fast))
@@ -154,7 +168,8 @@ def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[Ration
     above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
     if 0 not in below:  # then it is in the numerator: a power of epsilon is left below the line
         raise SceneError(
-            "the distortion increases without bound with the bandwidth of the effects: there is no high-bandwidth approximation"
+            "the distortion increases without bound with the bandwidth of the effects: there "
+            "is no high-bandwidth approximation"
         )
     terms: list[RationalFunction] = []
     for n in range(order + 1):
@@ -165,7 +180,9 @@ def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[Ration
         yield terms[-1]
 
 
-def _by_powers(polynomial: Polynomial, ring: PolynomialRing, variable: Symbol) -> dict[int, RationalFunction]:
+def _by_powers(
+    polynomial: Polynomial, ring: PolynomialRing, variable: Symbol
+) -> dict[int, RationalFunction]:
     """The coefficients of the powers of a variable."""
     index = ring.meanings.index(variable)
     found: dict[int, dict[tuple[int, ...], object]] = {}
@@ -176,11 +193,23 @@ def _by_powers(polynomial: Polynomial, ring: PolynomialRing, variable: Symbol) -
     return {n: ring.function(ring.context.from_dict(terms)) for n, terms in found.items()}
 
 
-_BASE = (Dimension.STIFFNESS, Dimension.MASS, Dimension.DAMPING, Dimension.FREQUENCY, Dimension.TIME)
+_BASE = (
+    Dimension.STIFFNESS,
+    Dimension.MASS,
+    Dimension.DAMPING,
+    Dimension.FREQUENCY,
+    Dimension.TIME,
+)
 _LETTERS = {
-    Dimension.MASS: "mu", Dimension.STIFFNESS: "kappa", Dimension.DAMPING: "beta", Dimension.FREQUENCY: "rho",
-    Dimension.TIME: "theta", Dimension.FORCE: "phi", Dimension.DISPLACEMENT: "chi", Dimension.ANY: "gamma",
-}  # fmt: skip
+    Dimension.MASS: "mu",
+    Dimension.STIFFNESS: "kappa",
+    Dimension.DAMPING: "beta",
+    Dimension.FREQUENCY: "rho",
+    Dimension.TIME: "theta",
+    Dimension.FORCE: "phi",
+    Dimension.DISPLACEMENT: "chi",
+    Dimension.ANY: "gamma",
+}
 
 
 @dataclass(frozen=True)
@@ -195,7 +224,8 @@ class DimensionlessGroup:
 class Groups:
     """The dimensionless form of a scene.
 
-    ``frequency`` : x, omega in units of the scene's own frequency. ``groups`` : what everything else depends on.
+    ``frequency`` : x, omega in units of the scene's own frequency. ``groups`` : what everything
+    else depends on.
     ``units`` : the parameters that became 1. ``stiffness`` : the unit of H.
     """
 
@@ -209,7 +239,8 @@ class Groups:
 
     @cached_property
     def distortion(self) -> Distortion:
-        """The closed forms in x and the groups: ratios are those of the scene, dynamics are in units of ``stiffness``."""
+        """The closed forms in x and the groups: ratios are those of the scene, dynamics are in
+        units of ``stiffness``."""
         return Distortion.of(self.chain.at(self.values))
 
     def forwards(self, form: Expr) -> Expr:
@@ -218,13 +249,16 @@ class Groups:
 
     def back(self, form: Expr) -> Expr:
         """A form in x and the groups, in the scene's own parameters again: exact."""
-        return form.xreplace({group.symbol: group.value for group in (self.frequency, *self.groups)})
+        return form.xreplace(
+            {group.symbol: group.value for group in (self.frequency, *self.groups)}
+        )
 
 
 def groups(scene: Scene) -> Groups:
     """The dimensionless form of a scene, found from the units of its parameters.
 
-    Raises SceneError where the unit of a parameter is not known, as for a bare number in an expression.
+    Raises SceneError where the unit of a parameter is not known, as for a bare number in an
+    expression.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = groups(load_scene("fu2019"))
@@ -242,7 +276,9 @@ def groups(scene: Scene) -> Groups:
     named = dict(zip([p.symbol for p in others], _named(others, base, sizes, scene), strict=True))
     units = {x: Integer(1) for x in base}
     return Groups(
-        DimensionlessGroup(Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)),
+        DimensionlessGroup(
+            Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)
+        ),
         tuple(group for group, _ in named.values()),
         tuple(base),
         _unit(_exponents(Dimension.STIFFNESS, scene.motion), base, sizes),
@@ -263,18 +299,31 @@ def _size(p: Parameter, motion: MotionKind | None) -> _Size:
 
 
 def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
-    return {name: Rational(n.numerator, n.denominator) for name, n in dimension_exponents(dimension, motion) or ()}
+    return {
+        name: Rational(n.numerator, n.denominator)
+        for name, n in dimension_exponents(dimension, motion) or ()
+    }
 
 
 def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
-    """SceneError unless other units of mass, length and time change the dynamics as they should: exact."""
+    """SceneError unless other units of mass, length and time change the dynamics as they should:
+    exact."""
     if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
         raise SceneError(f"dimensionless groups need rational powers of s, not {irrational[0]}")
-    roots = {n.q for size in sizes.values() for n in size.values()} | {order.q for order in chain.ring.orders}
-    units = {name: Dummy(name, positive=True) ** prod(map(int, roots)) for name in ("mass", "length", "time")}
-    scale = {x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()}
+    roots = {n.q for size in sizes.values() for n in size.values()} | {
+        order.q for order in chain.ring.orders
+    }
+    units = {
+        name: Dummy(name, positive=True) ** prod(map(int, roots))
+        for name in ("mass", "length", "time")
+    }
+    scale = {
+        x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()
+    }
     scale[s] = s / units["time"]
-    stiffness = Mul(*(units[name] ** n for name, n in _exponents(Dimension.STIFFNESS, motion).items()))
+    stiffness = Mul(
+        *(units[name] ** n for name, n in _exponents(Dimension.STIFFNESS, motion).items())
+    )
     # a chain matrix counts up to a common factor, H_env does not
     rows: list[tuple[Sequence[Expr], Sequence[int]]]
     rows = [((H, Integer(1)), (1, 0)) for H in (chain.environment, chain.rendered)]
@@ -283,7 +332,9 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
         expected = [entry * stiffness**n for entry, n in zip(row, powers, strict=True)]
         scaled = [entry.xreplace(scale) for entry in row]
         if not _proportional(expected, scaled):
-            raise SceneError(f"{row[0]}: its units contradict each other: give each parameter its unit")
+            raise SceneError(
+                f"{row[0]}: its units contradict each other: give each parameter its unit"
+            )
 
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
@@ -295,10 +346,13 @@ def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
 
 
 def _base(given: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:
-    """Parameters of independent dimensions, as many as there are: stiffness and mass first, the environment's first."""
+    """Parameters of independent dimensions, as many as there are: stiffness and mass first, the
+    environment's first."""
     found: list[Symbol] = []
     rank = 0
-    for p in sorted(given, key=lambda p: _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)):
+    for p in sorted(
+        given, key=lambda p: _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)
+    ):
         if (now := _rows([*found, p.symbol], sizes).rank()) > rank and not p.value.is_zero:
             found.append(p.symbol)
             rank = now
@@ -322,9 +376,13 @@ def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) ->
 def _named(
     others: Sequence[Parameter], base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
 ) -> list[tuple[DimensionlessGroup, int]]:
-    """The group of each parameter, and how many times it is the parameter in the units of the base."""
+    """The group of each parameter, and how many times it is the parameter in the units of the
+    base."""
     letters = [_letter(p, base, sizes, scene) for p in others]
-    taken, environment = {p.symbol.name for p in scene.parameters}, {p.symbol for p in scene.environment.parameters}
+    taken, environment = (
+        {p.symbol.name for p in scene.parameters},
+        {p.symbol for p in scene.environment.parameters},
+    )
     found: list[tuple[DimensionlessGroup, int]] = []
     for p, letter in zip(others, letters, strict=True):
         own = p.symbol.name
@@ -337,7 +395,14 @@ def _named(
         name = name if all(name != group.symbol.name for group, _ in found) else f"{name}_{own}"
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
-        found.append((DimensionlessGroup(symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))), factor))
+        found.append(
+            (
+                DimensionlessGroup(
+                    symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))
+                ),
+                factor,
+            )
+        )
     return found
 
 
@@ -346,7 +411,9 @@ def _index(name: str) -> str:
     return re.sub(r"^(omega|tau|zeta|[a-zA-Z](?![a-zA-Z]))_?", "", name) or name
 
 
-def _letter(p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene) -> str:
+def _letter(
+    p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
+) -> str:
     """What a group is called in the field; nothing for a pure number, which keeps its name."""
     size = {name: n for name, n in sizes[p.symbol].items() if n}
     if not size:
@@ -354,7 +421,11 @@ def _letter(p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size],
     kinds = {_kind(sizes[x], scene.motion) for x in base}
     kind = _kind(size, scene.motion)
     own = {q.symbol for q in scene.environment.parameters}
-    if kind is Dimension.DAMPING and p.symbol in own and kinds >= {Dimension.STIFFNESS, Dimension.MASS}:
+    if (
+        kind is Dimension.DAMPING
+        and p.symbol in own
+        and kinds >= {Dimension.STIFFNESS, Dimension.MASS}
+    ):
         return "zeta"
     return _LETTERS[kind]
 
@@ -362,7 +433,10 @@ def _letter(p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size],
 def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
     """The dimension with these exponents."""
     plain = {name: n for name, n in size.items() if n}
-    return next((d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain), Dimension.ANY)
+    return next(
+        (d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain),
+        Dimension.ANY,
+    )
 
 
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
@@ -371,10 +445,12 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Answer):
-    """The formulas of a scene; ``kept``: the parameters that stay symbols, the others have the scene's values.
+    """The formulas of a scene; ``kept``: the parameters that stay symbols, the others have the
+    scene's values.
 
-    ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the distortion in short named
-    steps; ``crossings`` and ``changeovers`` are solved where a formula is readable, and otherwise the equation to solve.
+    ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the
+    distortion in short named steps; ``crossings`` and ``changeovers`` are solved where a formula is
+    readable, and otherwise the equation to solve.
     """
 
     scene: Scene
@@ -396,13 +472,16 @@ class Derivation(Answer):
         return found
 
     def to_latex(self) -> str:
-        r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex`` prints."""
+        r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex``
+        prints."""
         return str(resolve_name("haptisym.pages.derive:latex")(self))
 
     @cached_property
     def chain(self) -> Chain:
         """The dynamics with the scene's values for all parameters that are not kept."""
-        return self.scene.chain.at({p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept})
+        return self.scene.chain.at(
+            {p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept}
+        )
 
     @cached_property
     def distortion(self) -> Distortion:
@@ -411,7 +490,8 @@ class Derivation(Answer):
 
     @cached_property
     def environment(self) -> Distortion:
-        """The closed forms of the environment alone, felt as it is: for these no chain is multiplied out."""
+        """The closed forms of the environment alone, felt as it is: for these no chain is
+        multiplied out."""
         own = self.chain.environment
         return Distortion.of(Chain(own, own, ()))
 
@@ -424,7 +504,8 @@ class Derivation(Answer):
         key = listed_name(str(name))
         if key is None:
             raise SceneError(
-                f"unknown quantity {quoted(name)}: {meant(str(name), QUANTITIES)}valid are {', '.join(QUANTITIES)}"
+                f"unknown quantity {quoted(name)}: {meant(str(name), QUANTITIES)}valid are "
+                f"{', '.join(QUANTITIES)}"
             )
         return QUANTITIES[key](self)
 
@@ -445,7 +526,8 @@ class Derivation(Answer):
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """What is judged of a part, or by that name; SceneError for a JND of which there are no such formulas."""
+        """What is judged of a part, or by that name; SceneError for a JND of which there are no
+        such formulas."""
         if self.kept_thresholds:
             self.scene.threshold.need_plain("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
@@ -464,7 +546,8 @@ class Derivation(Answer):
         if isinstance(found, RealFunction):
             return found
         raise SceneError(
-            f"no single formula: the JND is {self.scene.threshold.kind}; give one number for each part, as jnd = 0.1"
+            f"no single formula: the JND is {self.scene.threshold.kind}; give one number for "
+            f"each part, as jnd = 0.1"
         )
 
     def piece(self, of: Piece) -> RealFunction:
@@ -477,21 +560,28 @@ class Derivation(Answer):
         return function
 
     def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
-        """Where the ratio meets its threshold: formulas, and unless ``readable``, of factors without one the equation itself."""
+        """Where the ratio meets its threshold: formulas, and unless ``readable``, of factors
+        without one the equation itself."""
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
         """Re H of the environment ("env") or of what is felt ("perc")."""
-        return self.environment.env_response.real if system == "env" else self.distortion.perc_response.real
+        return (
+            self.environment.env_response.real
+            if system == "env"
+            else self.distortion.perc_response.real
+        )
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
         """Where Re H of the environment ("env") or of what is felt ("perc") vanishes."""
         return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
-        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0 of the crossing.
+        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0
+        of the crossing.
 
-        At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at simple crossings only.
+        At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at
+        simple crossings only.
         """
         return self.equation(of).slope(parameter).expression()
 
@@ -500,10 +590,18 @@ class Derivation(Answer):
         return _equation(self.excess(of))
 
     def factors(self, of: Criterion | Piece | str) -> Factors:
-        """Of r^2 - c^2, of one function of a region, or of Re H of a system, the irreducible factors above and below the line."""
-        f = self.stiffness(of) if isinstance(of, str) else self.piece(of) if isinstance(of, Piece) else self.excess(of)
+        """Of r^2 - c^2, of one function of a region, or of Re H of a system, the irreducible
+        factors above and below the line."""
+        f = (
+            self.stiffness(of)
+            if isinstance(of, str)
+            else self.piece(of)
+            if isinstance(of, Piece)
+            else self.excess(of)
+        )
         lines = (
-            f.axis.factors(x, in_square=not f.axis.functions)[1] for x in (f.function.numerator, f.function.denominator)
+            f.axis.factors(x, in_square=not f.axis.functions)[1]
+            for x in (f.function.numerator, f.function.denominator)
         )
         pairs = ((f.axis.in_half_angles(factor), n) for factor, n in chain(*lines))
         return tuple((Equation(own.ring, own.numerator), n) for own, n in pairs)
@@ -514,11 +612,13 @@ class Derivation(Answer):
         return groups(self.scene)
 
     def expansion(self, order: int = 1) -> Expansion:
-        """The leading terms for fast devices, with a proven bound on the rest; SceneError where no device has a speed."""
+        """The leading terms for fast devices, with a proven bound on the rest; SceneError where no
+        device has a speed."""
         return expansion(self.scene, order)
 
     def at(self, /, **values: Number) -> Evaluation:
-        """Certified answers for values of the parameters, by name; what is not named keeps the scene's value.
+        """Certified answers for values of the parameters, by name; what is not named keeps the
+        scene's value.
 
         >>> from haptisym.verbs.derive.derivation import derive
         >>> derive("fu2019").at(omega_n="160 rad/s").bandwidth is None
@@ -558,7 +658,13 @@ def _jnd(name: str) -> Callable[[Derivation], Expr]:
     return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
 
-_PERCEIVED = {"k": "stiffness", "m": "mass", "b": "damping", "F_si": "spring_inertia_force", "F_d": "damping_force"}
+_PERCEIVED = {
+    "k": "stiffness",
+    "m": "mass",
+    "b": "damping",
+    "F_si": "spring_inertia_force",
+    "F_d": "damping_force",
+}
 _SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 
 QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
@@ -601,10 +707,12 @@ def listed_name(name: str) -> str | None:
 
 
 def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = None) -> Derivation:
-    """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a page of text.
+    """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a
+    page of text.
 
-    ``keep`` : the names of the parameters that stay symbols; None for all of them and the threshold, () for none. A name
-    that the scene does not have raises SceneError, as do names beside a distortion, whose symbols stay.
+    ``keep`` : the names of the parameters that stay symbols; None for all of them and the
+    threshold, () for none. A name that the scene does not have raises SceneError, as do names
+    beside a distortion, whose symbols stay.
 
     >>> found = derive("fu2019", keep=["omega_n"])
     >>> found
@@ -624,7 +732,9 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
     kept = [
         scene.knobs[name].felt()
-        for name in ([keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters"))
+        for name in (
+            [keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters")
+        )
     ]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
@@ -634,6 +744,8 @@ def _of_distortion_in_entry(d: Distortion, keep: Iterable[str] | None) -> Deriva
     if keep is not None:
         raise SceneError("keep: a distortion keeps its symbols: leave it out")
     if d.elements is None:
-        raise SceneError("this distortion has no environment and effects: give one that distort() returned")
+        raise SceneError(
+            "this distortion has no environment and effects: give one that distort() returned"
+        )
     environment, effects, rendered = d.elements
     return Derivation(Scene(environment, effects, rendered=rendered), ())

@@ -1,8 +1,10 @@
-"""Symbolic against numeric: the ways to one value held against each other at random frequencies and parameters.
+"""Symbolic against numeric: the ways to one value held against each other at random frequencies and
+parameters.
 
-The yardstick is the chain itself in complex arithmetic of 60 digits (mpmath): H_perc(j omega) built factor by factor, then the
-parts. Against it stand the closed form and the named steps (60 digits), ball arithmetic on lowest terms, and what ``compile``
-makes in floats. How far each is off is told in units in the last place of a double.
+The yardstick is the chain itself in complex arithmetic of 60 digits (mpmath): H_perc(j omega) built
+factor by factor, then the parts. Against it stand the closed form and the named steps (60 digits),
+ball arithmetic on lowest terms, and what ``compile`` makes in floats. How far each is off is told
+in units in the last place of a double.
 """
 
 from __future__ import annotations
@@ -38,8 +40,8 @@ WAYS = ("closed form", "named steps", "ball arithmetic", "compiled")
 
 @dataclass(frozen=True)
 class Disagreement:
-    """The largest difference of a way from the yardstick, in ulp of the value there. ``omega`` : where, rad/s; ``values`` : of
-    the parameters there."""
+    """The largest difference of a way from the yardstick, in ulp of the value there. ``omega`` :
+    where, rad/s; ``values`` : of the parameters there."""
 
     quantity: str
     way: str
@@ -50,10 +52,12 @@ class Disagreement:
 
 @dataclass(frozen=True, repr=False)
 class Verification(Shown):
-    """How far each way to each quantity is from complex arithmetic of 60 digits, at random points. Made by ``verify``.
+    """How far each way to each quantity is from complex arithmetic of 60 digits, at random points.
+    Made by ``verify``.
 
-    ``worst`` : for each way the largest difference, in units in the last place of a double; ``rows`` : for each way and quantity,
-    with the frequency, rad/s, and the values there. ``points`` : how many; ``undefined`` : at how many others there is no value.
+    ``worst`` : for each way the largest difference, in units in the last place of a double;
+    ``rows`` : for each way and quantity, with the frequency, rad/s, and the values there.
+    ``points`` : how many; ``undefined`` : at how many others there is no value.
     Computed: it finds a wrong formula, and proves none right.
     """
 
@@ -63,7 +67,9 @@ class Verification(Shown):
 
     def _line(self) -> str:
         found = self.worst
-        return f"{self.points} points: " + ", ".join(f"{way} within {found[way]:.3g} ulp" for way in WAYS)
+        return f"{self.points} points: " + ", ".join(
+            f"{way} within {found[way]:.3g} ulp" for way in WAYS
+        )
 
     @property
     def worst(self) -> dict[str, float]:
@@ -81,13 +87,19 @@ class Verification(Shown):
 
 
 def verify(
-    given: Distortion | Scene | str | Path, points: int = 100, *, seed: int = 0, limit: float | None = SECONDS
+    given: Distortion | Scene | str | Path,
+    points: int = 100,
+    *,
+    seed: int = 0,
+    limit: float | None = SECONDS,
 ) -> Verification:
-    """Re dH, Im dH, the ratios and Re and Im(dH/H_env) by four ways, at random points against complex arithmetic of 60 digits.
+    """Re dH, Im dH, the ratios and Re and Im(dH/H_env) by four ways, at random points against
+    complex arithmetic of 60 digits.
 
-    ``given`` : a distortion, whose symbols get random values from 0.1 to 10 in size (orders from 0.1 to 0.9), each of the kind
-    that the symbol is declared to be, or a scene with its numbers. Frequencies are drawn from a hundredth to a hundred rad/s,
-    evenly in their logarithm. ``limit`` : seconds.
+    ``given`` : a distortion, whose symbols get random values from 0.1 to 10 in size (orders from
+    0.1 to 0.9), each of the kind that the symbol is declared to be, or a scene with its numbers.
+    Frequencies are drawn from a hundredth to a hundred rad/s, evenly in their logarithm. ``limit``
+    : seconds.
 
     >>> from haptisym import distort, effects, environments, symbols
     >>> found = verify(distort(environments.mass_spring_damper(*symbols("m b k")), effects.first_order_lag(symbols("w"))), 20)
@@ -109,7 +121,9 @@ def verify(
                     told = {x.name: float(v) for x, v in values.items()}
                     worst[name, way] = Disagreement(name, way, error, float(omega), told)
     return Verification(
-        defined, count - defined, tuple(worst[name, way] for name in DISTORTION for way in WAYS if worst)
+        defined,
+        count - defined,
+        tuple(worst[name, way] for name in DISTORTION for way in WAYS if worst),
     )
 
 
@@ -119,14 +133,17 @@ def _frequency(draw: Random) -> Rational:
 
 
 def _drawn(draw: Random, x: Symbol, most: float) -> Rational:
-    """A random double up to that size, or whole number, that is what the symbol is declared to be; positive if nothing is."""
+    """A random double up to that size, or whole number, that is what the symbol is declared to be;
+    positive if nothing is."""
     for _ in range(_TRIES):
         size = 10 ** draw.uniform(-1, log10(most))
         sign = draw.choice((-1, 1)) if x.is_real and not x.is_positive else 1
         value = sign * (Integer(round(size)) if x.is_integer else Rational(size))
         if all(getattr(value, f"is_{word}") is told for word, told in x.assumptions0.items()):
             return value
-    raise SceneError(f"{x}: no number is found that it is declared to be: declare it positive or real")
+    raise SceneError(
+        f"{x}: no number is found that it is declared to be: declare it positive or real"
+    )
 
 
 def _errors(found: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, str, float]]:
@@ -157,19 +174,29 @@ class _Ways:
         """Random doubles."""
         return {x: _drawn(draw, x, 0.9 if x in self._orders else 10) for x in self._symbols}
 
-    def at(self, omega: Rational, values: Mapping[Symbol, Rational]) -> dict[str, dict[str, Any]] | None:
+    def at(
+        self, omega: Rational, values: Mapping[Symbol, Rational]
+    ) -> dict[str, dict[str, Any]] | None:
         """By each way, of each quantity; None where the chain has a pole, or no value."""
         point = [mpmath.mpf(int(x.p)) / int(x.q) for x in (omega, *values.values())]
         try:
             exact = self._complex(*point)
-            forms, steps = (dict(zip(DISTORTION, f(*point), strict=True)) for f in (self._closed, self._steps))
+            forms, steps = (
+                dict(zip(DISTORTION, f(*point), strict=True)) for f in (self._closed, self._steps)
+            )
             balls = self._balls(omega, values)
         except (ZeroDivisionError, UndecidedError):
             return None
         compiled = self._compiled(float(omega), **{x.name: float(v) for x, v in values.items()})
         found = {}
         for name in DISTORTION:
-            row = exact[name], forms[name], steps[name], balls[name], mpmath.mpf(float(getattr(compiled, name)))
+            row = (
+                exact[name],
+                forms[name],
+                steps[name],
+                balls[name],
+                mpmath.mpf(float(getattr(compiled, name))),
+            )
             found[name] = dict(zip(("complex", *WAYS), row, strict=True))
         return found if all(isfinite(float(x["complex"])) for x in found.values()) else None
 
@@ -180,7 +207,14 @@ class _Ways:
             H = (a * H + b) / (c * H + d)
         change, size = _without_noise(H - env), abs(env)
         relative = _without_noise((H - env) / env)
-        parts = change.real, change.imag, abs(change.real) / size, abs(change.imag) / size, relative.real, relative.imag
+        parts = (
+            change.real,
+            change.imag,
+            abs(change.real) / size,
+            abs(change.imag) / size,
+            relative.real,
+            relative.imag,
+        )
         return dict(zip(DISTORTION, map(mpmath.mpf, parts), strict=True))
 
     @cached_property
@@ -211,7 +245,8 @@ class _Ways:
         here = self.d.at({x.name: v for x, v in values.items()})
         functions = here.functions(DISTORTION)
         return {
-            name: mpmath.mpf(float(PointValue(f, at, rooted=name.startswith("ratio")))) for name, f in functions.items()
+            name: mpmath.mpf(float(PointValue(f, at, rooted=name.startswith("ratio"))))
+            for name, f in functions.items()
         }
 
     @cached_property

@@ -1,13 +1,16 @@
-"""How large, and how small, the bandwidth can be in a box of parameters, proven: readings of the one search, ``kernel.where``.
+"""How large, and how small, the bandwidth can be in a box of parameters, proven: readings of the
+one search, ``kernel.where``.
 
-Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the bandwidth at the
-values q, but for the band's high end where nothing is noticed. first(q) <= W for all q of a box if the box is covered by
-cells each of which has one criterion and one omega_0 <= W with F_i(omega_0, q) > 0 for all q of the cell
-(``LargestBandwidth``). What must be kept is judged at places below all of the band, so that first(q) is negative where it
-is broken: such values are no better than any others. Only *broken* must be proven of a cell: what stays open keeps the
-bound true.
+Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the
+bandwidth at the values q, but for the band's high end where nothing is noticed. first(q) <= W for
+all q of a box if the box is covered by cells each of which has one criterion and one omega_0 <= W
+with F_i(omega_0, q) > 0 for all q of the cell (``LargestBandwidth``). What must be kept is judged
+at places below all of the band, so that first(q) is negative where it is broken: such values are no
+better than any others. Only *broken* must be proven of a cell: what stays open keeps the bound
+true.
 
-first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells (``smallest``).
+first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells
+(``smallest``).
 
 Places are shares of the band, values shares of their ranges. Derivation: 20_best_damping.
 """
@@ -36,15 +39,20 @@ _PIECES, _BATCH = 16, 128
 """Of the band, to begin with; cells in a round."""
 _NARROW = 2.0**-44
 """Share of the box down to which cells are cut."""
-_LOW = -1 + 1e-3  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
+_LOW = (
+    -1 + 1e-3
+)  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
 _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _SEEN, _CUT_POINTS = 1e-6, 8
-"""How closely first(q) is bounded at single points, a share of the band; how often pieces are cut for it."""
+"""How closely first(q) is bounded at single points, a share of the band; how often pieces are cut
+for it."""
 _WITHOUT_END = 10**12  # pieces: time is the limit
 _MOST_WORST = 10_000
-"""Pieces that are looked at for the worst of one parameter: a threshold that is touched is never settled."""
+"""Pieces that are looked at for the worst of one parameter: a threshold that is touched is never
+settled."""
 _REACH = 20
-"""As many times the band's high end is looked at for what must be kept: beyond, the highest coefficient alone tells."""
+"""As many times the band's high end is looked at for what must be kept: beyond, the highest
+coefficient alone tells."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +68,10 @@ class DesignBox(Box):
 
     def times(self, factors: Sequence[Expr]) -> DesignBox:
         """The box of all values that are so many times those of this one; shares mean the same."""
-        scaled = (replace(x, low=x.low * f, high=x.high * f) for x, f in zip(self.free, factors, strict=True))
+        scaled = (
+            replace(x, low=x.low * f, high=x.high * f)
+            for x, f in zip(self.free, factors, strict=True)
+        )
         return replace(self, free=tuple(scaled))
 
     def around(self, relative: Expr) -> DesignBox:
@@ -78,12 +89,15 @@ class DesignBox(Box):
 
     def criteria_of(self, part: Part | None) -> list[Judge]:
         """The same, of one part alone if it is given."""
-        found = (excess_of(self, x) for x in noticed(self.scene.threshold) if part in (None, x.part))
+        found = (
+            excess_of(self, x) for x in noticed(self.scene.threshold) if part in (None, x.part)
+        )
         return [x.curve for x in found if not x.is_zero]
 
     @property
     def passive(self) -> list[tuple[Judge, int]]:
-        """What is positive where a display gives energy away, at places from -1 to 0, each in how many pieces.
+        """What is positive where a display gives energy away, at places from -1 to 0, each in how
+        many pieces.
 
         Nothing of loops with a clock.
         """
@@ -91,40 +105,58 @@ class DesignBox(Box):
             return []
         high = _REACH * self.scene.band[1]
         wide = replace(self, scene=replace(self.scene, band=(Integer(0), high)))
-        return [(_Activity(wide).below, _PIECES), *((_Coefficient(self, x).curve, 1) for x in _at_both_ends(self))]
+        return [
+            (_Activity(wide).below, _PIECES),
+            *((_Coefficient(self, x).curve, 1) for x in _at_both_ends(self)),
+        ]
 
 
 Offer: TypeAlias = Callable[[Array], float | None]
-"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that is attained so far.
+"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that
+is attained so far.
 
 None where there are more criteria now, and the search has to begin with these.
 """
 
 
 class LargestBandwidth:
-    """Upper bounds on the bandwidth in a box, in shares of the band, by targets that come closer to what is attained.
+    """Upper bounds on the bandwidth in a box, in shares of the band, by targets that come closer to
+    what is attained.
 
-    ``criteria`` : judges of the band; ``kept`` : of what must be kept, at places from -1 to 0, each with the number of pieces of
-    these to begin with; ``outer`` : the cells that hold all values that are allowed, (cells, parameters, 2).
+    ``criteria`` : judges of the band; ``kept`` : of what must be kept, at places from -1 to 0, each
+    with the number of pieces of these to begin with; ``outer`` : the cells that hold all values
+    that are allowed, (cells, parameters, 2).
     """
 
-    def __init__(self, criteria: Sequence[Judge], kept: Sequence[tuple[Judge, int]], outer: Array) -> None:
+    def __init__(
+        self, criteria: Sequence[Judge], kept: Sequence[tuple[Judge, int]], outer: Array
+    ) -> None:
         self._criteria = len(criteria)
-        first = Cells.of(outer, [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(_LOW, 0.0, n) for _, n in kept)])
+        first = Cells.of(
+            outer,
+            [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(_LOW, 0.0, n) for _, n in kept)],
+        )
         self._reached = 0.0
         self._offered: set[bytes] = set()
         self._settled: list[Cells] = [first[:0]]
         self._search = Search(
-            [*criteria, *(x for x, _ in kept)], first, wide=_wide, settled=no_better(0.0), rank=_by_size, batch=_BATCH,
-            most=_WITHOUT_END, what="cells of the parameters",
-        )  # fmt: skip
+            [*criteria, *(x for x, _ in kept)],
+            first,
+            wide=_wide,
+            settled=no_better(0.0),
+            rank=_by_size,
+            batch=_BATCH,
+            most=_WITHOUT_END,
+            what="cells of the parameters",
+        )
 
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
         """A target that no values of the box are better than, the whole band if it is attained.
 
         None where cells became too narrow, the time was over, or an offer said so.
 
-        ``aim`` : the target for what is attained; it rises where an offer is better than all before.
+        ``aim`` : the target for what is attained; it rises where an offer is better than all
+        before.
         """
         attained = offer(np.empty((0, self._search.left.outer.shape[1]))) or 0.0
         target = aim(attained)
@@ -161,7 +193,9 @@ class LargestBandwidth:
         """Look up to a target."""
         self._search.settled = no_better(target)
         if target > self._reached:
-            more = _pieces(self._reached, target, max(1, round(_PIECES * (1 - self._reached / target))))
+            more = _pieces(
+                self._reached, target, max(1, round(_PIECES * (1 - self._reached / target)))
+            )
             none = np.empty((0, 1, 2))
             inner = [more if i < self._criteria else none for i in range(len(self._search.judges))]
             self._search.restart(self._search.left.extended(inner))
@@ -179,7 +213,8 @@ class LargestBandwidth:
         return np.array(new).reshape(len(new), middles.shape[1])
 
     def better_than(self, attained: float) -> Array:
-        """The cells, (cells, parameters, 2), outside of which no values are better than what is attained."""
+        """The cells, (cells, parameters, 2), outside of which no values are better than what is
+        attained."""
         cells = joined([*self._settled, self._search.left])
         return cells.outer[cells.ceiling > attained]
 
@@ -202,19 +237,28 @@ def _pieces(low: float, high: float, count: int) -> Array:
 
 
 def _whole_box(criteria: Sequence[Judge], sides: int, end: float = 1.0) -> Cells:
-    return Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, end, _PIECES)] * len(criteria))
+    return Cells.of(
+        np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(0.0, end, _PIECES)] * len(criteria)
+    )
 
 
 def at_points(criteria: Sequence[Judge], points: Array) -> tuple[Array, Array]:
-    """Of points of a box, (points, parameters), what first(q) is at least and at most, in shares of the band.
+    """Of points of a box, (points, parameters), what first(q) is at least and at most, in shares of
+    the band.
 
-    Both are 1 where nothing is positive. They stay apart where a criterion comes close to its threshold, or touches it.
+    Both are 1 where nothing is positive. They stay apart where a criterion comes close to its
+    threshold, or touches it.
     """
-    first = Cells.of(np.repeat(points[:, :, None], 2, -1), [_pieces(0.0, 1.0, _PIECES)] * len(criteria))
+    first = Cells.of(
+        np.repeat(points[:, :, None], 2, -1), [_pieces(0.0, 1.0, _PIECES)] * len(criteria)
+    )
     search = Search(
-        criteria, first, wide=_uncut, last=_CUT_POINTS,
+        criteria,
+        first,
+        wide=_uncut,
+        last=_CUT_POINTS,
         settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= _SEEN,
-    )  # fmt: skip
+    )
     cells = joined([*search, search.left])
     asked, answered = np.lexsort(points.T), np.lexsort(cells.outer[..., 0].T)
     found = np.empty((2, len(points)))
@@ -225,21 +269,34 @@ def at_points(criteria: Sequence[Judge], points: Array) -> tuple[Array, Array]:
 def smallest(
     criteria: Sequence[Judge], sides: int, relative: float, seen: float = 1.0
 ) -> Iterator[tuple[float, float, Array | None]]:
-    """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they are within ``relative``.
+    """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they
+    are within ``relative``.
 
-    ``seen`` : what some values of the box are known to have: of the band below it alone is anything asked. With the bounds
-    come values that have no more than the upper one, as shares of the box; None where that is ``seen`` still.
+    ``seen`` : what some values of the box are known to have: of the band below it alone is anything
+    asked. With the bounds come values that have no more than the upper one, as shares of the box;
+    None where that is ``seen`` still.
     """
     if not criteria or seen <= 0:
         yield seen, seen, None
         return
     end, where = seen if seen >= 1 else seen * (1 - relative), None
-    first = Search(criteria, _whole_box(criteria, sides, end), wide=_uncut, settled=no_worse(np.inf), last=_CUT_FIRST)
+    first = Search(
+        criteria,
+        _whole_box(criteria, sides, end),
+        wide=_uncut,
+        settled=no_worse(np.inf),
+        last=_CUT_FIRST,
+    )
     cells = joined([*first, first.left])  # most pieces need no cut of the box
     search = Search(
-        criteria, cells, wide=_wide, settled=no_worse(end), rank=lambda x: x.floor, batch=_BATCH,
+        criteria,
+        cells,
+        wide=_wide,
+        settled=no_worse(end),
+        rank=lambda x: x.floor,
+        batch=_BATCH,
         most=_MOST_WORST * 3 ** (sides - 1),
-    )  # fmt: skip
+    )
     for done in search:
         known = joined([done, search.left])
         least = int(np.argmin(known.ceiling))
@@ -252,31 +309,45 @@ def smallest(
 
 
 def _below(cells: Cells, end: float) -> Cells:
-    """The same without pieces above a place: nobody asks what is there, and cells would be cut for it."""
+    """The same without pieces above a place: nobody asks what is there, and cells would be cut for
+    it."""
     return replace(cells, pieces=tuple(x[x.inner[:, 0, 0] < end] for x in cells.pieces))
 
 
 def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> tuple[Array, Array]:
-    """Cells that fill a box, (cells, parameters, 2), and bounds on first(q) in each, (cells, 2), in shares of the band.
+    """Cells that fill a box, (cells, parameters, 2), and bounds on first(q) in each, (cells, 2), in
+    shares of the band.
 
-    ``within`` : how far apart bounds are to be; ``most`` : pieces that are looked at, after which some are further apart.
+    ``within`` : how far apart bounds are to be; ``most`` : pieces that are looked at, after which
+    some are further apart.
     """
     search = Search(
-        criteria, _whole_box(criteria, sides), wide=_wide, rank=_by_size, batch=_BATCH, most=most,
+        criteria,
+        _whole_box(criteria, sides),
+        wide=_wide,
+        rank=_by_size,
+        batch=_BATCH,
+        most=most,
         settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= within,
-    )  # fmt: skip
+    )
     cells = joined([*search, search.left])
     return cells.outer, np.clip(np.stack([cells.floor, cells.ceiling], -1), 0.0, 1.0)
 
 
 def broken(judges: Sequence[tuple[Judge, int]], sides: int, finest: float, most: int) -> Array:
-    """Cells, (cells, parameters, 2), for all values of which something that must be kept is proven to be broken.
+    """Cells, (cells, parameters, 2), for all values of which something that must be kept is proven
+    to be broken.
 
-    ``judges`` : as of ``LargestBandwidth``; ``finest`` : the share of a range down to which cells are cut.
+    ``judges`` : as of ``LargestBandwidth``; ``finest`` : the share of a range down to which cells
+    are cut.
     """
     first = Cells.of(np.tile([0.0, 1.0], (1, sides, 1)), [_pieces(_LOW, 0.0, n) for _, n in judges])
     search = Search(
-        [x for x, _ in judges], first, wide=lambda x: x[..., 1] - x[..., 0] > finest, rank=_by_size, most=most
+        [x for x, _ in judges],
+        first,
+        wide=lambda x: x[..., 1] - x[..., 0] > finest,
+        rank=_by_size,
+        most=most,
     )
     cells = joined([first[:0], *search])
     return cells.outer[cells.ceiling < np.inf]
@@ -298,7 +369,10 @@ class _Activity(Excess):
         with np.errstate(all="ignore"):
             inputs = [self._variable(i, cells, slopes=slopes or 0) for i in self._inputs]
             found = Modelled(self._program).run(inputs)
-            x, y = (v if isinstance(v, Model) else inputs[0].number(v) for v in (found[name] for name in _FIELDS))
+            x, y = (
+                v if isinstance(v, Model) else inputs[0].number(v)
+                for v in (found[name] for name in _FIELDS)
+            )
             return -(x + y)
 
     def below(self, cells: Array) -> Curve:
@@ -318,28 +392,46 @@ class _Coefficient(Excess):
     def model(self, cells: Array, *, slopes: int | None = None) -> Model:
         """The formula over each cell."""
         with np.errstate(all="ignore"):
-            sides = {name: self._variable(1 + i, cells, slopes=0) for i, name in enumerate(self._names)}
+            sides = {
+                name: self._variable(1 + i, cells, slopes=0) for i, name in enumerate(self._names)
+            }
             known = {x: sides[x.name] for x in self._formula.free_symbols}
             return valued(self._formula, known, self._variable(0, cells, slopes=0))
 
 
 def _at_both_ends(box: DesignBox) -> list[Expr]:
-    """Formulas that are positive where -Im H_perc is near 0 rad/s, and far out; none where it is no rational function."""
+    """Formulas that are positive where -Im H_perc is near 0 rad/s, and far out; none where it is no
+    rational function."""
     scene, names = box.scene, [x.name for x in box.free]
-    chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol.name not in names})
+    chain = scene.chain.at(
+        {p.symbol: p.value for p in scene.parameters if p.symbol.name not in names}
+    )
     found = PASSIVE.function(Distortion.of(chain))
-    if not isinstance(found, RealFunction) or found.axis.functions or found.axis.orders or found.function.is_zero:
+    if (
+        not isinstance(found, RealFunction)
+        or found.axis.functions
+        or found.axis.orders
+        or found.function.is_zero
+    ):
         return []
-    above, below = (_by_powers(found, x) for x in (found.function.numerator, found.function.denominator))
+    above, below = (
+        _by_powers(found, x) for x in (found.function.numerator, found.function.denominator)
+    )
     return [above[end(above)] * below[end(below)] for end in (min, max)]
 
 
 def _by_powers(f: RealFunction, polynomial: object) -> dict[int, Expr]:
     """The coefficient of each power of omega, as a formula."""
     found: dict[int, Expr] = {}
-    own, others = f.axis.meanings.index(omega), [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega]
+    own, others = (
+        f.axis.meanings.index(omega),
+        [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega],
+    )
     for exponents, value in monomials(polynomial):
         power = int(exponents[own])
-        term = Mul(Rational(int(value.p), int(value.q)), *(x ** int(exponents[i]) for i, x in others if exponents[i]))
+        term = Mul(
+            Rational(int(value.p), int(value.q)),
+            *(x ** int(exponents[i]) for i, x in others if exponents[i]),
+        )
         found[power] = found.get(power, Integer(0)) + term
     return found

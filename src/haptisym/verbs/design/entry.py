@@ -1,12 +1,14 @@
-"""Which values of one to three parameters make the bandwidth largest, proven; and what it costs to miss them.
+"""Which values of one to three parameters make the bandwidth largest, proven; and what it costs to
+miss them.
 
-The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the lowest frequency at which
-some criterion is exceeded with some environment, the band's high end if none is. It is upper semicontinuous, so that it has
-a maximum on a closed box; at the maximum several criteria are often met at once, and B falls off sharply on either side.
+The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the
+lowest frequency at which some criterion is exceeded with some environment, the band's high end if
+none is. It is upper semicontinuous, so that it has a maximum on a closed box; at the maximum
+several criteria are often met at once, and B falls off sharply on either side.
 
-Found by branch and bound: exact evaluations at single values give what is attained, which counts if it keeps what must be
-kept; cells that are proven to hold nothing better by more than the gap are closed (``bound``). Both meet, or the gap that
-is left is said.
+Found by branch and bound: exact evaluations at single values give what is attained, which counts if
+it keeps what must be kept; cells that are proven to hold nothing better by more than the gap are
+closed (``bound``). Both meet, or the gap that is left is said.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
 Range: TypeAlias = tuple[Number, Number] | None
 Free: TypeAlias = Mapping[str, Range] | Sequence[str] | str
 Spans: TypeAlias = list[tuple[RealNumber | None, RealNumber | None]]
-"""Values of one parameter, from where to where; None where that is an end of its range, or not known."""
+"""Values of one parameter, from where to where; None where that is an end of its range, or not
+known."""
 _GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
 _TARGETS = (1.0, 0.1, 0.01)
 """How far above what is attained an upper bound is proven first, before the gap itself."""
@@ -84,10 +87,11 @@ class Loss:
 class Design(Answer):
     """The values that make the bandwidth largest, and proven bounds on how large it can be.
 
-    ``given`` : what the scene's own values attain. ``best`` : what the best values found attain, exactly, and that they keep what
-    must be kept; None where no values were found that do. ``bandwidth`` : between which numbers the largest one lies,
-    rad/s. ``where`` : cells, (cells, parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as
-    in ``Requirement``; ``why`` : the reason, where something was cut short.
+    ``given`` : what the scene's own values attain. ``best`` : what the best values found attain,
+    exactly, and that they keep what must be kept; None where no values were found that do.
+    ``bandwidth`` : between which numbers the largest one lies, rad/s. ``where`` : cells, (cells,
+    parameters, 2), SI, outside of which nothing is better than ``best``. ``limit`` : as in
+    ``Requirement``; ``why`` : the reason, where something was cut short.
     """
 
     _schema: ClassVar[str] = "haptisym.design/1"
@@ -113,7 +117,8 @@ class Design(Answer):
         if self.best is None:
             return f"{titled(self.family.title)}: no values were found"
         values = ", ".join(
-            f"{x.name} = {float(value):.6g}" for x, value in zip(self.free, self.best.values, strict=True)
+            f"{x.name} = {float(value):.6g}"
+            for x, value in zip(self.free, self.best.values, strict=True)
         )
         return f"{titled(self.family.title)}: {values}: bandwidth {self.bandwidth[0]:.6g} rad/s"
 
@@ -138,7 +143,8 @@ class Design(Answer):
 
     @property
     def certified(self) -> bool:
-        """Whether the bounds are no further apart than the gap, and what must be kept is proven to be."""
+        """Whether the bounds are no further apart than the gap, and what must be kept is proven to
+        be."""
         (low, high), (start, end) = self.bandwidth, map(float, self.family.band)
         # of what is noticed from the low end on the gap is a share of the band
         least = low if low > start else end - start
@@ -152,7 +158,8 @@ class Design(Answer):
 
     @cached_property
     def binding(self) -> tuple[Bound, ...]:
-        """The criteria that are exceeded first at the best values, or at what is worst about them, to within the gap."""
+        """The criteria that are exceeded first at the best values, or at what is worst about them,
+        to within the gap."""
         if self.best is None or self.is_whole:
             return ()
         end, found = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
@@ -170,10 +177,14 @@ class Design(Answer):
 
     @cached_property
     def clusters(self) -> list[list[tuple[float, float]]]:
-        """Boxes, from where to where of each parameter, SI, outside of which nothing is better than the best."""
+        """Boxes, from where to where of each parameter, SI, outside of which nothing is better than
+        the best."""
         label = touching(self.where)
         own = [self.where[label == n] for n in sorted(set(label.tolist()))]
-        return [list(zip(x[..., 0].min(0).tolist(), x[..., 1].max(0).tolist(), strict=True)) for x in own]
+        return [
+            list(zip(x[..., 0].min(0).tolist(), x[..., 1].max(0).tolist(), strict=True))
+            for x in own
+        ]
 
     def _body(self) -> dict[str, Any]:
         several = len(self.family) > 1
@@ -184,18 +195,24 @@ class Design(Answer):
             ],
             "keep": list(self.keep),
             "band": [float(x) for x in self.family.band],
-            "given": None if self.given is None else {"bandwidth": self.given.bandwidth, "kept": self.given.kept},
+            "given": None
+            if self.given is None
+            else {"bandwidth": self.given.bandwidth, "kept": self.given.kept},
             "best": self.best and self._row(self.best),
             "bandwidth": list(self.bandwidth),
-            "where": [{x.path: list(ends) for x, ends in zip(self.free, cluster, strict=True)} for cluster in self.clusters],
+            "where": [
+                {x.path: list(ends) for x, ends in zip(self.free, cluster, strict=True)}
+                for cluster in self.clusters
+            ],
             "binding": [
-                {"criterion": x.criterion.symbol, "omega": float(x.omega)} | ({"environment": x.environment} if several else {})
+                {"criterion": x.criterion.symbol, "omega": float(x.omega)}
+                | ({"environment": x.environment} if several else {})
                 for x in self.binding
             ],
             "loss": [x.row() for x in self.loss],
             "whole_band": self.is_whole,
             "certified": self.certified,
-        }  # fmt: skip
+        }
 
     def _row(self, found: Attained) -> dict[str, Any]:
         values = {x.path: float(value) for x, value in zip(self.free, found.values, strict=True)}
@@ -209,7 +226,8 @@ class Design(Answer):
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked: scenes by environment, free parameters, each between two values, and what must be kept."""
+    """What is asked: scenes by environment, free parameters, each between two values, and what must
+    be kept."""
 
     family: SceneFamily
     free: tuple[Knob, ...]
@@ -234,11 +252,14 @@ class Question:
 
     def search(self, cells: Array | None = None) -> LargestBandwidth:
         """The upper bound's, in cells outside of which nothing better is left."""
-        return LargestBandwidth(self.points.criteria, self._passive, self._held[0] if cells is None else cells)
+        return LargestBandwidth(
+            self.points.criteria, self._passive, self._held[0] if cells is None else cells
+        )
 
     @cached_property
     def _held(self) -> tuple[Array, Array]:
-        """Cells, in shares, that hold all values with which what must be kept may be, and such with which it is not.
+        """Cells, in shares, that hold all values with which what must be kept may be, and such with
+        which it is not.
 
         Of one parameter as ``require`` finds them; of more where it is stable.
         """
@@ -254,30 +275,40 @@ class Question:
 
     @cached_property
     def _alone(self) -> Spans | None:
-        """Of one parameter all values with which what must be kept is, or may be, in order; None where that is not known."""
+        """Of one parameter all values with which what must be kept is, or may be, in order; None
+        where that is not known."""
         if self.robust or not self.keep or len(self.free) > 1:
             return None
         from haptisym.verbs.require.required import require
 
         try:
-            found = require(self.scenes[0], self.free[0].path, self.ranges[0], that=self.keep, limit=_MOST_HELD)
+            found = require(
+                self.scenes[0], self.free[0].path, self.ranges[0], that=self.keep, limit=_MOST_HELD
+            )
         except UndecidedError:
             return None
         return [(x.low, x.high) for x in found.values.pieces if x.verdict is not Verdict.FAILS]
 
     @property
     def single(self) -> list[Expr]:
-        """The values of one parameter about which no others keep what must be kept; those that are rational."""
+        """The values of one parameter about which no others keep what must be kept; those that are
+        rational."""
         found = [a.value for a, b in self._alone or () if isinstance(a, ExactNumber) and a == b]
         return [x for x in found if x.is_Rational]
 
     def refused(self, finest: float, most: int) -> Array:
-        """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is proven to be broken."""
-        own = broken(self._passive, len(self.free), finest, most) if self._passive else self._held[1][:0]
+        """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is
+        proven to be broken."""
+        own = (
+            broken(self._passive, len(self.free), finest, most)
+            if self._passive
+            else self._held[1][:0]
+        )
         return np.concatenate([own, self._held[1]])
 
     def profile(self, within: float, most: int) -> tuple[Array, Array]:
-        """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as of ``bound.profile``."""
+        """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as
+        of ``bound.profile``."""
         cells, shares = profile(self.points.criteria, len(self.free), within, most)
         low, high = map(float, self.family.band)
         return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
@@ -286,7 +317,9 @@ class Question:
         low, high = self.ranges[0]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
-            return none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
+            return (
+                none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
+            )
 
         ends = [[share(a, 0, 0.0) - _ULPS, share(b, 1, 1.0) + _ULPS] for a, b in spans]
         allowed = np.clip(np.array(ends).reshape(-1, 1, 2), 0.0, 1.0)
@@ -337,7 +370,13 @@ class _Search:
     @property
     def attained(self) -> float:
         """A share of the band."""
-        return 0.0 if self.best is None else 1.0 if self.best.is_whole else self.share(self.best.bandwidth)
+        return (
+            0.0
+            if self.best is None
+            else 1.0
+            if self.best.is_whole
+            else self.share(self.best.bandwidth)
+        )
 
     def go(self) -> None:
         """Find the best, and prove how much better it can be."""
@@ -369,17 +408,22 @@ class _Search:
             self.is_refused = self.best is None and not len(self._open_in(cover))
 
     def _open_in(self, cover: LargestBandwidth) -> Array:
-        """Cells that may hold something better; where nothing is attained all that may keep what must be kept."""
+        """Cells that may hold something better; where nothing is attained all that may keep what
+        must be kept."""
         return cover.better_than(-1e-9 if self.best is None else self.attained)
 
     def _aim(self, share: float, relative: float) -> float:
         relative *= 1 - 1e-6  # what is rounded on the way stays within the gap
-        return min(self.share(self.frequency(share) * (1 + relative)) if share > 0 else relative, 1.0)
+        return min(
+            self.share(self.frequency(share) * (1 + relative)) if share > 0 else relative, 1.0
+        )
 
     def _start(self) -> None:
         points, own = self.points, tuple(x.value for x in self.question.free)
         self.given = points.attained(own)
-        inside = all(low <= x <= high for x, (low, high) in zip(own, self.question.ranges, strict=True))
+        inside = all(
+            low <= x <= high for x, (low, high) in zip(own, self.question.ranges, strict=True)
+        )
         if inside and self.given and points.fits(self.given):
             self.best = self.given
         if self.attained >= 1:
@@ -393,7 +437,11 @@ class _Search:
         self.best = found or self.best
         for x in self.question.single if self.attained < 1 else ():
             alone = points.attained([x])
-            if alone and points.fits(alone) and (self.best is None or alone.bandwidth > self.best.bandwidth):
+            if (
+                alone
+                and points.fits(alone)
+                and (self.best is None or alone.bandwidth > self.best.bandwidth)
+            ):
                 self.best = alone
         self._round()
 
@@ -402,7 +450,8 @@ class _Search:
             self.best = self.points.rounded(self.best, self.gap / 20)
 
     def bounds(self) -> tuple[float, float]:
-        """What the largest bandwidth lies between, rad/s; of all values that are off by as much as they may the worst."""
+        """What the largest bandwidth lies between, rad/s; of all values that are off by as much as
+        they may the worst."""
         if self.is_refused:
             return 0.0, 0.0
         upper = self._high if self.upper >= 1 else 0.0
@@ -421,12 +470,15 @@ class _Search:
         return low[:, None] + width[:, None] * cells
 
     def losses(self) -> list[Loss]:
-        """What it costs to miss the best values; what holds for all values holds for all that are nearer."""
+        """What it costs to miss the best values; what holds for all values holds for all that are
+        nearer."""
         best, found = self.best, list[Loss]()
         if best is None:
             return found
         robust = Loss(self.question.robust, best.bandwidth, best.kept)
-        middle = replace(best, evaluations=best.evaluations[: len(self.question.scenes)], proven=None)
+        middle = replace(
+            best, evaluations=best.evaluations[: len(self.question.scenes)], proven=None
+        )
         for relative in reversed(_MISSED):
             try:
                 with limited(_MOST_LOSS):
@@ -453,7 +505,9 @@ class _Search:
 
     def _near(self, values: Array, least: float) -> Attained | None:
         """Something better than ``least`` near some sets of values."""
-        if self.question.robust:  # what floats say of it is of some factors alone: one exactly tells which it wants
+        if (
+            self.question.robust
+        ):  # what floats say of it is of some factors alone: one exactly tells which it wants
             found = self.points.attained(self.points.exact(values[0]))
             return found if found and self.points.fits(found) and found.bandwidth > least else None
         _, most = self.points.bandwidths(values)
@@ -473,17 +527,23 @@ def design(
     limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> Design:
-    """The values of one to three parameters with which the bandwidth is largest, with proven bounds on how large it can be.
+    """The values of one to three parameters with which the bandwidth is largest, with proven bounds
+    on how large it can be.
 
-    ``scene`` : of formulas; with several environments the least of their bandwidths counts. ``free`` : paths or names, with the
-    range of each, numbers in SI or strings with a unit; a tenth to ten times its value where none is given.
-    ``keep`` : "passive", "stable" (in ``hand``, or in all hands of the scene), "steady" (without shaking, a drift allowed).
-    ``robust`` : a share, such as "5 %": the values whose worst bandwidth is largest when all are off by up to as much.
-    ``gap`` : relative, to which bounds are to come together; 1e-3, for three parameters 1e-2. ``limit``, ``told`` : as in
+    ``scene`` : of formulas; with several environments the least of their bandwidths counts.
+    ``free`` : paths or names, with the range of each, numbers in SI or strings with a unit; a tenth
+    to ten times its value where none is given.
+    ``keep`` : "passive", "stable" (in ``hand``, or in all hands of the scene), "steady" (without
+    shaking, a drift allowed).
+    ``robust`` : a share, such as "5 %": the values whose worst bandwidth is largest when all are
+    off by up to as much.
+    ``gap`` : relative, to which bounds are to come together; 1e-3, for three parameters 1e-2.
+    ``limit``, ``told`` : as in
     ``require``.
 
-    Guaranteed: the best values attain the lower bound and keep everything, exactly; no values of the box that keep everything
-    attain more than the upper one. SceneError where the scene, a path or a range does not fit.
+    Guaranteed: the best values attain the lower bound and keep everything, exactly; no values of
+    the box that keep everything attain more than the upper one. SceneError where the scene, a path
+    or a range does not fit.
 
     >>> found = design("fu2019", {"zeta": (0.3, 1)})
     >>> [x.name for x in found.free], found.certified
@@ -494,7 +554,9 @@ def design(
     if hand is not None or {STABLE, STEADY} & set(wanted):
         from haptisym.verbs.require.hands import with_hands  # which much else is loaded for
 
-        family = SceneFamily({k: with_hands(x, hand) for k, x in family.scenes.items()}, family.title, family.source)
+        family = SceneFamily(
+            {k: with_hands(x, hand) for k, x in family.scenes.items()}, family.title, family.source
+        )
     knobs, ranges = _box(family, free)
     off = Rational(0) if robust is None else _share("robust", robust)
     within = _GAPS[len(knobs)] if gap is None else Fraction(str(_share("gap", gap)))
@@ -505,9 +567,21 @@ def design(
             search.go()
         losses = tuple(search.losses())
     return Design(
-        family, knobs, ranges, wanted, off, within, search.given, search.best, search.bounds(), search.where(), losses,
-        budget.cut, question, budget.why,
-    )  # fmt: skip
+        family,
+        knobs,
+        ranges,
+        wanted,
+        off,
+        within,
+        search.given,
+        search.best,
+        search.bounds(),
+        search.where(),
+        losses,
+        budget.cut,
+        question,
+        budget.why,
+    )
 
 
 def _share(what: str, given: Number) -> Expr:
@@ -521,7 +595,11 @@ def _wishes(keep: Sequence[str] | str) -> tuple[str, ...]:
     listed = [keep] if isinstance(keep, str) else list(keep)
     for x in listed:
         if x not in KEPT:
-            raise SceneError(f'keep: "{str(x)[:60]}" is none of {", ".join(KEPT)}; {meant(str(x), KEPT)}'.rstrip("; "))
+            raise SceneError(
+                f'keep: "{str(x)[:60]}" is none of {", ".join(KEPT)}; {meant(str(x), KEPT)}'.rstrip(
+                    "; "
+                )
+            )
     return tuple(x for x in KEPT if x in listed)
 
 
@@ -530,31 +608,42 @@ def _box(family: SceneFamily, free: Free) -> tuple[tuple[Knob, ...], tuple[tuple
     listed = [free] if isinstance(free, str) else free
     asked: dict[str, Range] = dict(listed) if isinstance(listed, Mapping) else dict.fromkeys(listed)
     if not 1 <= len(asked) <= 3:
-        raise SceneError(f"{len(asked)} parameters are free: the best values of one, two or three are found")
+        raise SceneError(
+            f"{len(asked)} parameters are free: the best values of one, two or three are found"
+        )
     knobs = family.first.knobs
     found = [knobs[path].felt() for path in asked]
     for path, x in zip(asked, found, strict=True):
         if x.parts:
             raise SceneError(
-                f"{x.path} is what a person notices, and nothing to design: choose a parameter of the display"
+                f"{x.path} is what a person notices, and nothing to design: choose a "
+                f"parameter of the display"
             )
         if found.count(x) > 1:
             raise SceneError(f"{x.path} is free twice, the second time as {path}")
         if len(family) > 1 and not x.path.startswith("effects."):
-            raise SceneError(f"{x.path} is of one environment: with several, choose parameters of effects")
+            raise SceneError(
+                f"{x.path} is of one environment: with several, choose parameters of effects"
+            )
     for scene in family.scenes.values():
         scene.knobs.need_numbers(found)
         if not scene.threshold.is_box or scene.threshold.ranges:
-            raise SceneError("the JND has a range: give it a number here, which the best values depend on")
-    return tuple(found), tuple(_range(x, given) for x, given in zip(found, asked.values(), strict=True))
+            raise SceneError(
+                "the JND has a range: give it a number here, which the best values depend on"
+            )
+    return tuple(found), tuple(
+        _range(x, given) for x, given in zip(found, asked.values(), strict=True)
+    )
 
 
 def _range(free: Knob, given: Range) -> tuple[Expr, Expr]:
-    """The two ends, SI, within what the model allows; of an end that is not allowed itself a millionth is left out."""
+    """The two ends, SI, within what the model allows; of an end that is not allowed itself a
+    millionth is left out."""
     own = free.value
     if given is None and (own.free_symbols or not own):
         raise SceneError(
-            f"{free.path} is {own}, so that a tenth to ten times of it is no range: give one, as {free.path}=1:10"
+            f"{free.path} is {own}, so that a tenth to ten times of it is no range: give "
+            f"one, as {free.path}=1:10"
         )
     asked = domain(free, given or ((own / 10, own * 10) if own > 0 else (own * 10, -own * 10)))
     low, high = asked.low, asked.high

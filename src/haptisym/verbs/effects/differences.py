@@ -1,13 +1,16 @@
-"""By how much r_r and r_i differ between a scene with all of its effects and with some of them: proven bounds all over the band.
+"""By how much r_r and r_i differ between a scene with all of its effects and with some of them:
+proven bounds all over the band.
 
-With a and b the parts of dH it is ``| |a| - |b| |/|H_env| = min(|a - b|, |a + b|)/|H_env|``: a minimum of two smooth functions,
-so that no sign has to be known. Ball arithmetic bounds them piece by piece, on each piece of the band by a power series whose
-coefficients are proven; where it cannot (a pole of H_perc, a zero of H_env that does not cancel, a power of omega at 0) the exact
-functions decide. The largest value is enclosed by branch and bound.
+With a and b the parts of dH it is ``| |a| - |b| |/|H_env| = min(|a - b|, |a + b|)/|H_env|``: a
+minimum of two smooth functions, so that no sign has to be known. Ball arithmetic bounds them piece
+by piece, on each piece of the band by a power series whose coefficients are proven; where it cannot
+(a pole of H_perc, a zero of H_env that does not cancel, a power of omega at 0) the exact functions
+decide. The largest value is enclosed by branch and bound.
 
-The links of the chain run in truncated series, without the zeros of H_env on the axis: a free mass at omega = 0 and a resonance
-without damping, where ratios are limits, are as good as any other place. What is felt behind the first effects is
-remembered, as subsets of effects share their beginnings.
+The links of the chain run in truncated series, without the zeros of H_env on the axis: a free mass
+at omega = 0 and a resonance without damping, where ratios are limits, are as good as any other
+place. What is felt behind the first effects is remembered, as subsets of effects share their
+beginnings.
 """
 
 from __future__ import annotations
@@ -33,13 +36,21 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import part_of
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Scene
-from haptisym.programs.links import BALL_SERIES, InSteps, Series, along_axis, links, series_arithmetic
+from haptisym.programs.links import (
+    BALL_SERIES,
+    InSteps,
+    Series,
+    along_axis,
+    links,
+    series_arithmetic,
+)
 
 Kept = frozenset[int]
 """The effects of a scene that are there, by their places in it."""
 
 TERMS = 6
-"""Of a power series in the middle of a piece; its next term over the whole piece bounds the rest."""
+"""Of a power series in the middle of a piece; its next term over the whole piece bounds the
+rest."""
 _REMEMBERED = 1 << 13
 
 
@@ -51,14 +62,18 @@ class BandPiece(NamedTuple):
 
     def halves(self) -> tuple[BandPiece, BandPiece]:
         """Its two halves."""
-        return BandPiece(self.depth + 1, 2 * self.place), BandPiece(self.depth + 1, 2 * self.place + 1)
+        return BandPiece(self.depth + 1, 2 * self.place), BandPiece(
+            self.depth + 1, 2 * self.place + 1
+        )
 
 
 class BallChain(Shown):
-    """A scene whose parameters are numbers, to be evaluated for any subset of its effects on pieces of its band.
+    """A scene whose parameters are numbers, to be evaluated for any subset of its effects on pieces
+    of its band.
 
-    To be used within ``series_arithmetic``. Series are in the distance from the middle of a piece, rad/s: with their
-    coefficients there, or with those that hold everywhere on the piece (``whole``).
+    To be used within ``series_arithmetic``. Series are in the distance from the middle of a piece,
+    rad/s: with their coefficients there, or with those that hold everywhere on the piece
+    (``whole``).
     """
 
     def _line(self) -> str:
@@ -83,7 +98,9 @@ class BallChain(Shown):
 
     def ends(self, piece: BandPiece) -> tuple[Expr, Expr]:
         """The exact ends of a piece, rad/s."""
-        low, high = (self.low + self.width * Rational(piece.place + i, 2**piece.depth) for i in (0, 1))
+        low, high = (
+            self.low + self.width * Rational(piece.place + i, 2**piece.depth) for i in (0, 1)
+        )
         return low, high
 
     def middle(self, piece: BandPiece) -> Ball:
@@ -100,28 +117,49 @@ class BallChain(Shown):
 
     def _in_s(self, piece: BandPiece, whole: bool) -> Series:  # noqa: FBT001
         x = self.middle(piece)
-        return along_axis(x + arb(0, self.radius(piece)), TERMS + 1) if whole else along_axis(x, TERMS)
+        return (
+            along_axis(x + arb(0, self.radius(piece)), TERMS + 1) if whole else along_axis(x, TERMS)
+        )
 
     def _beginning(self, piece: BandPiece, whole: bool) -> tuple[Series, Series, Series]:  # noqa: FBT001
-        """What is rendered, by how much it differs from H_env, and what to multiply with instead of dividing by ``|H_env|``."""
+        """What is rendered, by how much it differs from H_env, and what to multiply with instead of
+        dividing by ``|H_env|``."""
         H, felt, change = self._results(piece, whole, 0)
         re, im = (self.part_of(H, part) for part in Part)
         return felt, change, (re * re + im * im).rsqrt()
 
-    def _through(self, piece: BandPiece, whole: bool, kept: tuple[int, ...]) -> tuple[Series, Series]:  # noqa: FBT001
+    def _through(
+        self,
+        piece: BandPiece,
+        whole: bool,  # noqa: FBT001
+        kept: tuple[int, ...],
+    ) -> tuple[Series, Series]:
         """What is felt behind some effects, and dH."""
         if not kept:
             return self._start(piece, whole)[:2]
-        felt, change = self._results(piece, whole, 1 + kept[-1], self._behind(piece, whole, kept[:-1]))
+        felt, change = self._results(
+            piece, whole, 1 + kept[-1], self._behind(piece, whole, kept[:-1])
+        )
         return felt, change
 
-    def _results(self, piece: BandPiece, whole: bool, link: int, before: Sequence[Series] = ()) -> list[Series]:  # noqa: FBT001
+    def _results(
+        self,
+        piece: BandPiece,
+        whole: bool,  # noqa: FBT001
+        link: int,
+        before: Sequence[Series] = (),
+    ) -> list[Series]:
         known = self._known(piece, whole, link)
         found = self._series[link].results(known, before)
-        return [x if isinstance(x, acb_series) else acb_series([x], prec=TERMS + whole) for x in found]
+        return [
+            x if isinstance(x, acb_series) else acb_series([x], prec=TERMS + whole) for x in found
+        ]
 
-    def changes(self, piece: BandPiece, kept: Kept, part: Part, *, whole: bool) -> tuple[Series, Series]:
-        """(a - b)/``|H_env|`` and (a + b)/``|H_env|``, where a and b are a part of dH with all effects and with some."""
+    def changes(
+        self, piece: BandPiece, kept: Kept, part: Part, *, whole: bool
+    ) -> tuple[Series, Series]:
+        """(a - b)/``|H_env|`` and (a + b)/``|H_env|``, where a and b are a part of dH with all
+        effects and with some."""
         full, some = (self._change(piece, whole, which, part) for which in (self.everything, kept))
         scale = self._start(piece, whole)[2]
         return (full - some) * scale, (full + some) * scale
@@ -131,7 +169,8 @@ class BallChain(Shown):
         return self.part_of(self._behind(piece, whole, tuple(sorted(kept)))[1], part)
 
     def part_of(self, x: Any, part: Part) -> Any:
-        """That part of a series, or of complex floats, over the zeros of H_env, which may turn it."""
+        """That part of a series, or of complex floats, over the zeros of H_env, which may turn
+        it."""
         real = (part is Part.REAL) != self._exchanged
         if isinstance(x, acb_series):
             return arb_series([c.real if real else c.imag for c in x.coeffs()], prec=x.prec)
@@ -146,7 +185,8 @@ _MOST_CELLS = 1 << 15
 
 @dataclass(frozen=True, slots=True)
 class Supremum:
-    """A proven enclosure of the least upper bound of a function >= 0; both ends are infinite if it is unbounded."""
+    """A proven enclosure of the least upper bound of a function >= 0; both ends are infinite if it
+    is unbounded."""
 
     least: float
     most: float
@@ -164,7 +204,8 @@ _DEEPEST = 24  # halvings until that must tell
 
 @dataclass(frozen=True)
 class SupremumBounds:
-    """Of a function >= 0 on a piece: a value that it is nowhere below, one that it reaches, one that it nowhere exceeds."""
+    """Of a function >= 0 on a piece: a value that it is nowhere below, one that it reaches, one
+    that it nowhere exceeds."""
 
     least: float
     reached: float
@@ -181,7 +222,8 @@ class Difference:
     part: Part
 
     def supremum(self, limit: float | None = None) -> Supremum:
-        """Its least upper bound on the band; with a limit only as narrow as it takes to say on which side of it that lies."""
+        """Its least upper bound on the band; with a limit only as narrow as it takes to say on
+        which side of it that lies."""
         if self.kept == self.balls.everything:
             return Supremum(0.0, 0.0)
         with series_arithmetic():
@@ -201,10 +243,13 @@ class Difference:
 
     def _middle(self, piece: BandPiece) -> list[Ball]:
         """a - b and a + b over |H_env| in the middle of a piece."""
-        return [series[0] for series in self.balls.changes(piece, self.kept, self.part, whole=False)]
+        return [
+            series[0] for series in self.balls.changes(piece, self.kept, self.part, whole=False)
+        ]
 
     def stays_within(self, limit: Expr) -> bool | None:
-        """Whether it exceeds an exact number nowhere, by the exact functions: also where it just reaches it. None: undecided."""
+        """Whether it exceeds an exact number nowhere, by the exact functions: also where it just
+        reaches it. None: undecided."""
         low, high = self.scene.band
         table = chart({i: level(f, limit**2) for i, f in enumerate(self.squares)}, low, high)
         exceeds = bool(table.where(lambda signs: min(signs.values()) > 0))
@@ -216,14 +261,17 @@ class Difference:
 
     def range(self, piece: BandPiece) -> SupremumBounds:
         """Its range on a piece; unbounded above where ball arithmetic tells no bound."""
-        middle, whole = (self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True))
+        middle, whole = (
+            self.balls.changes(piece, self.kept, self.part, whole=x) for x in (False, True)
+        )
         h = self.balls.radius(piece)
         found = [_Expansion(*pair, h) for pair in zip(middle, whole, strict=True)]
         reached = max(map(min, zip(*(x.values for x in found), strict=True)))
         return SupremumBounds(min(x.least for x in found), reached, min(x.most for x in found))
 
     def _bounds(self, piece: BandPiece) -> tuple[float, float]:
-        """A value that it reaches on a piece and one that it does not exceed there, both infinite where it is unbounded: proven.
+        """A value that it reaches on a piece and one that it does not exceed there, both infinite
+        where it is unbounded: proven.
 
         The piece with the highest bound is halved until the enclosure is narrow.
         """
@@ -244,7 +292,9 @@ class Difference:
             return inf, inf
         if piece.depth < _DEEPEST:
             return 0.0, inf
-        raise UndecidedError(f"whether a difference of ratios is bounded near {float(low):.10g} rad/s")
+        raise UndecidedError(
+            f"whether a difference of ratios is bounded near {float(low):.10g} rad/s"
+        )
 
     @cached_property
     def _functions(self) -> tuple[RealFunction, ...]:
@@ -262,7 +312,8 @@ class Difference:
 
 
 class _Expansion:
-    """What a series in the middle of a piece, with a bound on the rest of it, says about the absolute value on the piece."""
+    """What a series in the middle of a piece, with a bound on the rest of it, says about the
+    absolute value on the piece."""
 
     def __init__(self, middle: Series, whole: Series, radius: Ball) -> None:
         terms = [*(middle[k] for k in range(TERMS)), whole[TERMS]]

@@ -1,8 +1,10 @@
-"""Which effects of a scene matter for a tolerance: how much each changes r_r and r_i, and the fewest that do for all, with proof.
+"""Which effects of a scene matter for a tolerance: how much each changes r_r and r_i, and the
+fewest that do for all, with proof.
 
-The fewest effects are found by sampling and decided by proof: ``|r_full - r_kept| <= bound`` at every frequency of the band. So
-the full scene meets its threshold c only where the kept scene's ratio lies between c - bound and c + bound, and the chart of the
-kept scene at these two levels encloses all its crossings. Of a region of another shape it is said that they are on the band.
+The fewest effects are found by sampling and decided by proof: ``|r_full - r_kept| <= bound`` at
+every frequency of the band. So the full scene meets its threshold c only where the kept scene's
+ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels
+encloses all its crossings. Of a region of another shape it is said that they are on the band.
 """
 
 from __future__ import annotations
@@ -32,7 +34,14 @@ from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.links import FLOATS, InSteps, series_arithmetic
-from haptisym.verbs.effects.differences import BallChain, BandPiece, Difference, Kept, Supremum, SupremumBounds
+from haptisym.verbs.effects.differences import (
+    BallChain,
+    BandPiece,
+    Difference,
+    Kept,
+    Supremum,
+    SupremumBounds,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,7 +54,8 @@ _MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects
 class Selection:
     """Effects that are kept, with the largest change that the others make together.
 
-    ``smallest`` : whether every smaller set, and every one as small with a lower bound, is proven not to do.
+    ``smallest`` : whether every smaller set, and every one as small with a lower bound, is proven
+    not to do.
     """
 
     kept: Kept
@@ -62,9 +72,10 @@ class Selection:
 class SubsetSearch:
     """The search in one scene for one tolerance, an exact number >= 0.
 
-    Effects may make up for each other, so a set that does is not known from a larger or a smaller one: all sets are
-    gone through by size. Sampling only says in which order to look, and where: a set is refused for a frequency at which
-    the change is proven to exceed the tolerance, and taken for a bound that is proven not to.
+    Effects may make up for each other, so a set that does is not known from a larger or a smaller
+    one: all sets are gone through by size. Sampling only says in which order to look, and where: a
+    set is refused for a frequency at which the change is proven to exceed the tolerance, and taken
+    for a bound that is proven not to.
     """
 
     scene: Scene
@@ -81,13 +92,16 @@ class SubsetSearch:
             sets = [frozenset(kept) for kept in combinations(sorted(everything), size)]
             verdicts = {kept: self._verdict(kept) for kept in sets}
             smallest = smallest and None not in verdicts.values()
-            found = [self._choice(kept, smallest=smallest) for kept, within in verdicts.items() if within]
+            found = [
+                self._choice(kept, smallest=smallest) for kept, within in verdicts.items() if within
+            ]
             if found:
                 return min(found, key=lambda choice: choice.worst)
         return self._choice(everything, smallest=smallest)
 
     def _one_by_one(self) -> Selection:
-        """A small set, if not surely the smallest: effects are left out in turn while the bound allows it."""
+        """A small set, if not surely the smallest: effects are left out in turn while the bound
+        allows it."""
         kept = self.balls.everything
         while True:
             smaller = sorted((kept - {i} for i in kept), key=lambda x: self._sampled(x)[0])
@@ -127,7 +141,9 @@ class SubsetSearch:
     def _limit(self) -> float:
         """The largest float that is not above the tolerance."""
         near = float(self.tolerance)
-        return near if Rational(*near.as_integer_ratio()) <= self.tolerance else nextafter(near, -inf)
+        return (
+            near if Rational(*near.as_integer_ratio()) <= self.tolerance else nextafter(near, -inf)
+        )
 
     def _sampled(self, kept: Kept) -> tuple[float, Part, BandPiece]:
         """The largest change among samples, not proven, and where it is."""
@@ -152,7 +168,9 @@ class _Samples:
     def __init__(self, balls: BallChain) -> None:
         self.balls = balls
         with series_arithmetic(), np.errstate(all="ignore"):
-            self.omega = np.array([float(balls.middle(BandPiece(_DEPTH, i))) for i in range(1 << _DEPTH)])
+            self.omega = np.array(
+                [float(balls.middle(BandPiece(_DEPTH, i))) for i in range(1 << _DEPTH)]
+            )
             self.links = [InSteps(program, FLOATS) for program in balls.programs]
             self.known = [link.known(1j * self.omega) for link in self.links]
 
@@ -171,7 +189,8 @@ _FINEST = 10  # halvings of the band until two effects count as alike
 
 @dataclass(frozen=True)
 class Influence:
-    """What an effect alone does: per part the supremum of ``|r(full) - r(without it)|`` on the band; infinite if unbounded."""
+    """What an effect alone does: per part the supremum of ``|r(full) - r(without it)|`` on the
+    band; infinite if unbounded."""
 
     effect: Effect
     change: Mapping[Part, Supremum]
@@ -180,10 +199,11 @@ class Influence:
 
 @dataclass(frozen=True)
 class CrossingEnclosure(Judged):
-    """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings in: outside all there are none.
+    """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings
+    in: outside all there are none.
 
-    ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold below and above;
-    otherwise it may hold none or several.
+    ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold
+    below and above; otherwise it may hold none or several.
     """
 
     criterion: Criterion
@@ -201,7 +221,8 @@ class CrossingEnclosure(Judged):
 
 @dataclass(frozen=True)
 class Dominance:
-    """From ``low`` to ``high``, rad/s, that effect alone changes r_r or r_i more than any other changes either: proven."""
+    """From ``low`` to ``high``, rad/s, that effect alone changes r_r or r_i more than any other
+    changes either: proven."""
 
     effect: Effect
     low: Expr
@@ -212,8 +233,10 @@ class Dominance:
 class Relevance(Answer):
     """Which effects of a scene matter for a tolerance.
 
-    ``tolerance`` : by how much r_r and r_i may change, 1. ``pruned`` : the scene with the effects that are kept.
-    ``bound`` : of each part the largest change of its ratio on the band that leaving out all others makes together, 1; proven.
+    ``tolerance`` : by how much r_r and r_i may change, 1. ``pruned`` : the scene with the effects
+    that are kept.
+    ``bound`` : of each part the largest change of its ratio on the band that leaving out all others
+    makes together, 1; proven.
     ``smallest`` : whether it is proven that no smaller set of effects is within the tolerance
     (``docs/reference-tolerances.md``).
     ``dropped``, ``effects`` : the names left out, and a row for each effect.
@@ -252,7 +275,11 @@ class Relevance(Answer):
     def effects(self) -> tuple[Influence, ...]:
         """Every effect of the scene with its influence."""
         return tuple(
-            Influence(effect, {part: self.without(i, part).supremum() for part in Part}, effect in self.pruned.effects)
+            Influence(
+                effect,
+                {part: self.without(i, part).supremum() for part in Part},
+                effect in self.pruned.effects,
+            )
             for i, effect in enumerate(self.scene.effects)
         )
 
@@ -262,8 +289,11 @@ class Relevance(Answer):
 
     @cached_property
     def crossings(self) -> tuple[CrossingEnclosure, ...]:
-        """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere else on the band."""
-        found = [enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)]
+        """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere
+        else on the band."""
+        found = [
+            enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)
+        ]
         return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
@@ -274,7 +304,8 @@ class Relevance(Answer):
             yield CrossingEnclosure(criterion, point.omega, point.omega, certain=False)
 
     def _levels(self, criterion: Criterion) -> dict[str, Signed]:
-        """Functions of the kept scene: ``high`` positive where the full one is above, ``low`` negative where it is below.
+        """Functions of the kept scene: ``high`` positive where the full one is above, ``low``
+        negative where it is below.
 
         None for a region: its crossings may be anywhere on the band.
         """
@@ -290,13 +321,15 @@ class Relevance(Answer):
 
     @cached_property
     def operations(self) -> tuple[int, int]:
-        """Arithmetic operations of the distortion in named steps: for all effects, and for those that are kept."""
+        """Arithmetic operations of the distortion in named steps: for all effects, and for those
+        that are kept."""
         full = self.scene.chain.steps.operations
         return full, self.pruned.chain.steps.operations if self.dropped else full
 
     @cached_property
     def dominance(self) -> tuple[Dominance, ...]:
-        """Which effect changes the ratios most, along the band; in the gaps two are alike, or nothing is told to 1/1000 of it."""
+        """Which effect changes the ratios most, along the band; in the gaps two are alike, or
+        nothing is told to 1/1000 of it."""
         with series_arithmetic():
             pieces = list(self._dominated())
         found = []
@@ -312,7 +345,9 @@ class Relevance(Answer):
         for piece in waiting:
             ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
             first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
-            if first is not None and all(x.most < ranges[first].least for i, x in enumerate(ranges) if i != first):
+            if first is not None and all(
+                x.most < ranges[first].least for i, x in enumerate(ranges) if i != first
+            ):
                 yield first, piece
             elif first is None or piece.depth >= _FINEST:
                 yield None, piece
@@ -322,32 +357,47 @@ class Relevance(Answer):
     def _range(self, index: int, piece: BandPiece) -> SupremumBounds:
         """Of the larger one of an effect's changes of r_r and r_i."""
         real, imag = (self.without(index, part).range(piece) for part in Part)
-        return SupremumBounds(max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most))
+        return SupremumBounds(
+            max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most)
+        )
 
     def _body(self) -> dict[str, Any]:
         return {
             "tolerance": float(self.tolerance),
             "effects": [
-                {"name": x.effect.name, "model": x.effect.model, "influence": _upper(x.change), "kept": x.kept}
+                {
+                    "name": x.effect.name,
+                    "model": x.effect.model,
+                    "influence": _upper(x.change),
+                    "kept": x.kept,
+                }
                 for x in self.effects
             ],
             **self._full(),
-            "dominance": [{"name": x.effect.name, "band": [float(x.low), float(x.high)]} for x in self.dominance],
+            "dominance": [
+                {"name": x.effect.name, "band": [float(x.low), float(x.high)]}
+                for x in self.dominance
+            ],
             "operations": dict(zip(("full", "kept"), self.operations, strict=True)),
         }
 
     def row(self) -> dict[str, Any]:
         """What a document about the pruned scene says of the full one."""
-        names = {"kept": [e.name for e in self.pruned.effects], "dropped": [e.name for e in self.dropped]}
+        names = {
+            "kept": [e.name for e in self.pruned.effects],
+            "dropped": [e.name for e in self.dropped],
+        }
         return {"tolerance": float(self.tolerance), **names, **self._full()}
 
     def _full(self) -> dict[str, Any]:
-        """What is proven of the full scene: bound, crossings, and whether no smaller set of effects does."""
+        """What is proven of the full scene: bound, crossings, and whether no smaller set of effects
+        does."""
         return {
             "bound": _upper(self.bound),
             "smallest": self.smallest,
             "crossings": [
-                {"part": x.criterion.name, "enclosure": [*x.bounds], "certain": x.certain} for x in self.crossings
+                {"part": x.criterion.name, "enclosure": [*x.bounds], "certain": x.certain}
+                for x in self.crossings
             ],
         }
 
@@ -357,7 +407,13 @@ def _upper(change: Mapping[Part, Supremum]) -> dict[str, float | None]:
     return {part.value: change[part].most if change[part].is_finite else None for part in Part}
 
 
-def _again(scene: Scene, tolerance: Expr, pruned: Scene, bound: Mapping[Part, Supremum], smallest: bool) -> Relevance:  # noqa: FBT001
+def _again(
+    scene: Scene,
+    tolerance: Expr,
+    pruned: Scene,
+    bound: Mapping[Part, Supremum],
+    smallest: bool,  # noqa: FBT001
+) -> Relevance:
     return Relevance(scene, tolerance, pruned, bound, smallest, BallChain(scene))
 
 
@@ -374,13 +430,17 @@ TOLERANCE = Rational(1, 100)
 """Unless told otherwise: a tenth of the usual JND."""
 
 
-def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit: float | None = SECONDS) -> Relevance:
-    """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a tolerance of the full scene's.
+def relevance(
+    scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit: float | None = SECONDS
+) -> Relevance:
+    """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a
+    tolerance of the full scene's.
 
-    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of the band for both
-    ratios and all left-out effects together; of 12 effects or fewer no smaller set does. ``limit`` : seconds of processor time
-    after which a LimitError says that it is not decided; None for none. Raises SceneError for a scene with symbols for numbers,
-    and for a tolerance that is none.
+    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of
+    the band for both ratios and all left-out effects together; of 12 effects or fewer no smaller
+    set does. ``limit`` : seconds of processor time after which a LimitError says that it is not
+    decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
+    tolerance that is none.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.jnd import Part
@@ -396,7 +456,9 @@ def relevance(scene: Scene | str | Path, tolerance: Number = TOLERANCE, *, limit
     with limited(limit):
         choice = SubsetSearch(scene, balls, most).choose()
     kept = tuple(effect for i, effect in enumerate(scene.effects) if i in choice.kept)
-    return Relevance(scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls)
+    return Relevance(
+        scene, most, replace(scene, effects=kept), choice.bound, choice.smallest, balls
+    )
 
 
 def _tolerance(given: Number) -> Expr:

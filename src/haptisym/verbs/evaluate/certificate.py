@@ -1,13 +1,15 @@
 """Certificates: claims with proofs that another program can check (docs/certificates.md).
 
-A certificate is a document of JSON with the hash of a scene's file, a claim and its proof; ``document`` writes it for each
-question (those of ``require`` and ``stability`` stand with these verbs). The proof of an evaluation are its functions as
-``products`` and ``breakpoints``: rational numbers so close that in the cells between them signs of coefficients show that
-nothing else happens. That of poles and roots are ``zeros``: a function of s as a product, and cells in which its turns on the
-axis can be counted.
+A certificate is a document of JSON with the hash of a scene's file, a claim and its proof;
+``document`` writes it for each question (those of ``require`` and ``stability`` stand with these
+verbs). The proof of an evaluation are its functions as
+``products`` and ``breakpoints``: rational numbers so close that in the cells between them signs of
+coefficients show that nothing else happens. That of poles and roots are ``zeros``: a function of s
+as a product, and cells in which its turns on the axis can be counted.
 
-Whether a cell shows what it must is asked of the checker's own objects, of ``haptisym_check``: so there are no second signs
-here that could differ from those by which a certificate is accepted. The checker itself takes nothing from this package.
+Whether a cell shows what it must is asked of the checker's own objects, of ``haptisym_check``: so
+there are no second signs here that could differ from those by which a certificate is accepted. The
+checker itself takes nothing from this package.
 """
 
 from __future__ import annotations
@@ -48,7 +50,9 @@ TOO_LONG = "a certificate of this scene would take a checker too long"
 # The document
 
 
-def document(scene: Scene, claim: dict[str, Any], proof: dict[str, Any], linked: Linked | None = None) -> str:
+def document(
+    scene: Scene, claim: dict[str, Any], proof: dict[str, Any], linked: Linked | None = None
+) -> str:
     """A certificate of any question, as JSON. SceneError where no checker would accept it.
 
     ``linked`` : the functions of the proof, if there are such.
@@ -71,11 +75,14 @@ def document(scene: Scene, claim: dict[str, Any], proof: dict[str, Any], linked:
 
 _FORMULA = re.compile(r"""\b[A-Z]["']?\s*=\s*("{3}|'{3}|["'])(.*?)\1""", re.DOTALL)
 _BROKEN = re.compile(r"\bs\s*(\^|\*\*)[\s(+-]*[0-9]*\.")  # a power of s that is not whole
-_MOST_CHECKABLE = 10**7  # no shipped scene needs more than two thirds of it; some three times as much may be refused
+_MOST_CHECKABLE = (
+    10**7
+)  # no shipped scene needs more than two thirds of it; some three times as much may be refused
 
 
 def has_broken_powers(scene: str) -> bool:
-    """Whether formulas of a scene's text hold powers of s that are not whole: a checker may not see that they cancel."""
+    """Whether formulas of a scene's text hold powers of s that are not whole: a checker may not see
+    that they cancel."""
     return any(_BROKEN.search(found[2]) for found in _FORMULA.finditer(scene))
 
 
@@ -88,7 +95,8 @@ def _points(linked: Linked) -> int:
         for side in (1, -1)
     ]
     most = [
-        max(sum(n * own[v] for n, own in row) for row in powers) + 1 for v in range(min(map(len, degrees), default=0))
+        max(sum(n * own[v] for n, own in row) for row in powers) + 1
+        for v in range(min(map(len, degrees), default=0))
     ]
     count = 2 + len(linked.delays)  # of each power Re and Im together
     found: int = prod(most[:count]) * prod(n * (n + 1) // 2 for n in most[count:])
@@ -96,11 +104,14 @@ def _points(linked: Linked) -> int:
 
 
 def name_in_file(scene: Scene) -> str | None:
-    """Which of several environments it is of the file that it was read from. SceneError where a checker cannot read that."""
+    """Which of several environments it is of the file that it was read from. SceneError where a
+    checker cannot read that."""
     scene.threshold.need_plain("a certificate")
     if scene.threshold.source:
         name = scene.threshold.source
-        raise SceneError(f'certificate: write the JND as a number in the scene file, not like = "{name}"')
+        raise SceneError(
+            f'certificate: write the JND as a number in the scene file, not like = "{name}"'
+        )
     if not scene.text:
         raise SceneError("certificate: write the scene to a file, and evaluate that")
     family = read_scenes(scene.text)
@@ -108,7 +119,8 @@ def name_in_file(scene: Scene) -> str | None:
         if replace(one, title="", hands=()) == replace(scene, title="", hands=()):
             return name if len(family) > 1 or "[[environments]]" in scene.text else None
     raise SceneError(
-        "certificate: the scene was changed since its file was read: write it to a file, and evaluate that"
+        "certificate: the scene was changed since its file was read: write it to a file, and "
+        "evaluate that"
     )
 
 
@@ -121,7 +133,8 @@ def shown(ask: Callable[..., Any], *given: Any) -> Any:
 
 
 def afford(numbers: Iterable[Fraction], cost: int) -> None:
-    """SceneError where signs at so many numbers, with that cost for each bit, take a checker too long."""
+    """SceneError where signs at so many numbers, with that cost for each bit, take a checker too
+    long."""
     try:
         affordable(numbers, cost)
     except RefusedError:
@@ -132,10 +145,12 @@ def afford(numbers: Iterable[Fraction], cost: int) -> None:
 
 
 def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor]) -> list[Fraction]:
-    """Ascending, from the low end of the band (or a little below) to its high end (or a little above).
+    """Ascending, from the low end of the band (or a little below) to its high end (or a little
+    above).
 
-    ``places`` : the ends of the band and all zeros of the factors between them, in order. In each cell at most one factor has a
-    variation of sign (Descartes), and that one only. UndecidedError where so many cells as a certificate may have are not enough.
+    ``places`` : the ends of the band and all zeros of the factors between them, in order. In each
+    cell at most one factor has a variation of sign (Descartes), and that one only. UndecidedError
+    where so many cells as a certificate may have are not enough.
     """
     ends = [_exact(places[0]), _exact(places[-1])]
     inner = [simplest(a, b) for a, b in pairwise(places[1:-1])]
@@ -176,7 +191,8 @@ def _beside(end: RealNumber, side: int) -> Fraction:
 
 
 def _is_shown(factors: list[Factor], low: Fraction, high: Fraction) -> bool:
-    """Whether signs show that there is at most one zero in a cell, of one factor; one that fails is asked first again."""
+    """Whether signs show that there is at most one zero in a cell, of one factor; one that fails is
+    asked first again."""
     count = 0
     for i, factor in enumerate(factors):
         found = shown(factor.signs, low, high)
@@ -198,7 +214,8 @@ def _between(factors: Sequence[Factor], low: Fraction, high: Fraction) -> Fracti
             return point
     if flat:
         raise SceneError(
-            "certificate: functions that are zero because of the value of an order, as Re s^0.5 s^0.5, are not in its format"
+            "certificate: functions that are zero because of the value of an order, as Re "
+            "s^0.5 s^0.5, are not in its format"
         )
     raise UndecidedError("a number at which no polynomial of a certificate vanishes")
 
@@ -211,9 +228,11 @@ _MOST_ZEROS = 300
 
 
 def zeros(function: RationalFunction) -> dict[str, Any]:
-    """A function in lowest terms as a product of factors, with cells in which the turns of each can be counted.
+    """A function in lowest terms as a product of factors, with cells in which the turns of each can
+    be counted.
 
-    SceneError where it is no quotient of polynomials with real coefficients, UndecidedError where the cells do not suffice.
+    SceneError where it is no quotient of polynomials with real coefficients, UndecidedError where
+    the cells do not suffice.
     """
     ring = function.ring
     assert isinstance(ring, Ring)
@@ -223,10 +242,13 @@ def zeros(function: RationalFunction) -> dict[str, Any]:
         if x == I
     ):
         raise SceneError(
-            "certificate: claims about poles need real coefficients, and coulomb-friction has none: leave it out"
+            "certificate: claims about poles need real coefficients, and coulomb-friction "
+            "has none: leave it out"
         )
     if function.denominator.is_zero() or function.numerator.is_zero():
-        raise SceneError("certificate: the force is zero everywhere, so that there are no poles to claim")
+        raise SceneError(
+            "certificate: the force is zero everywhere, so that there are no poles to claim"
+        )
     factors = Factors()
     product = factors.quotient(ring, function.numerator, function.denominator)
     above = {i for i, n in product["powers"] if n > 0}
@@ -241,11 +263,15 @@ def inverse(x: RationalFunction) -> RationalFunction:
 
 
 def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
-    """Numbers of omega^2, ascending, between which E or O of p(j omega) = E + j omega O has one zero, or E none."""
+    """Numbers of omega^2, ascending, between which E or O of p(j omega) = E + j omega O has one
+    zero, or E none."""
     rows = [[int(c) for c in row] for row in polynomial]
     if not any(rows[0]):
         return []  # s itself
-    even, odd = (sliced([[c * (-1) ** k for c in row] for k, row in enumerate(rows[i::2])] or [[0]]) for i in (0, 1))
+    even, odd = (
+        sliced([[c * (-1) ** k for c in row] for k, row in enumerate(rows[i::2])] or [[0]])
+        for i in (0, 1)
+    )
     places = sorted([*_positive(even[0]), *_positive(odd[0])], key=lambda x: x.bounds(0)[0])
     found, between = [Fraction(0)], [simplest(a, b) for a, b in pairwise(places)]
     waiting: Waiting[tuple[Fraction, Fraction | None]] = Waiting(
@@ -255,8 +281,13 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
         if _turns_are_shown(even, odd, low, high):
             found += [] if high is None else [high]
         elif len(found) + len(waiting.rest) < _MOST_ZEROS:
-            tried = [2 * low + n - 1 if high is None else low + (high - low) / n for n in range(2, 2 + len(even[0]))]
-            middle = next((x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0])  # E is not zero
+            tried = [
+                2 * low + n - 1 if high is None else low + (high - low) / n
+                for n in range(2, 2 + len(even[0]))
+            ]
+            middle = next(
+                (x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0]
+            )  # E is not zero
             waiting.add((low, middle), (middle, high))
         else:
             raise UndecidedError("a certificate: whether zeros of Re or Im p(j omega) are distinct")
@@ -265,11 +296,15 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
 
 def _signs(slices: list[list[int]], low: Fraction, high: Fraction | None) -> list[int] | None:
     """Of the coefficients in a cell; None where they stay open."""
-    found: list[int] | None = shown(signs, slices, low.as_integer_ratio(), high.as_integer_ratio() if high else (1, 0))
+    found: list[int] | None = shown(
+        signs, slices, low.as_integer_ratio(), high.as_integer_ratio() if high else (1, 0)
+    )
     return found
 
 
-def _turns_are_shown(even: list[list[int]], odd: list[list[int]], low: Fraction, high: Fraction | None) -> bool:
+def _turns_are_shown(
+    even: list[list[int]], odd: list[list[int]], low: Fraction, high: Fraction | None
+) -> bool:
     """E is not zero at ``low``: 0, or where a cell ended."""
     own, other = _signs(even, low, high), _signs(odd, low, high)
     if own is None or other is None or not (own[0] and (own[-1] or high is None)):
@@ -300,7 +335,8 @@ _NAMES = {
 
 
 def certificate(e: Evaluation) -> str:
-    """The document of JSON. SceneError, a sentence, where the format has no room for the scene or the answer.
+    """The document of JSON. SceneError, a sentence, where the format has no room for the scene or
+    the answer.
 
     >>> from haptisym.verbs.evaluate.entry import evaluate
     >>> json.loads(certificate(evaluate("fu2019")))["claim"]["crossings"][0]
@@ -321,7 +357,11 @@ def certificate(e: Evaluation) -> str:
     afford(points, sum(costs))
     afford((Fraction(x) for pair in frequencies for x in pair), max(costs, default=0) // 10)
     about_poles = _poles(e)
-    claim = {"frequencies": frequencies} | _claim(e) | {"stable": None if about_poles is None else e.stable}
+    claim = (
+        {"frequencies": frequencies}
+        | _claim(e)
+        | {"stable": None if about_poles is None else e.stable}
+    )
     proof = linked.proof(breakpoints=[str(x) for x in points]) | {"poles": about_poles}
     return document(scene, {"question": "evaluation"} | claim, proof, linked)
 
@@ -335,7 +375,8 @@ def _room(e: Evaluation, linked: Linked) -> int:
 
 
 def _poles(e: Evaluation) -> dict[str, Any] | None:
-    """Those of H_perc in Re s >= 0; None where they are not decided, or no certificate has room for them."""
+    """Those of H_perc in Re s >= 0; None where they are not decided, or no certificate has room for
+    them."""
     try:
         return None if e.stable is None else zeros(inverse(e.distortion.perc))
     except (SceneError, UndecidedError):
@@ -356,7 +397,8 @@ def _functions(e: Evaluation) -> dict[str, RealFunction]:
 
 
 def _claim(e: Evaluation) -> dict[str, Any]:
-    """What the evaluation answers, each frequency by its place among all at which something happens."""
+    """What the evaluation answers, each frequency by its place among all at which something
+    happens."""
     points = e.chart.points
     place = {id(point.omega): i for i, point in enumerate(points)}
 
@@ -385,11 +427,12 @@ def _claim(e: Evaluation) -> dict[str, Any]:
         ],
         "outside_model": ends(e.outside_model),
         "unbounded": [at(x) for x in e.unbounded],
-    }  # fmt: skip
+    }
 
 
 def _enclosures(e: Evaluation, most: int) -> list[list[str]]:
-    """Of all places, with as many digits as were asked for, or more where that does not tell them apart."""
+    """Of all places, with as many digits as were asked for, or more where that does not tell them
+    apart."""
     digits = e.digits
     if digits > most:
         raise SceneError(f"certificate: at most {most} digits, not {digits}")

@@ -1,17 +1,21 @@
-r"""Which changes would decide between models of the JND: the square, the disc, and ellipses tilted to either side.
+r"""Which changes would decide between models of the JND: the square, the disc, and ellipses tilted
+to either side.
 
-The paper judges both parts of dH apart, which is a square, and leaves open how they interact. In the direction phi, with
-x/a = r cos(phi) and y/b = r sin(phi) and the half widths a and b of the JND, a model notices what is larger than its reach::
+The paper judges both parts of dH apart, which is a square, and leaves open how they interact. In
+the direction phi, with x/a = r cos(phi) and y/b = r sin(phi) and the half widths a and b of the
+JND, a model notices what is larger than its reach::
 
     square  1/max(|cos phi|, |sin phi|),   ellipse of tilt t  sqrt((1 - t^2)/(1 - t sin 2 phi)),   disc: t = 0.
 
-The quotient of the reaches of two of them is largest on a diagonal: for two ellipses it is monotonic in sin 2 phi; for the
-square and an ellipse its square is (1 + q^2 - 2 t q)/(1 - t^2) with q = tan phi (or its inverse) in [-1, 1], which is convex.
-On the diagonals the reaches are sqrt(2), 1 and sqrt(1 +- t). A change of the geometric mean of two reaches exceeds the one and
-stays below the other by the same factor, the margin, the square root of their quotient; no other change has a larger one.
+The quotient of the reaches of two of them is largest on a diagonal: for two ellipses it is
+monotonic in sin 2 phi; for the square and an ellipse its square is (1 + q^2 - 2 t q)/(1 - t^2) with
+q = tan phi (or its inverse) in [-1, 1], which is convex.
+On the diagonals the reaches are sqrt(2), 1 and sqrt(1 +- t). A change of the geometric mean of two
+reaches exceeds the one and stays below the other by the same factor, the margin, the square root of
+their quotient; no other change has a larger one.
 
-A change (x, y) is one of stiffness x |H_env|, or of mass -x |H_env|/omega^2, with one of damping y |H_env|/omega, at any
-frequency: the models differ equally at all of them where the JND is a number.
+A change (x, y) is one of stiffness x |H_env|, or of mass -x |H_env|/omega^2, with one of damping y
+|H_env|/omega, at any frequency: the models differ equally at all of them where the JND is a number.
 """
 
 from __future__ import annotations
@@ -41,12 +45,15 @@ _SAMPLES = 401
 
 @dataclass(frozen=True, repr=False)
 class Stimulus(Shown):
-    """A change of an environment at one frequency which one model of the JND notices and another does not.
+    """A change of an environment at one frequency which one model of the JND notices and another
+    does not.
 
-    ``noticed_by``, ``not_by`` : the models. ``omega`` : rad/s. ``real``, ``imag`` : Re dH and Im dH over ``|H_env|``.
-    ``stiffness`` : Re dH, N/m or N m/rad; ``damping`` : Im dH/omega, N s/m or N m s/rad. ``margin`` : by which factor the change
-    at least exceeds the one model's limit and stays below the other's. ``interval`` : of a display's own change, where the two
-    judge it so, proven; ``omega`` is then where the margin is largest. All else is computed.
+    ``noticed_by``, ``not_by`` : the models. ``omega`` : rad/s. ``real``, ``imag`` : Re dH and Im dH
+    over ``|H_env|``.
+    ``stiffness`` : Re dH, N/m or N m/rad; ``damping`` : Im dH/omega, N s/m or N m s/rad. ``margin``
+    : by which factor the change at least exceeds the one model's limit and stays below the other's.
+    ``interval`` : of a display's own change, where the two judge it so, proven; ``omega`` is then
+    where the margin is largest. All else is computed.
     """
 
     noticed_by: str
@@ -60,23 +67,31 @@ class Stimulus(Shown):
     interval: Interval | None = None
 
     def _line(self) -> str:
-        return f"{self.noticed_by}, not {self.not_by}: ({self.real:.4g}, {self.imag:.4g}) at {self.omega:.5g} rad/s"
+        return (
+            f"{self.noticed_by}, not {self.not_by}: ({self.real:.4g}, {self.imag:.4g}) at "
+            f"{self.omega:.5g} rad/s"
+        )
 
     def row(self) -> dict[str, Any]:
         """As a row of a document."""
         names = ("noticed_by", "not_by", "omega", "real", "imag", "stiffness", "damping", "margin")
         found = {x: getattr(self, x) for x in names}
         x = self.interval
-        return found if x is None else found | {"interval": [float(x.low.omega), float(x.high.omega)]}
+        return (
+            found if x is None else found | {"interval": [float(x.low.omega), float(x.high.omega)]}
+        )
 
 
 @dataclass(frozen=True, repr=False)
 class Discrimination(Shown):
-    """What would decide between square, disc and both tilted ellipses of the half widths of a scene's JND.
+    """What would decide between square, disc and both tilted ellipses of the half widths of a
+    scene's JND.
 
-    ``models`` : of each name the JND. ``stimuli`` : for each two models the change of the largest margin. ``display`` : where the
-    scene's display is itself such a change. ``undecided`` : where its verdict stayed open at the precision limit, rad/s.
-    Predictions of the models, not of what persons do: the half widths are the scene's, and the tilt is its own or 1/2.
+    ``models`` : of each name the JND. ``stimuli`` : for each two models the change of the largest
+    margin. ``display`` : where the scene's display is itself such a change. ``undecided`` : where
+    its verdict stayed open at the precision limit, rad/s.
+    Predictions of the models, not of what persons do: the half widths are the scene's, and the tilt
+    is its own or 1/2.
 
     >>> from haptisym import evaluate
     >>> found = evaluate("fu2019", discriminate=True).discrimination
@@ -95,7 +110,11 @@ class Discrimination(Shown):
     def row(self) -> dict[str, Any]:
         """As a part of a document."""
         found = {name: [x.row() for x in getattr(self, name)] for name in ("stimuli", "display")}
-        return {"models": {name: x.row() for name, x in self.models.items()}, **found, "certified": not self.undecided}
+        return {
+            "models": {name: x.row() for name, x in self.models.items()},
+            **found,
+            "certified": not self.undecided,
+        }
 
 
 def discriminate(e: Evaluation) -> Discrimination:
@@ -104,11 +123,15 @@ def discriminate(e: Evaluation) -> Discrimination:
     plain = Threshold.of(*half_widths(e.scene.threshold))
     regions = {"square": plain.region, "disc": Region(Shape.ELLIPSE)}
     for t in (tilt, -tilt):
-        regions[f"ellipse {float(t):+g}" if t.is_number else f"ellipse {t}"] = Region(Shape.ELLIPSE, t)
+        regions[f"ellipse {float(t):+g}" if t.is_number else f"ellipse {t}"] = Region(
+            Shape.ELLIPSE, t
+        )
     models = {name: Threshold(plain.real, plain.imag, region=x) for name, x in regions.items()}
     judged = {(name, x): x.function(e.distortion) for name, t in models.items() for x in noticed(t)}
     table = chart(judged, *e.scene.band)
-    display = tuple(x for pair in combinations(models, 2) for x in _displayed(e, models, table, pair))
+    display = tuple(
+        x for pair in combinations(models, 2) for x in _displayed(e, models, table, pair)
+    )
     stimuli = tuple(_designed(e, models, pair, display) for pair in combinations(models, 2))
     return Discrimination(models, stimuli, display, tuple(p.omega for p in table.undecided))
 
@@ -122,7 +145,9 @@ def _displayed(
         return any(signs[name, x] > 0 for x in noticed(models[name]))
 
     for one, other in (pair, pair[::-1]):
-        for found in table.where(lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)):  # type: ignore[misc]
+        for found in table.where(
+            lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)
+        ):  # type: ignore[misc]
             ends = float(found.low.omega), float(found.high.omega)
             if found.low is found.high:
                 continue  # a tangency
@@ -133,7 +158,17 @@ def _displayed(
             margin = np.minimum(above, 1 / below)
             i = int(np.argmax(margin))
             dk, db = float(f.real[i]), float(f.imag[i] / omega[i])
-            yield Stimulus(one, other, float(omega[i]), float(x[i]), float(y[i]), dk, db, float(margin[i]), found)
+            yield Stimulus(
+                one,
+                other,
+                float(omega[i]),
+                float(x[i]),
+                float(y[i]),
+                dk,
+                db,
+                float(margin[i]),
+                found,
+            )
 
 
 def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
@@ -149,12 +184,16 @@ def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
 
 
 def _designed(
-    e: Evaluation, models: Mapping[str, Threshold], pair: tuple[str, str], display: tuple[Stimulus, ...]
+    e: Evaluation,
+    models: Mapping[str, Threshold],
+    pair: tuple[str, str],
+    display: tuple[Stimulus, ...],
 ) -> Stimulus:
-    """The change between the reaches of two models on the diagonal on which these are furthest apart.
+    """The change between the reaches of two models on the diagonal on which these are furthest
+    apart.
 
-    At the frequency at which the display itself decides best between the two; else at the first crossing of any region, or in the
-    middle of the band.
+    At the frequency at which the display itself decides best between the two; else at the first
+    crossing of any region, or in the middle of the band.
     """
     omega, size = _place(e, [x for x in display if {x.noticed_by, x.not_by} == {*pair}])
     wide, high = (floats_of(c, omega) for c in half_widths(e.scene.threshold))
@@ -170,8 +209,13 @@ def _designed(
 
 
 def _reach(t: Threshold, turn: int, omega: float) -> float:
-    """How far a region reaches on a diagonal, in half widths; ``turn`` : the sign of x where y is positive."""
-    return 2**0.5 if t.region.shape is Shape.SQUARE else float(1 + turn * floats_of(t.region.tilt, omega)) ** 0.5
+    """How far a region reaches on a diagonal, in half widths; ``turn`` : the sign of x where y is
+    positive."""
+    return (
+        2**0.5
+        if t.region.shape is Shape.SQUARE
+        else float(1 + turn * floats_of(t.region.tilt, omega)) ** 0.5
+    )
 
 
 def _place(e: Evaluation, display: list[Stimulus]) -> tuple[float, float]:
@@ -182,4 +226,6 @@ def _place(e: Evaluation, display: list[Stimulus]) -> tuple[float, float]:
     found = [*best, *first, *(low + share * (high - low) for share in (0.5, 0.4, 0.6, 0.45))]
     f = e.distortion.compile(of=["environment_real", "environment_imag"])(np.array(found))
     sizes = np.hypot(f.environment_real, f.environment_imag)
-    return next((w, float(h)) for w, h in zip(found, sizes, strict=True) if w > 0 and 0 < h < np.inf)
+    return next(
+        (w, float(h)) for w, h in zip(found, sizes, strict=True) if w > 0 and 0 < h < np.inf
+    )

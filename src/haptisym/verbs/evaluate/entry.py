@@ -1,4 +1,5 @@
-"""The evaluation of a scene, from which effects that do not matter may be left out; of a measured one, line by line."""
+"""The evaluation of a scene, from which effects that do not matter may be left out; of a measured
+one, line by line."""
 
 from __future__ import annotations
 
@@ -59,17 +60,23 @@ def evaluate(
     discriminate: bool = False,
     limit: float | None = SECONDS,
 ) -> Evaluation | MeasuredEvaluation:
-    """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing, as many as wanted.
+    """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing,
+    as many as wanted.
 
-    ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the answers are those of the scene
-    without the others, and ``relevance`` says by how much the full scene's ratios may differ, and where its crossings are.
-    ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement`` : such as "0:15" (rad/s),
-    of which ``movement`` is to tell what a fit of k, b and m to it reports (``verbs.evaluate.movement``). ``discriminate`` :
-    whether ``discrimination`` is to tell which changes would decide between square, disc and tilted ellipses.
-    ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for none. LimitError where the
-    crossings are not.
-    A scene whose perceived dynamics is measured is judged at its lines alone, and gives a ``MeasuredEvaluation``.
+    ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the
+    answers are those of the scene without the others, and ``relevance`` says by how much the full
+    scene's ratios may differ, and where its crossings are.
+    ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half
+    widths say, beside its own.
+    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement``
+    : such as "0:15" (rad/s), of which ``movement`` is to tell what a fit of k, b and m to it
+    reports (``verbs.evaluate.movement``). ``discriminate`` :
+    whether ``discrimination`` is to tell which changes would decide between square, disc and tilted
+    ellipses.
+    ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for
+    none. LimitError where the crossings are not.
+    A scene whose perceived dynamics is measured is judged at its lines alone, and gives a
+    ``MeasuredEvaluation``.
     Raises SceneError if a parameter is still a symbol.
 
     >>> [c.omega.digits(20) for c in evaluate("fu2019").crossings]
@@ -86,7 +93,8 @@ def evaluate(
             or discriminate
         ):
             raise SceneError(
-                "a measured scene is evaluated without digits, tolerance, regions, discriminate, proportion and movement: "
+                "a measured scene is evaluated without digits, tolerance, regions, "
+                "discriminate, proportion and movement: "
                 "leave them out"
             )
         return judge(given)
@@ -100,7 +108,9 @@ def evaluate(
             found = _discriminated(found)
         if movement is not None:
             found = _moved(found, movement)
-        _ = found.bandwidths  # of a range of thresholds, which tell themselves where the time for them is over
+        _ = (
+            found.bandwidths
+        )  # of a range of thresholds, which tell themselves where the time for them is over
     return found
 
 

@@ -1,18 +1,23 @@
-r"""What a fit of stiffness, damping and mass to a movement reports, of the environment and of what is felt.
+r"""What a fit of stiffness, damping and mass to a movement reports, of the environment and of what
+is felt.
 
-A movement with the displacement spectrum S(omega), flat on a band or that of a recording, and the force H(j omega) that goes
-with it: least squares of the force on position, velocity and acceleration minimise::
+A movement with the displacement spectrum S(omega), flat on a band or that of a recording, and the
+force H(j omega) that goes with it: least squares of the force on position, velocity and
+acceleration minimise::
 
     int S |H(j omega) - (k - m omega^2 + j b omega)|^2 d omega,
 
-so that k and -m solve the normal equations of Re H on 1 and omega^2 with the weight S, and b = int S omega Im H / int S omega^2.
-It is what such a fit would report, not what a person was shown to perceive: inside a band on which nothing is noticed, frequency
-by frequency, the fitted mass may be off by more than the JND.
+so that k and -m solve the normal equations of Re H on 1 and omega^2 with the weight S, and b = int
+S omega Im H / int S omega^2.
+It is what such a fit would report, not what a person was shown to perceive: inside a band on which
+nothing is noticed, frequency by frequency, the fitted mass may be off by more than the JND.
 
-Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within the scene's band. Next to
-0 rad/s, where a hold is 0/0 as a formula and a power of s has no derivative, H is enclosed by its program. A narrow band takes
-most digits from the normal equations, so the precision is raised until each number has as many as a double. What stays a ball
-around 0 is 0 where H says so for all frequencies, and undecided otherwise. Across a pole of H the integral of |H|^2 is infinite:
+Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within
+the scene's band. Next to 0 rad/s, where a hold is 0/0 as a formula and a power of s has no
+derivative, H is enclosed by its program. A narrow band takes most digits from the normal equations,
+so the precision is raised until each number has as many as a double. What stays a ball around 0 is
+0 where H says so for all frequencies, and undecided otherwise. Across a pole of H the integral of
+|H|^2 is infinite:
 there is no fit. Derivation: 21_fitted_movement.
 """
 
@@ -53,12 +58,15 @@ _SUFFIXES = (".csv", ".txt", ".tsv")
 
 @dataclass(frozen=True, repr=False)
 class Movement(Shown):
-    """``environment``, ``perceived`` : what a fit reports of each, k, b and m in SI; ``spectrum`` : the movement in words.
+    """``environment``, ``perceived`` : what a fit reports of each, k, b and m in SI; ``spectrum`` :
+    the movement in words.
 
-    ``change`` : relative, of what is felt to the environment's. A number is None where it is undecided, or where there is none:
-    a change of what is 0, and a fit across a pole of H. ``poles`` : these, rad/s, of each H that has some on the band.
-    ``band`` : from where to where its frequencies lie, rad/s. ``undecided`` : whether a number is. ``computed`` : whether they
-    are in doubles, not enclosed.
+    ``change`` : relative, of what is felt to the environment's. A number is None where it is
+    undecided, or where there is none:
+    a change of what is 0, and a fit across a pole of H. ``poles`` : these, rad/s, of each H that
+    has some on the band.
+    ``band`` : from where to where its frequencies lie, rad/s. ``undecided`` : whether a number is.
+    ``computed`` : whether they are in doubles, not enclosed.
     """
 
     spectrum: str
@@ -71,12 +79,16 @@ class Movement(Shown):
     computed: bool = False
 
     def _line(self) -> str:
-        return f"{self.spectrum}: " + ", ".join(f"{x} = {_digits(self.perceived[x])}" for x in NAMES)
+        return f"{self.spectrum}: " + ", ".join(
+            f"{x} = {_digits(self.perceived[x])}" for x in NAMES
+        )
 
     def row(self) -> dict[str, Any]:
         """As a part of a document."""
         both = {"environment": self.environment, "perceived": self.perceived}
-        poles = {"poles": {name: [*found] for name, found in self.poles.items()}} if self.poles else {}
+        poles = (
+            {"poles": {name: [*found] for name, found in self.poles.items()}} if self.poles else {}
+        )
         return {"spectrum": self.spectrum, **both, "change": self.change, **poles}
 
 
@@ -87,8 +99,9 @@ def _digits(x: float | None) -> str:
 def movement(scene: Scene, given: str | Path) -> Movement:
     """What a fit reports of a scene with numbers, for a movement.
 
-    ``given`` : "0:15" or "displacement:0:15", a flat displacement spectrum from 0 to 15 rad/s ("0 Hz:2 Hz" with units);
-    "velocity:1:15", a flat velocity spectrum; or the name of a file with a recording, times and positions in columns.
+    ``given`` : "0:15" or "displacement:0:15", a flat displacement spectrum from 0 to 15 rad/s ("0
+    Hz:2 Hz" with units); "velocity:1:15", a flat velocity spectrum; or the name of a file with a
+    recording, times and positions in columns.
     SceneError for what is none of these.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -102,8 +115,17 @@ def movement(scene: Scene, given: str | Path) -> Movement:
     kind, ends = _read(text)
     weight = 0 if kind == "displacement" else -2
     low, high = map(float, ends)
-    shown = next(x for n in (6, 12, 17) if (x := [f"{y:.{n}g}" for y in (low, high)]) and (x[0] != x[1] or n == 17))
-    return _told(scene, f"flat {kind} spectrum, {' to '.join(shown)} rad/s", (low, high), _flat(scene, ends, weight))
+    shown = next(
+        x
+        for n in (6, 12, 17)
+        if (x := [f"{y:.{n}g}" for y in (low, high)]) and (x[0] != x[1] or n == 17)
+    )
+    return _told(
+        scene,
+        f"flat {kind} spectrum, {' to '.join(shown)} rad/s",
+        (low, high),
+        _flat(scene, ends, weight),
+    )
 
 
 Fits = dict[str, dict[str, Any]]
@@ -114,13 +136,18 @@ Poles = dict[str, tuple[float, ...] | None]
 
 def _flat(scene: Scene, ends: tuple[Expr, Expr], weight: int) -> Iterator[tuple[Fits, Poles]]:
     """Fits to a flat spectrum and the poles on its band, with more and more digits."""
-    d, program = scene.closed, scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS)
+    d, program = (
+        scene.closed,
+        scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS),
+    )
     both = dict(zip(SYSTEMS, (d.env, d.perc), strict=True))
     poles = {name: found for name, f in both.items() if (found := _poles(f, ends)) != ()}
     for bits in _BITS:
         with flint.ctx.workprec(bits):
             fits = {
-                name: _fit(*_integrals(_response(f, program, changed=f is d.perc), ends, weight, bits))
+                name: _fit(
+                    *_integrals(_response(f, program, changed=f is d.perc), ends, weight, bits)
+                )
                 for name, f in both.items()
                 if name not in poles
             }
@@ -131,7 +158,10 @@ def _poles(f: RationalFunction, ends: tuple[Expr, Expr]) -> tuple[float, ...] | 
     """The frequencies on a band at which H is infinite; None where that is undecided."""
     lowest = f.reduced()
     below = f.ring.convert(Integer(1)) / f.ring.function(lowest.denominator)
-    for x in (below, lowest):  # what is simple first: where nothing is divided by 0 there is no pole
+    for x in (
+        below,
+        lowest,
+    ):  # what is simple first: where nothing is divided by 0 there is no pole
         if x.denominator.is_constant():
             return ()
         try:
@@ -145,25 +175,42 @@ def _poles(f: RationalFunction, ends: tuple[Expr, Expr]) -> tuple[float, ...] | 
 
 
 def _told(
-    scene: Scene, spectrum: str, band: tuple[float, float], tries: Iterable[tuple[Fits, Poles]], bits: int = _ENOUGH
-) -> Movement:  # fmt: skip
-    """What is told of fits that get better with each try: of each number so many ``bits``, or None."""
+    scene: Scene,
+    spectrum: str,
+    band: tuple[float, float],
+    tries: Iterable[tuple[Fits, Poles]],
+    bits: int = _ENOUGH,
+) -> Movement:
+    """What is told of fits that get better with each try: of each number so many ``bits``, or
+    None."""
     d = scene.closed
-    zeros = {name: _zeros(f) for name, f in zip((*SYSTEMS, "change"), (d.env, d.perc, d.difference), strict=True)}
+    zeros = {
+        name: _zeros(f)
+        for name, f in zip((*SYSTEMS, "change"), (d.env, d.perc, d.difference), strict=True)
+    }
     for fits, poles in tries:  # noqa: B007  the last ones are told
         tick()
         found = {name: dict(row) for name, row in fits.items()}
         if len(found) == len(SYSTEMS):
             env, perc = (found[name] for name in SYSTEMS)
             with flint.ctx.workprec(_BITS[-1]):
-                found["change"] = {x: perc[x] / env[x] - 1 for x in NAMES if x not in zeros["environment"]}
-        rows = {name: {x: _number(y, x in zeros[name], bits) for x, y in row.items()} for name, row in found.items()}
+                found["change"] = {
+                    x: perc[x] / env[x] - 1 for x in NAMES if x not in zeros["environment"]
+                }
+        rows = {
+            name: {x: _number(y, x in zeros[name], bits) for x, y in row.items()}
+            for name, row in found.items()
+        }
         undecided = any(x is None for row in rows.values() for x in row.values())
         if not undecided:
             break
-    own, seen, change = ({x: rows.get(name, {}).get(x) for x in NAMES} for name in (*SYSTEMS, "change"))
+    own, seen, change = (
+        {x: rows.get(name, {}).get(x) for x in NAMES} for name in (*SYSTEMS, "change")
+    )
     known = {name: places for name, places in poles.items() if places is not None}
-    return Movement(spectrum, band, own, seen, change, known, undecided or known != poles, bits < _ENOUGH)
+    return Movement(
+        spectrum, band, own, seen, change, known, undecided or known != poles, bits < _ENOUGH
+    )
 
 
 def _number(x: Any, is_zero: bool, bits: int) -> float | None:  # noqa: FBT001
@@ -174,12 +221,15 @@ def _number(x: Any, is_zero: bool, bits: int) -> float | None:  # noqa: FBT001
 
 
 def _zeros(f: RationalFunction) -> set[str]:
-    """Which of k, b and m are exactly 0 in every fit: Re H is all mass or all stiffness, Im H is none."""
+    """Which of k, b and m are exactly 0 in every fit: Re H is all mass or all stiffness, Im H is
+    none."""
     response = on_axis(f)
     real = response.real.expression()
     found = {"k"} if not (real / omega**2).has(omega) else set()
     found |= {"m"} if not real.has(omega) else set()
-    return found | ({"k", "m"} if real == 0 else set()) | ({"b"} if response.imag.is_zero else set())
+    return (
+        found | ({"k", "m"} if real == 0 else set()) | ({"b"} if response.imag.is_zero else set())
+    )
 
 
 def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
@@ -187,7 +237,8 @@ def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
     kind = words.pop(0).strip() if len(words) == 3 else "displacement"
     if kind not in _KINDS or len(words) != 2:
         raise SceneError(
-            f'movement: "{text[:60]}" is no movement: give a band of frequencies, as 0:15, "0 Hz:2 Hz" or velocity:1:15,'
+            f'movement: "{text[:60]}" is no movement: give a band of frequencies, as 0:15, '
+            f'"0 Hz:2 Hz" or velocity:1:15,'
             f" or a recording ({', '.join(_SUFFIXES)})"
         )
     low, high = (number(x.strip(), Dimension.FREQUENCY).value for x in words)
@@ -195,7 +246,8 @@ def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
         raise SceneError(f"movement: {text}: the band must go up from 0 rad/s or more")
     if kind == "velocity" and not sign_of_number(low):
         raise SceneError(
-            f"movement: {text}: a flat velocity spectrum has no end at 0 rad/s: begin above, as velocity:1:15"
+            f"movement: {text}: a flat velocity spectrum has no end at 0 rad/s: begin above, "
+            f"as velocity:1:15"
         )
     return kind, (low, high)
 
@@ -204,31 +256,48 @@ Sums = tuple[tuple[Any, Any, Any], tuple[Any, Any], Any]
 """Moments of S: of 1, omega^2 and omega^4; of Re H with 1 and omega^2; of Im H with omega."""
 
 
-def _integrals(of: Callable[[Any, bool], Any], ends: tuple[Expr, Expr], weight: int, bits: int) -> Sums:
-    """The sums of a flat spectrum, S = omega^weight between two frequencies; not finite where H has a pole there."""
+def _integrals(
+    of: Callable[[Any, bool], Any], ends: tuple[Expr, Expr], weight: int, bits: int
+) -> Sums:
+    """The sums of a flat spectrum, S = omega^weight between two frequencies; not finite where H has
+    a pole there."""
     within = arb(2) ** (-bits * 5 // 8)
     a, b = (expression_ball(x) for x in ends)
 
     def integral(power: int) -> Any:
-        least = within * size * (b - a) * b ** (power + weight)  # Arb's own, 2^-bits, is nothing small where a band is
+        least = (
+            within * size * (b - a) * b ** (power + weight)
+        )  # Arb's own, 2^-bits, is nothing small where a band is
         return acb.integral(
-            lambda z, analytic: of(z, analytic) * z ** (power + weight), a, b, rel_tol=within, abs_tol=least
+            lambda z, analytic: of(z, analytic) * z ** (power + weight),
+            a,
+            b,
+            rel_tol=within,
+            abs_tol=least,
         )
 
     size = abs(of(acb(b), False))  # noqa: FBT003
-    moments = [(b ** (n + weight + 1) - a ** (n + weight + 1)) / (n + weight + 1) for n in (0, 2, 4)]
+    moments = [
+        (b ** (n + weight + 1) - a ** (n + weight + 1)) / (n + weight + 1) for n in (0, 2, 4)
+    ]
     return tuple(moments), (integral(0).real, integral(2).real), integral(1).imag
 
 
-def _response(f: RationalFunction, program: Program, *, changed: bool) -> Callable[[Any, bool], Any]:
-    """H(j z) in balls, for frequencies z of the complex plane about the band; ``analytic`` as of ``acb.integral``.
+def _response(
+    f: RationalFunction, program: Program, *, changed: bool
+) -> Callable[[Any, bool], Any]:
+    """H(j z) in balls, for frequencies z of the complex plane about the band; ``analytic`` as of
+    ``acb.integral``.
 
-    ``program`` : of H_env and dH, which holds next to 0 rad/s; ``changed`` : whether dH is part of H.
+    ``program`` : of H_env and dH, which holds next to 0 rad/s; ``changed`` : whether dH is part of
+    H.
     """
     ring = f.ring
     assert isinstance(ring, Ring)
     is_rational = not any(x.has(s) for x in ring.meanings if x != s)
-    constants = {i: constant_ball(x.value) for i, x in enumerate(program.operations) if x.name == "constant"}
+    constants = {
+        i: constant_ball(x.value) for i, x in enumerate(program.operations) if x.name == "constant"
+    }
 
     def next_to_rest(z: Any, analytic: bool) -> Any:  # noqa: FBT001
         if analytic:
@@ -277,12 +346,17 @@ def _recorded(scene: Scene, path: Path) -> Movement:
     motion = recording(path)
     times = np.linspace(motion.times[0], motion.times[-1], len(motion.times))
     rate = (len(times) - 1) / float(times[-1] - times[0])
-    frequency, power = periodogram(motion.derivatives(times, 0)[0], rate, window="hann", detrend="linear")
+    frequency, power = periodogram(
+        motion.derivatives(times, 0)[0], rate, window="hann", detrend="linear"
+    )
     omega = 2 * np.pi * frequency
     low, high = map(float, scene.band)
     own = (omega > 0) & (omega >= low) & (omega <= high)
     if own.sum() < 2 or not power[own].any():
-        raise SceneError(f"movement: {path}: fewer than two frequencies of the recording lie on the band of the scene")
+        raise SceneError(
+            f"movement: {path}: fewer than two frequencies of the recording lie on the band "
+            f"of the scene"
+        )
     w, S = omega[own], power[own]
     f = scene.closed.compile(of=list(_FIELDS))(w)
 
@@ -291,10 +365,15 @@ def _recorded(scene: Scene, path: Path) -> Movement:
         return arb(float(terms.sum()), len(w) * _ULP * float(np.abs(terms).sum()))
 
     moments = tuple(sum_of(S * w**n) for n in (0, 2, 4))
-    real, imag = (f.environment_real, f.environment_real + f.real), (f.environment_imag, f.environment_imag + f.imag)
+    real, imag = (
+        (f.environment_real, f.environment_real + f.real),
+        (f.environment_imag, f.environment_imag + f.imag),
+    )
     fits = {
         name: _fit(moments, (sum_of(S * re), sum_of(S * w**2 * re)), sum_of(S * w * im))
         for name, re, im in zip(SYSTEMS, real, imag, strict=True)
     }
-    said = f"recorded movement {path.name}, {len(w)} frequencies from {w[0]:.3g} to {w[-1]:.4g} rad/s"
+    said = (
+        f"recorded movement {path.name}, {len(w)} frequencies from {w[0]:.3g} to {w[-1]:.4g} rad/s"
+    )
     return _told(scene, said, (float(w[0]), float(w[-1])), [(fits, {})], _FEWEST)

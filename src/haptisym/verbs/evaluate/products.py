@@ -1,11 +1,13 @@
-"""Real functions as products of polynomials with whole coefficients, as a certificate writes them (docs/certificates.md).
+"""Real functions as products of polynomials with whole coefficients, as a certificate writes them
+(docs/certificates.md).
 
-A function is ``number * product of factor^exponent``. A factor is a polynomial in omega (or s) and pi; where there are
-delays, one in sine and cosine of omega tau/2 as well: the tangents in which a ring has delays are made homogeneous, and what
-is missing to equal powers is a power of the cosine. Powers s^alpha are written as real and imaginary part of (j omega)^alpha,
-two independent variables, where a ring has modulus and angle: for that a distortion is put on another axis first. What a
-factor's signs are is no question here: the checker's own objects answer it (``certificate``), so that what is written is what
-is accepted.
+A function is ``number * product of factor^exponent``. A factor is a polynomial in omega (or s) and
+pi; where there are delays, one in sine and cosine of omega tau/2 as well: the tangents in which a
+ring has delays are made homogeneous, and what is missing to equal powers is a power of the cosine.
+Powers s^alpha are written as real and imaginary part of (j omega)^alpha, two independent variables,
+where a ring has modulus and angle: for that a distortion is put on another axis first. What a
+factor's signs are is no question here: the checker's own objects answer it (``certificate``), so
+that what is written is what is accepted.
 """
 
 from __future__ import annotations
@@ -33,9 +35,12 @@ _LAST = "\U0010ffff"
 
 
 class RectangularAxis(Axis):
-    """Real functions in omega, pi, tan(omega tau/2) and two independent variables for each power: its real and imaginary part."""
+    """Real functions in omega, pi, tan(omega tau/2) and two independent variables for each power:
+    its real and imaginary part."""
 
-    def __init__(self, symbols: Sequence[Symbol], lags: Sequence[Expr], powers: Sequence[Expr], *, j: bool) -> None:
+    def __init__(
+        self, symbols: Sequence[Symbol], lags: Sequence[Expr], powers: Sequence[Expr], *, j: bool
+    ) -> None:
         names = [Symbol(f"{_LAST}{i:02}{part}") for i in range(len(powers)) for part in "ab"]
         super().__init__([*symbols, *names], lags, (), j=j)
         self.powers = tuple(powers)
@@ -48,7 +53,8 @@ class RectangularAxis(Axis):
         return [self._joined([*row], found) for row in split]
 
     def _by_powers(self, polynomial: Polynomial) -> dict[tuple[int, ...], Polynomial]:
-        """What stands before each product of powers: the dynamics' variables are s, pi, symbols, delays, powers and j."""
+        """What stands before each product of powers: the dynamics' variables are s, pi, symbols,
+        delays, powers and j."""
         start = self._start
         first, rows = start + self.delays, dict[tuple[int, ...], dict[tuple[int, ...], object]]()
         for exponents, value in polynomial.to_dict().items():
@@ -58,7 +64,9 @@ class RectangularAxis(Axis):
             rows.setdefault(powers, {})[inner] = value
         return {powers: self._inner.context.from_dict(row) for powers, row in rows.items()}
 
-    def _joined(self, powers: Sequence[tuple[int, ...]], found: Iterator[ComplexPolynomial]) -> ComplexPolynomial:
+    def _joined(
+        self, powers: Sequence[tuple[int, ...]], found: Iterator[ComplexPolynomial]
+    ) -> ComplexPolynomial:
         """The sum of parts times their powers (x + j y)^n."""
         gens, real, imag = self.context.gens(), self.constant(0), self.constant(0)
         for exponents, (x, y) in zip(powers, found, strict=False):
@@ -103,19 +111,26 @@ Told: TypeAlias = list[tuple[str, int]]
 """Factors as a certificate writes them, as JSON, with their exponents."""
 
 NOT_RATIONAL = (
-    "a certificate needs a rational scene: this one has a delay, a hold or a fractional power of s, "
+    "a certificate needs a rational scene: this one has a delay, a hold or a fractional "
+    "power of s, "
     "so that its functions are no quotients of polynomials"
 )
-BESIDE_PI = "a certificate with a free parameter needs a scene without pi, in formulas too: write frequencies in rad/s, not in Hz"
+BESIDE_PI = (
+    "a certificate with a free parameter needs a scene without pi, in formulas too: write "
+    "frequencies in rad/s, not in Hz"
+)
 NO_ROOM = (
-    f"a certificate of a scene with delays or powers of s has room for {_MOST_OTHERS} delays that are no multiples of each "
+    f"a certificate of a scene with delays or powers of s has room for {_MOST_OTHERS} delays "
+    f"that are no multiples of each "
     "other and orders together, each a rational number (a delay in seconds) of at most 30 digits"
 )
 
 
 def _rows(coefficients: Mapping[tuple[int, int], int]) -> list[list[str]]:
     """Ascending in the variable, each ascending in pi."""
-    rows: list[dict[int, int]] = [{} for _ in range(max((n for n, _ in coefficients), default=0) + 1)]
+    rows: list[dict[int, int]] = [
+        {} for _ in range(max((n for n, _ in coefficients), default=0) + 1)
+    ]
     for (n, q), value in coefficients.items():
         rows[n][q] = value
     return [[str(row.get(q, 0)) for q in range(max(row, default=0) + 1)] for row in rows]
@@ -125,8 +140,9 @@ def _rows(coefficients: Mapping[tuple[int, int], int]) -> list[list[str]]:
 class Factors:
     """The factors of some functions, each of them once, and the functions as products of them.
 
-    ``delays`` : tau of the half angles omega tau/2, the longest first, ``orders`` : of powers; ``second`` : the place in the ring
-    of what stands beside the variable; ``in_square`` : whether factors that are even are written in the square of the variable.
+    ``delays`` : tau of the half angles omega tau/2, the longest first, ``orders`` : of powers;
+    ``second`` : the place in the ring of what stands beside the variable; ``in_square`` : whether
+    factors that are even are written in the square of the variable.
     """
 
     delays: tuple[Fraction, ...] = ()
@@ -146,7 +162,9 @@ class Factors:
             number *= unit**sign
             for told, n in factors:
                 found[told] += sign * n
-        powers = {self.listed.setdefault(told, len(self.listed)): n for told, n in found.items() if n}
+        powers = {
+            self.listed.setdefault(told, len(self.listed)): n for told, n in found.items() if n
+        }
         return {"number": str(number), "powers": [list(x) for x in sorted(powers.items())]}
 
     def _taken(self, ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Told]:
@@ -164,11 +182,19 @@ class Factors:
         assert isinstance(ring, Axis)
         number, found = ring.factors(ring.without_circles(polynomial)[0], in_square=False)
         first = ring.size - 2 * len(self.orders)
-        told = [(self._waved(x, first) if any(x.degrees()[first:]) else self._plain(x), n) for x, n in found]
-        turning = [int(n) for n in polynomial.degrees()[ring.size : ring.size + len(self.delays)]][::-1]
+        told = [
+            (self._waved(x, first) if any(x.degrees()[first:]) else self._plain(x), n)
+            for x, n in found
+        ]
+        turning = [int(n) for n in polynomial.degrees()[ring.size : ring.size + len(self.delays)]][
+            ::-1
+        ]
         nowhere = [0] * (len(self.delays) + 2 * len(self.orders))
         for i, n in enumerate(turning):  # cos(omega tau/2)
-            alone = {"waves": [int(k == i) for k in range(len(turning))], "terms": [[nowhere, [["1"]]]]}
+            alone = {
+                "waves": [int(k == i) for k in range(len(turning))],
+                "terms": [[nowhere, [["1"]]]],
+            }
             told += [(json.dumps(alone), -n)] if n else []
         return number, told
 
@@ -183,20 +209,26 @@ class Factors:
         return json.dumps({"step": 2 if even else 1, "polynomial": rows})
 
     def _waved(self, factor: Polynomial, first: int) -> str:
-        """A polynomial made homogeneous in cosine and sine; tangents, the last one's first, stand behind Re and Im of powers."""
+        """A polynomial made homogeneous in cosine and sine; tangents, the last one's first, stand
+        behind Re and Im of powers."""
         degrees = [int(n) for n in factor.degrees()]
         self._need_alone(degrees[:first])
         raised = slice(first, first + 2 * len(self.orders))
         places = slice(raised.stop, raised.stop + len(self.delays))
         if max(degrees[places], default=0) > _MOST:
-            raise SceneError(f"certificate: delays must be at most about {_MOST} times a common one")
+            raise SceneError(
+                f"certificate: delays must be at most about {_MOST} times a common one"
+            )
         terms: dict[tuple[int, ...], Coefficients] = {}
         for exponents, value in factor.to_dict().items():
             own = [int(n) for n in exponents]
-            terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[self.second]] = int(value.p)
+            terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[self.second]] = (
+                int(value.p)
+            )
         if len(terms) > _MOST_TERMS or any(n > _MOST for n in degrees[raised]):
             raise SceneError(
-                f"certificate: at most {_MOST_TERMS} products of sines and powers in a factor, to at most {_MOST}"
+                f"certificate: at most {_MOST_TERMS} products of sines and powers in a "
+                f"factor, to at most {_MOST}"
             )
         rows = [[list(turns), _rows(own)] for turns, own in sorted(terms.items())]
         return json.dumps({"waves": degrees[places][::-1], "terms": rows})
@@ -229,26 +261,37 @@ class Linked:
 
     @cached_property
     def factors(self) -> list[Factor]:
-        """With what the checker knows of them: their signs, and what those cost. RefusedError where one is too large."""
+        """With what the checker knows of them: their signs, and what those cost. RefusedError where
+        one is too large."""
         return [factor_of(x, self.delays, self.orders) for x in self.listed]
 
 
 def products(functions: Mapping[str, RealFunction], second: int = PI) -> Linked:
-    """The factors of real functions, and each function as the product of them; ``second`` : as of ``Factors``."""
+    """The factors of real functions, and each function as the product of them; ``second`` : as of
+    ``Factors``."""
     axis = next(iter(functions.values())).axis
     others = [*axis.lags[::-1], *(axis.powers if isinstance(axis, RectangularAxis) else ())]
-    if len(others) > _MOST_OTHERS or not all(x.is_Rational and max(x.p, x.q) < _LARGEST for x in others):
+    if len(others) > _MOST_OTHERS or not all(
+        x.is_Rational and max(x.p, x.q) < _LARGEST for x in others
+    ):
         raise SceneError(NO_ROOM)
     exact = tuple(Fraction(int(x.p), int(x.q)) for x in others)
     delays, orders = exact[: len(axis.lags)], exact[len(axis.lags) :]
     factors = Factors(delays, orders, second, not others and are_even(list(functions.values())))
     told = {
-        name: factors.quotient(x.axis, x.function.numerator, x.function.denominator) for name, x in functions.items()
+        name: factors.quotient(x.axis, x.function.numerator, x.function.denominator)
+        for name, x in functions.items()
     }
     return Linked(told, [json.loads(x) for x in factors.listed], delays, orders)
 
 
 def are_even(functions: Sequence[RealFunction]) -> bool:
-    """Whether all numerators and denominators are even or odd in omega; those of Coulomb friction are not."""
-    every = (p for f in functions for p in (f.function.numerator, f.function.denominator) if not p.is_zero())
+    """Whether all numerators and denominators are even or odd in omega; those of Coulomb friction
+    are not."""
+    every = (
+        p
+        for f in functions
+        for p in (f.function.numerator, f.function.denominator)
+        if not p.is_zero()
+    )
     return all(len({int(e[0]) % 2 for e in p.monoms()}) == 1 for p in every)

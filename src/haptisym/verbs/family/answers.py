@@ -1,7 +1,9 @@
-"""One question about each environment of a family: the answers side by side and, of values that are required, what they share.
+"""One question about each environment of a family: the answers side by side and, of values that are
+required, what they share.
 
-The values of a parameter that do for all environments are the intersection of their proven sets; at each of its ends the
-environments bind that have an end of their own there. A value that no environment excludes and one leaves open stays open.
+The values of a parameter that do for all environments are the intersection of their proven sets; at
+each of its ends the environments bind that have an end of their own there. A value that no
+environment excludes and one leaves open stays open.
 """
 
 from __future__ import annotations
@@ -23,11 +25,13 @@ from haptisym.model.scenefile import SceneFamily, as_family
 
 @dataclass(frozen=True, repr=False)
 class FamilyAnswers(Answer):
-    """The result of one command for each environment of a scene: ``answers``, by the names of the environments.
+    """The result of one command for each environment of a scene: ``answers``, by the names of the
+    environments.
 
-    ``common`` : where they are sets of values of one parameter, their intersection, SI, proven; else None. ``binding`` : at each
-    end of it the environments that limit it. Each result is that of its environment alone. ``left`` : the environments without
-    a result, each with the reason. Made by ``answer_each``.
+    ``common`` : where they are sets of values of one parameter, their intersection, SI, proven;
+    else None. ``binding`` : at each end of it the environments that limit it. Each result is that
+    of its environment alone. ``left`` : the environments without a result, each with the reason.
+    Made by ``answer_each``.
     """
 
     _schema: ClassVar[str] = "haptisym.answers/1"
@@ -61,13 +65,19 @@ class FamilyAnswers(Answer):
         """The values that do for all environments; None where the answers are no such sets."""
         found = list(self.answers.values())
         domains: set[Any] = {getattr(x, "domain", None) for x in found}
-        if self.left or len(domains) > 1 or None in domains or not all(hasattr(x, "values") for x in found):
+        if (
+            self.left
+            or len(domains) > 1
+            or None in domains
+            or not all(hasattr(x, "values") for x in found)
+        ):
             return None  # no sets of values, or of different ranges: a parameter of the environments themselves
         return combined([x.values for x in found])
 
     @property
     def binding(self) -> tuple[tuple[float, str, str], ...]:
-        """At each end of the common values, SI, the environments that bind there, each with its criterion."""
+        """At each end of the common values, SI, the environments that bind there, each with its
+        criterion."""
         ends = [end.value for end in self.common.ends] if self.common else []
         found = {
             (float(value), name, b.criterion.name)
@@ -98,18 +108,23 @@ class FamilyAnswers(Answer):
         assert self.common is not None
         return {
             "feasible": [pair(x.low, x.high) for x in self.common.feasible],
-            "binding": [{"at": at, "environment": name, "criterion": x} for at, name, x in self.binding],
+            "binding": [
+                {"at": at, "environment": name, "criterion": x} for at, name, x in self.binding
+            ],
             "undecided": [pair(x.low, x.high) for x in self.common.undecided],
         }
 
 
-def answer_each(family: SceneFamily | Scene | str | Path, question: Callable[[Scene], Any]) -> FamilyAnswers:
+def answer_each(
+    family: SceneFamily | Scene | str | Path, question: Callable[[Scene], Any]
+) -> FamilyAnswers:
     """Ask one question about each environment of a scene, and put the answers side by side.
 
-    ``family`` : scenes, or their name or file. ``question`` : what is asked of each scene, such as ``hs.stability``, or a
-    lambda with its arguments. Guaranteed: each answer is that of its environment alone; ``common``, of ``hs.require``, is the
-    intersection of the proven sets. Raises what the question raises; where it is undecided for some environments, for all others
-    there is an answer.
+    ``family`` : scenes, or their name or file. ``question`` : what is asked of each scene, such as
+    ``hs.stability``, or a lambda with its arguments. Guaranteed: each answer is that of its
+    environment alone; ``common``, of ``hs.require``, is the intersection of the proven sets. Raises
+    what the question raises; where it is undecided for some environments, for all others there is
+    an answer.
 
     >>> from haptisym import load_scenes, require
     >>> family = load_scenes("fu2019", ["fu2019", "helicopter-cyclic"])

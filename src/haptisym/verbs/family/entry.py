@@ -1,6 +1,8 @@
-"""What one display does to several environments at once: each, where all stay transparent, and which one binds.
+"""What one display does to several environments at once: each, where all stay transparent, and
+which one binds.
 
-All are judged by one JND, or by square, disc and diamond of its half widths, where it is asked whether the conclusion survives.
+All are judged by one JND, or by square, disc and diamond of its half widths, where it is asked
+whether the conclusion survives.
 """
 
 from __future__ import annotations
@@ -37,7 +39,8 @@ class FamilyBinding(Judged):
 
 @dataclass(frozen=True, repr=False)
 class WorstCase(Shown):
-    """``chart`` : of each environment and criterion, (name, criterion), what must not be positive, on one band.
+    """``chart`` : of each environment and criterion, (name, criterion), what must not be positive,
+    on one band.
 
     So ends of different environments are told apart, or found equal, exactly.
     """
@@ -56,16 +59,20 @@ class WorstCase(Shown):
         for name, scene in family.scenes.items():
             distortion = Distortion.of(scene.distortion().chain, ring)
             functions |= {(name, x): x.function(distortion) for x in criteria}
-        return cls(chart(functions, *family.band), tuple((name, x) for name in family for x in criteria))
+        return cls(
+            chart(functions, *family.band), tuple((name, x) for name in family for x in criteria)
+        )
 
     @cached_property
     def transparent(self) -> tuple[Interval, ...]:
-        """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
+        """The frequencies at which every environment is transparent: closed intervals, perhaps
+        none."""
         return self.chart.where(lambda signs: all(signs[key] <= 0 for key in self.keys))
 
     @property
     def bandwidth(self) -> RealNumber | None:
-        """The end of the common transparent interval that starts at the band's low end; None if none does."""
+        """The end of the common transparent interval that starts at the band's low end; None if
+        none does."""
         first = self.transparent[0] if self.transparent else None
         return first.high.omega if first and first.low is self.chart.points[0] else None
 
@@ -73,8 +80,8 @@ class WorstCase(Shown):
     def binding(self) -> tuple[FamilyBinding, ...]:
         """Who binds at each end of the common transparent set inside the band, in ascending order.
 
-        Several where their ratios meet their thresholds at the same frequency. Where not even the band's low end is in
-        the set, who stands in the way there comes first.
+        Several where their ratios meet their thresholds at the same frequency. Where not even the
+        band's low end is in the set, who stands in the way there comes first.
         """
         lowest, highest = self.chart.points[0], self.chart.points[-1]
         blocked = lowest.at if any(lowest.at[key] > 0 for key in self.keys) else lowest.after
@@ -90,7 +97,8 @@ class WorstCase(Shown):
 
 @dataclass(frozen=True, repr=False)
 class FamilyCompared(Shown):
-    """What one region says of all environments together, and of each: ``answers``, by the names of the environments."""
+    """What one region says of all environments together, and of each: ``answers``, by the names of
+    the environments."""
 
     name: str
     threshold: Threshold
@@ -98,7 +106,10 @@ class FamilyCompared(Shown):
     answers: Mapping[str, Compared]
 
     def _line(self) -> str:
-        return f"{self.name}: common bandwidth {self.bandwidth.digits(5) if self.bandwidth else 'none'}"
+        return (
+            f"{self.name}: common bandwidth "
+            f"{self.bandwidth.digits(5) if self.bandwidth else 'none'}"
+        )
 
     @property
     def bandwidth(self) -> RealNumber | None:
@@ -107,7 +118,8 @@ class FamilyCompared(Shown):
 
     @property
     def first(self) -> tuple[FamilyBinding, ...]:
-        """Who binds at the first end of the common transparent set; none where it is the whole band."""
+        """Who binds at the first end of the common transparent set; none where it is the whole
+        band."""
         bound = self.worst.binding
         return tuple(x for x in bound if x.omega is bound[0].omega)
 
@@ -138,13 +150,20 @@ def binding_row(x: FamilyBinding, digits: int) -> dict[str, Any]:
     }
 
 
-def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: WorstCase) -> tuple[FamilyCompared, ...]:
-    """Square, disc and diamond of the JND's half widths, and the JND itself: each judges all environments.
+def compared_all(
+    family: SceneFamily, answers: Mapping[str, Evaluation], own: WorstCase
+) -> tuple[FamilyCompared, ...]:
+    """Square, disc and diamond of the JND's half widths, and the JND itself: each judges all
+    environments.
 
-    ``answers`` : of each environment, with its regions. ``own`` : what the JND itself says of all of them.
+    ``answers`` : of each environment, with its regions. ``own`` : what the JND itself says of all
+    of them.
     """
     models = {x.name: x.threshold for x in next(iter(answers.values())).regions}
-    each = {name: {who: next(x for x in e.regions if x.name == name) for who, e in answers.items()} for name in models}
+    each = {
+        name: {who: next(x for x in e.regions if x.name == name) for who, e in answers.items()}
+        for name in models
+    }
     return tuple(
         FamilyCompared(name, model, own if name == OWN else WorstCase.of(family, model), each[name])
         for name, model in models.items()
@@ -155,8 +174,8 @@ def compared_all(family: SceneFamily, answers: Mapping[str, Evaluation], own: Wo
 class FamilyEvaluation(Answer):
     """The answers for each environment of a family, and what holds for all of them. All proven.
 
-    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them. ``regions`` : where other JND models
-    were asked about, what each says.
+    ``answers`` : by the names of the environments. ``worst`` : what holds for all of them.
+    ``regions`` : where other JND models were asked about, what each says.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
@@ -171,7 +190,9 @@ class FamilyEvaluation(Answer):
 
     def _line(self) -> str:
         width = (
-            "no common bandwidth" if self.bandwidth is None else f"common bandwidth {self.bandwidth.digits(5)} rad/s"
+            "no common bandwidth"
+            if self.bandwidth is None
+            else f"common bandwidth {self.bandwidth.digits(5)} rad/s"
         )
         return f"{titled(self.family.title)}: {counted(len(self.answers), 'environment')}, {width}"
 
@@ -186,23 +207,28 @@ class FamilyEvaluation(Answer):
 
     @property
     def transparent(self) -> tuple[Interval, ...]:
-        """The frequencies at which every environment is transparent: closed intervals, perhaps none."""
+        """The frequencies at which every environment is transparent: closed intervals, perhaps
+        none."""
         return self.worst.transparent
 
     @property
     def bandwidth(self) -> RealNumber | None:
-        """The end of the common transparent interval that starts at the band's low end; None if none does."""
+        """The end of the common transparent interval that starts at the band's low end; None if
+        none does."""
         return self.worst.bandwidth
 
     @property
     def binding(self) -> tuple[FamilyBinding, ...]:
-        """Who binds at each end of the common transparent set inside the band, in ascending order; see ``WorstCase``."""
+        """Who binds at each end of the common transparent set inside the band, in ascending order;
+        see ``WorstCase``."""
         return self.worst.binding
 
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided, in any environment or in the worst case."""
-        own = all(x.certified for x in self.answers.values()) and all(x.certified for x in self.regions)
+        own = all(x.certified for x in self.answers.values()) and all(
+            x.certified for x in self.regions
+        )
         return own and not self.chart.undecided
 
     def _body(self) -> dict[str, Any]:
@@ -226,14 +252,17 @@ def evaluate_all(
     proportion: Number | None = None,
     limit: float | None = SECONDS,
 ) -> FamilyEvaluation | Any:
-    """Evaluate one display with several environments: each, the band on which all are transparent, and who binds there.
+    """Evaluate one display with several environments: each, the band on which all are transparent,
+    and who binds there.
 
-    ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what square, disc and diamond of
-    the JND's half widths say. ``proportion`` : of right answers, to which a JND that tells its own is converted. Guaranteed: the
-    common transparent set is the intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or two ends cannot be told apart,
-    the answers of single environments are returned, as of ``answer_each``; LimitError where there is not even one. Raises
-    SceneError if a parameter is still a symbol.
+    ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what
+    square, disc and diamond of the JND's half widths say. ``proportion`` : of right answers, to
+    which a JND that tells its own is converted. Guaranteed: the common transparent set is the
+    intersection of the environments' own; its ends are proven, and which environment they belong
+    to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or
+    two ends cannot be told apart, the answers of single environments are returned, as of
+    ``answer_each``; LimitError where there is not even one. Raises SceneError if a parameter is
+    still a symbol.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
@@ -247,9 +276,15 @@ def evaluate_all(
         return _evaluated(family, digits, regions=regions)
 
 
-def _evaluated(family: SceneFamily, digits: int, *, regions: bool) -> FamilyEvaluation | FamilyAnswers:
+def _evaluated(
+    family: SceneFamily, digits: int, *, regions: bool
+) -> FamilyEvaluation | FamilyAnswers:
     each = answer_each(family, lambda scene: evaluate(scene, digits))
-    found = None if each.left else in_time(lambda: _together(each, digits, regions=regions), _ALL, each.left)
+    found = (
+        None
+        if each.left
+        else in_time(lambda: _together(each, digits, regions=regions), _ALL, each.left)
+    )
     return each if found is None else found
 
 

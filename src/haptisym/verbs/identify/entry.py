@@ -1,8 +1,10 @@
-"""A model fitted to a measured response, with what the lines tell of it, and the scene file that it makes.
+"""A model fitted to a measured response, with what the lines tell of it, and the scene file that it
+makes.
 
-Whether the model holds is told by its residuals: their chi^2, the correlation of one line's with the next one's, and, of
-records, a force that follows the cube of what is predicted. Between which values each parameter lies is told by the curvature;
-the box that holds all of them together is Bonferroni's.
+Whether the model holds is told by its residuals: their chi^2, the correlation of one line's with
+the next one's, and, of records, a force that follows the cube of what is predicted. Between which
+values each parameter lies is told by the curvature; the box that holds all of them together is
+Bonferroni's.
 """
 
 from __future__ import annotations
@@ -34,11 +36,24 @@ from haptisym.model.quantities import Dimension, MotionKind, Number
 from haptisym.model.scene import Scene, frequency
 from haptisym.model.scenefile import open_scenes, parse_scene
 from haptisym.model.shipped import bench_names, family_names, scene_names
-from haptisym.verbs.identify.fitting import Degrees, Fit, Free, Table, Wanted, filled, fit, wanted, with_others
+from haptisym.verbs.identify.fitting import (
+    Degrees,
+    Fit,
+    Free,
+    Table,
+    Wanted,
+    filled,
+    fit,
+    wanted,
+    with_others,
+)
 
 
-def scene_text(title: str, source: str, remarks: Iterable[str], tables: Sequence[tuple[str, Table]]) -> str:
-    """A scene file. ``remarks`` : comments at its head. ``tables`` : each with its heading, as ``[environment]``.
+def scene_text(
+    title: str, source: str, remarks: Iterable[str], tables: Sequence[tuple[str, Table]]
+) -> str:
+    """A scene file. ``remarks`` : comments at its head. ``tables`` : each with its heading, as
+    ``[environment]``.
 
     >>> print(scene_text("Wall", "", ["fitted"], [("[environment]", {"model": "kelvin-voigt", "k": ["1 N/m", "3 N/m"]})]))
     # fitted
@@ -61,7 +76,9 @@ def scene_text(title: str, source: str, remarks: Iterable[str], tables: Sequence
 
 def _value(given: Any) -> str:
     if isinstance(given, str):
-        return json.dumps(given, ensure_ascii=False).replace("\x7f", "\\u007f")  # which TOML reads as JSON does
+        return json.dumps(given, ensure_ascii=False).replace(
+            "\x7f", "\\u007f"
+        )  # which TOML reads as JSON does
     if isinstance(given, Mapping):
         return f"{{ {', '.join(f'{key} = {_value(x)}' for key, x in given.items())} }}"
     return f"[{', '.join(map(_value, given))}]" if isinstance(given, list | tuple) else str(given)
@@ -105,9 +122,15 @@ def threshold_value(c: Threshold) -> Any:
         return {"like": c.source}
     own = c.region
     if own.corners:
-        return {"shape": own.shape.value, "corners": [[str(x), str(y)] for x, y in own.corners], **_taken(c)}
+        return {
+            "shape": own.shape.value,
+            "corners": [[str(x), str(y)] for x, y in own.corners],
+            **_taken(c),
+        }
     table: dict[str, Any] = {} if own.shape is Shape.SQUARE else {"shape": own.shape.value}
-    table |= {part.value: _limit(c, part) for part in Part} | ({"tilt": str(own.tilt)} if own.tilt else {})
+    table |= {part.value: _limit(c, part) for part in Part} | (
+        {"tilt": str(own.tilt)} if own.tilt else {}
+    )
     if own.floor is not None:
         table["floor"] = str(own.floor)
     return table | _taken(c)
@@ -120,19 +143,25 @@ def _taken(c: Threshold) -> dict[str, Any]:
 def _limit(c: Threshold, part: Part) -> Any:
     interval, lower = c.interval(part), c.lower(part)
     if c[part].is_number and not c[part].is_Rational:
-        raise SceneError(f"jnd: {c[part]} cannot be written in a scene file: give a rational number")
+        raise SceneError(
+            f"jnd: {c[part]} cannot be written in a scene file: give a rational number"
+        )
     if lower is not None:
         return {"higher": str(c[part]), "lower": str(lower)}
-    return str(c[part]) if interval is None else [str(x) for x in (interval[0], c[part], interval[1])]
+    return (
+        str(c[part]) if interval is None else [str(x) for x in (interval[0], c[part], interval[1])]
+    )
 
 
 def band_value(low: float, high: float) -> list[str]:
-    """What a scene file says of a band that ends at floats: in Hz where that has fewer digits, as in the file of the lines.
+    """What a scene file says of a band that ends at floats: in Hz where that has fewer digits, as
+    in the file of the lines.
 
     Twelve digits are enough: ``Measurement.on_band`` allows for files that round more.
     """
     return [
-        min(f"{x:.12g} rad/s", f"{x / (2 * np.pi):.12g} Hz", key=lambda text: len(text.split()[0])) for x in (low, high)
+        min(f"{x:.12g} rad/s", f"{x / (2 * np.pi):.12g} Hz", key=lambda text: len(text.split()[0]))
+        for x in (low, high)
     ]
 
 
@@ -145,10 +174,12 @@ _LEAST_LINES = 8
 class Verdict:
     """What the residuals tell of a model.
 
-    ``square`` : their chi^2, None where no disc is known; ``chance`` : of one that large where the model holds. ``neighbours`` :
-    correlation of the residuals of neighbouring lines; ``neighbours_chance`` : of one that large. ``cube_chance`` : of
-    records, of a force that follows the cube of what is predicted so much. ``fits`` : False where one of these is less likely
-    than its part of what the confidence leaves; None where no disc is known and the others tell nothing.
+    ``square`` : their chi^2, None where no disc is known; ``chance`` : of one that large where the
+    model holds. ``neighbours`` :
+    correlation of the residuals of neighbouring lines; ``neighbours_chance`` : of one that large.
+    ``cube_chance`` : of records, of a force that follows the cube of what is predicted so much.
+    ``fits`` : False where one of these is less likely than its part of what the confidence leaves;
+    None where no disc is known and the others tell nothing.
     """
 
     square: float | None
@@ -161,14 +192,21 @@ class Verdict:
 
 
 def verdict(found: Fit) -> Verdict:
-    """Are the residuals as large as the discs say, is one line's residual independent of the next one's, are records linear?"""
+    """Are the residuals as large as the discs say, is one line's residual independent of the next
+    one's, are records linear?"""
     from scipy.special import gammaincc
 
     known, welch = found.noise.freedom is not None, found.lines.welch
     square = float(found.noise.squares(found.residuals).sum()) if known else None
-    chance = None if square is None or not found.freedom else float(gammaincc(found.freedom / 2, square / 2))
+    chance = (
+        None
+        if square is None or not found.freedom
+        else float(gammaincc(found.freedom / 2, square / 2))
+    )
     # residuals that are no more than where least squares end tell nothing of the model
-    is_exact = bool(np.abs(found.model - found.lines.H).max() <= _EXACT * np.abs(found.lines.H).max())
+    is_exact = bool(
+        np.abs(found.model - found.lines.H).max() <= _EXACT * np.abs(found.lines.H).max()
+    )
     together = None if is_exact else _neighbours(even(found))
     by_chance = None if together is None else erfc(together * sqrt(len(found.lines) - 1)) / 2
     by_cube = welch.cube_chance if welch else None
@@ -182,7 +220,9 @@ def even(found: Fit) -> Complexes:
     """The residuals with their tails brought to those of a normal distribution."""
     size = np.abs(found.residuals)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shown = np.where(size > 0, found.residuals / size * np.sqrt(found.noise.squares(found.residuals)), 0)
+        shown = np.where(
+            size > 0, found.residuals / size * np.sqrt(found.noise.squares(found.residuals)), 0
+        )
     return np.asarray(shown, dtype=complex)
 
 
@@ -196,8 +236,9 @@ def _neighbours(residuals: Complexes) -> float | None:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter that was found, SI. ``low``, ``high`` : its confidence interval by itself; ``least``, ``most`` : its side of
-    the box that holds all parameters together with the confidence, at least. ``error`` : standard error."""
+    """A parameter that was found, SI. ``low``, ``high`` : its confidence interval by itself;
+    ``least``, ``most`` : its side of the box that holds all parameters together with the
+    confidence, at least. ``error`` : standard error."""
 
     parameter: Free
     value: float
@@ -209,7 +250,8 @@ class Estimate:
 
     @property
     def written(self) -> float:
-        """The value to a hundredth of its error, and to three digits at least: no file says more than is known."""
+        """The value to a hundredth of its error, and to three digits at least: no file says more
+        than is known."""
         if self.parameter.rule is Rule.FRACTION or not (self.value and 0 < self.error < np.inf):
             return self.value
         last = min(floor(log10(self.error)), floor(log10(abs(self.value))))
@@ -217,20 +259,32 @@ class Estimate:
 
     @property
     def told(self) -> bool:
-        """Whether the lines tell it well enough for a range to mean anything: a positive one within a factor of two."""
+        """Whether the lines tell it well enough for a range to mean anything: a positive one within
+        a factor of two."""
         if self.parameter.rule is Rule.POSITIVE:
             return self.most <= 2 * self.value
         return self.parameter.rule is not Rule.FRACTION or self.most - self.least < 0.9
 
 
 def estimates(found: Fit) -> tuple[Estimate, ...]:
-    """Of all parameters; the box is Bonferroni's, each side with its share of what the confidence leaves."""
+    """Of all parameters; the box is Bonferroni's, each side with its share of what the confidence
+    leaves."""
     spare, free = 1 - found.lines.confidence, found.wanted.free
     one, all_of_them = (_reach(found, 1 - spare / (2 * parts)) for parts in (1, len(free)))
     made = []
-    for x, value, variance in zip(free, found.values.tolist(), np.diag(found.covariance).tolist(), strict=True):
+    for x, value, variance in zip(
+        free, found.values.tolist(), np.diag(found.covariance).tolist(), strict=True
+    ):
         error = float(np.sqrt(variance))
-        made.append(Estimate(x, value, error, *_ends(x, value, one * error), *_ends(x, value, all_of_them * error)))
+        made.append(
+            Estimate(
+                x,
+                value,
+                error,
+                *_ends(x, value, one * error),
+                *_ends(x, value, all_of_them * error),
+            )
+        )
     return tuple(made)
 
 
@@ -244,7 +298,8 @@ def _reach(found: Fit, share: float) -> float:
 
 
 def _ends(x: Free, value: float, reach: float) -> tuple[float, float]:
-    """An interval that keeps the parameter's rule: even in the logarithm where it must be positive."""
+    """An interval that keeps the parameter's rule: even in the logarithm where it must be
+    positive."""
     if x.rule is Rule.POSITIVE:
         factor = float(np.exp(min(reach / value, 600.0)))
         low, high = value / factor, value * factor
@@ -254,7 +309,9 @@ def _ends(x: Free, value: float, reach: float) -> tuple[float, float]:
         low, high = odds / step / (1 + odds / step), odds * step / (1 + odds * step)
     else:
         low, high = value - reach, value + reach
-    return rounded(max(low, 0.0) if x.rule is Rule.NONNEGATIVE else low, ROUND_FLOOR), rounded(high, ROUND_CEILING)
+    return rounded(max(low, 0.0) if x.rule is Rule.NONNEGATIVE else low, ROUND_FLOOR), rounded(
+        high, ROUND_CEILING
+    )
 
 
 _DIGITS = 6
@@ -267,7 +324,8 @@ def rounded(value: float, way: str) -> float:
 
 _APART = 1e-6
 _LARGE = 0.1
-"""Of a value, the error up to which simulated runs find that intervals hold the truth as often as they say."""
+"""Of a value, the error up to which simulated runs find that intervals hold the truth as often as
+they say."""
 
 
 @dataclass(frozen=True)
@@ -276,11 +334,15 @@ class About:
 
     title: str
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
         """Nothing."""
         return []
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """Nothing."""
         return {}
 
@@ -289,8 +351,10 @@ class About:
 class Identification(Answer):
     """A model that was fitted to measured lines; estimated, never certified.
 
-    ``measurement`` : what was fitted. ``estimates`` : each free parameter with its confidence interval and its side of the box.
-    ``verdict`` : whether the model holds, as far as its residuals tell. ``text`` : the scene file that it makes.
+    ``measurement`` : what was fitted. ``estimates`` : each free parameter with its confidence
+    interval and its side of the box.
+    ``verdict`` : whether the model holds, as far as its residuals tell. ``text`` : the scene file
+    that it makes.
     """
 
     _schema: ClassVar[str] = "haptisym.identification/1"
@@ -330,7 +394,8 @@ class Identification(Answer):
 
     @cached_property
     def text(self) -> str:
-        """The scene file: a range for each parameter, or its value alone where a range would mean nothing."""
+        """The scene file: a range for each parameter, or its value alone where a range would mean
+        nothing."""
         by_path = {x.parameter.path: x for x in self.estimates}
 
         def value(x: Free) -> Any:
@@ -347,54 +412,94 @@ class Identification(Answer):
             *(("[[effects]]", filled(x, value)) for x in own.effects),
         ]
         source = f"fitted to {self.measurement.name} by haptisym identify"
-        remarks = [*self._told(), *(f"The same response: {self.moved(x)}." for x in self.fit.others or ())]
+        remarks = [
+            *self._told(),
+            *(f"The same response: {self.moved(x)}." for x in self.fit.others or ()),
+        ]
         return scene_text(self.title, source, remarks, [*tables, ("[evaluation]", evaluation)])
 
     @property
     def has_ranges(self) -> bool:
-        """Whether parameters are written as ranges: the model was not refuted, and the lines tell every parameter."""
+        """Whether parameters are written as ranges: the model was not refuted, and the lines tell
+        every parameter."""
         return self.verdict.fits is not False and all(x.told for x in self.estimates)
 
     @property
     def confidence_words(self) -> str:
-        """Of the box. Intervals of the curvature hold less than they say where errors are large, as simulated runs tell.
+        """Of the box. Intervals of the curvature hold less than they say where errors are large, as
+        simulated runs tell.
 
-        Of lines that were estimated from records neither the leakage of the window nor the bias of loud lines is in them:
-        simulated loops of a mass of 0.8 kg, a damper and a spring held the truth in 41 to 89 of 90 intervals of 95 %.
+        Of lines that were estimated from records neither the leakage of the window nor the bias of
+        loud lines is in them:
+        simulated loops of a mass of 0.8 kg, a damper and a spring held the truth in 41 to 89 of 90
+        intervals of 95 %.
         """
         share = f"{100 * self.fit.lines.confidence:g} %"
-        which = ", unless the true values are those of another answer with the same response" if self.fit.others else ""
+        which = (
+            ", unless the true values are those of another answer with the same response"
+            if self.fit.others
+            else ""
+        )
         if self.fit.lines.welch is not None:
-            return f"at most {share}, as records leak and loud ones have a bias: the ranges are too narrow{which}"
+            return (
+                f"at most {share}, as records leak and loud ones have a bias: the ranges are too "
+                f"narrow{which}"
+            )
         large = any(x.error > _LARGE * abs(x.value) for x in self.estimates)
         less = ", some percent less as an error is above a tenth of its value" if large else ""
         return f"about {share}{less}{which}"
 
     def _written(self, x: Estimate) -> Any:
         motion, dimension = self.motion, x.parameter.dimension
-        plain = dimension in (Dimension.ANY, Dimension.RATIO) or (motion is None and len(set(dimension.value)) > 1)
+        plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
+            motion is None and len(set(dimension.value)) > 1
+        )
         unit = "" if plain else f" {dimension.unit(motion)}"
-        return [f"{end!r}{unit}" for end in (x.least, x.written, x.most)] if self.has_ranges else f"{x.written!r}{unit}"
+        return (
+            [f"{end!r}{unit}" for end in (x.least, x.written, x.most)]
+            if self.has_ranges
+            else f"{x.written!r}{unit}"
+        )
 
     def moved(self, other: Any) -> str:
-        """What is another value in another answer with the same response: paths, values and units."""
-        pairs = [(x, v) for x, v in zip(self.estimates, other, strict=True) if x.parameter.path in self.ambiguous]
+        """What is another value in another answer with the same response: paths, values and
+        units."""
+        pairs = [
+            (x, v)
+            for x, v in zip(self.estimates, other, strict=True)
+            if x.parameter.path in self.ambiguous
+        ]
         return ", ".join(
-            f"{x.parameter.path} = {v:.6g} {'' if (u := self.unit(x)) == '1' else u}".strip() for x, v in pairs
+            f"{x.parameter.path} = {v:.6g} {'' if (u := self.unit(x)) == '1' else u}".strip()
+            for x, v in pairs
         )
 
     def _told(self) -> list[str]:
         if self.verdict.fits is False:
             return [
-                "This model does NOT fit what was measured: its parameters are those nearest to it, and have no ranges."
+                (
+                    "This model does NOT fit what was measured: its parameters are those nearest "
+                    "to it, and have no ranges."
+                )
             ]
         if not self.has_ranges:
             paths = ", ".join(x.parameter.path for x in self.estimates if not x.told)
-            return [f"The data do not identify {paths}: no parameter has a range. Leave that out, or give a value."]
-        start = f"Ranges: together they hold the true values with a confidence of {self.confidence_words}, if the model is right"
+            return [
+                (
+                    f"The data do not identify {paths}: no parameter has a range. Leave that "
+                    f"out, or give a value."
+                )
+            ]
+        start = (
+            f"Ranges: together they hold the true values with a confidence of "
+            f"{self.confidence_words}, if the model is right"
+        )
         if self.verdict.fits is None:
             return [f"{start},", "which was not tested: no discs of the lines are known."]
-        return [f"{start}", "and the errors are as the discs say. No test of the residuals spoke against it."]
+        return [
+            f"{start}",
+            "and the errors are as the discs say. No test of the residuals spoke against it.",
+        ]
 
     @cached_property
     def scene(self) -> Scene:
@@ -418,13 +523,18 @@ class Identification(Answer):
             "neighbours_probability": found.neighbours_chance,
             "starts": self.fit.starts,
             "agreeing": self.fit.agreeing,
-            "others": None if self.fit.others is None else [self._named(x) for x in self.fit.others],
+            "others": None
+            if self.fit.others is None
+            else [self._named(x) for x in self.fit.others],
             "parameters": [self._row(x) for x in self.estimates],
             "correlation": correlation(self.fit).tolist(),
             "rows": [
                 {"omega": w, "model": [h.real, h.imag], "residual": [r.real, r.imag]}
                 for w, h, r in zip(
-                    lines.omega.tolist(), self.fit.model.tolist(), self.fit.residuals.tolist(), strict=True
+                    lines.omega.tolist(),
+                    self.fit.model.tolist(),
+                    self.fit.residuals.tolist(),
+                    strict=True,
                 )
             ],
             "scene": self.text,
@@ -440,10 +550,17 @@ class Identification(Answer):
         own = self.fit.values
         others = np.array(self.fit.others or [own])
         moved = np.any(np.abs(others - own) > _APART * np.abs(own), axis=0)
-        return tuple(x.path for x, is_moved in zip(self.wanted.free, moved, strict=True) if is_moved)
+        return tuple(
+            x.path for x, is_moved in zip(self.wanted.free, moved, strict=True) if is_moved
+        )
 
     def _row(self, x: Estimate) -> dict[str, Any]:
-        numbers = {"value": x.value, "error": x.error, "interval": [x.low, x.high], "box": [x.least, x.most]}
+        numbers = {
+            "value": x.value,
+            "error": x.error,
+            "interval": [x.low, x.high],
+            "box": [x.least, x.most],
+        }
         return {"path": x.parameter.path, **numbers, "unit": self.unit(x), "told": x.told}
 
     def unit(self, x: Estimate) -> str:
@@ -469,13 +586,17 @@ def identify(
     title: str = "",
     limit: float | None = SECONDS,
 ) -> Identification:
-    """Fit a model to a measured response, by least squares weighted with its discs. Estimated, not proven.
+    """Fit a model to a measured response, by least squares weighted with its discs. Estimated, not
+    proven.
 
-    ``response`` : what was measured, or the file of it; or a scene with ``[perceived]``, of which what should be felt is known
-    and the effects are fitted. ``environment``, ``effects`` : models of the catalogue, ``"shunt:m"`` with some parameters alone,
-    ``"second-order-lowpass:zeta=0.5"`` with a given value. ``degrees`` : of a numerator and denominator, in place of a model.
-    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. ``limit`` : seconds of processor time that it may
-    take, LimitError after them; None for none. SceneError for what cannot be fitted.
+    ``response`` : what was measured, or the file of it; or a scene with ``[perceived]``, of which
+    what should be felt is known and the effects are fitted. ``environment``, ``effects`` : models
+    of the catalogue, ``"shunt:m"`` with some parameters alone,
+    ``"second-order-lowpass:zeta=0.5"`` with a given value. ``degrees`` : of a numerator and
+    denominator, in place of a model.
+    ``band`` : only lines on it. ``averages``, ``confidence`` : of a file's. ``limit`` : seconds of
+    processor time that it may take, LimitError after them; None for none. SceneError for what
+    cannot be fitted.
 
     >>> import haptisym as hs
     >>> felt = hs.sampled("fu2019", [2, 4, 6, 8, 10, 12])
@@ -488,17 +609,23 @@ def identify(
     if isinstance(given, MeasuredScene):
         felt, threshold, name = given.perceived, given.threshold, title or given.title
         if not isinstance(given.environment, Environment):
-            raise SceneError("environment and perceived are both measured: give the file of the one to fit")
+            raise SceneError(
+                "environment and perceived are both measured: give the file of the one to fit"
+            )
         known = (given.environment, environment_table(given.environment))
         band = band or given.band
     assert isinstance(felt, Measurement)
-    asked = wanted(environment, [effects] if isinstance(effects, str) else list(effects), degrees, known)
+    asked = wanted(
+        environment, [effects] if isinstance(effects, str) else list(effects), degrees, known
+    )
     lines = felt if band is None else felt.on_band(*(float(frequency("band", x)) for x in band))
     with limited(limit):
         found = with_others(fit(asked, lines))
     name = name or f"{asked.words}, as measured"
     motion = felt.motion or (given.motion if isinstance(given, MeasuredScene) else None)
-    return Identification(replace(felt, motion=motion), threshold, name, found, estimates(found), verdict(found))
+    return Identification(
+        replace(felt, motion=motion), threshold, name, found, estimates(found), verdict(found)
+    )
 
 
 def opened(
@@ -509,28 +636,39 @@ def opened(
     files: bool = True,
     **records: Any,
 ) -> Measurement | MeasuredScene:
-    """What was measured, from wherever it is; ``files`` : whether those that a scene names are read."""
+    """What was measured, from wherever it is; ``files`` : whether those that a scene names are
+    read."""
     certainty: dict[str, Any] = records | {
         key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
     }
-    if isinstance(given, str | Path) and Path(given).suffix != ".toml" and str(given) not in bench_names():
+    if (
+        isinstance(given, str | Path)
+        and Path(given).suffix != ".toml"
+        and str(given) not in bench_names()
+    ):
         if str(given) in (*scene_names(), *family_names()) and not Path(given).exists():
-            raise SceneError(f"{given}: this shipped scene has formulas, no measured response; {_runs(str(given))}")
+            raise SceneError(
+                f"{given}: this shipped scene has formulas, no measured response; "
+                f"{_runs(str(given))}"
+            )
         return measured(given, **certainty)
     if certainty:
         raise SceneError(
-            f"{next(iter(certainty))}: is for a file of frequency points: leave it out, as scene and response have their own"
+            f"{next(iter(certainty))}: is for a file of frequency points: leave it out, as "
+            f"scene and response have their own"
         )
     if isinstance(given, str | Path):
         opened, name = open_scenes(given, files=files)
         if not isinstance(opened, MeasuredScene):
             raise SceneError(
-                f"{name}: this scene has formulas, no measured response: give a file, or a scene with [perceived]"
+                f"{name}: this scene has formulas, no measured response: give a file, or a "
+                f"scene with [perceived]"
             )
         return opened
     if not isinstance(given, Measurement | MeasuredScene):
         raise SceneError(
-            f"{type(given).__name__} is no measured response: give a file, measured(omega, H) or a MeasuredScene"
+            f"{type(given).__name__} is no measured response: give a file, measured(omega, "
+            f"H) or a MeasuredScene"
         )
     return given
 

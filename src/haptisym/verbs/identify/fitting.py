@@ -1,12 +1,14 @@
 """Models with free numbers, where a fit begins, and weighted least squares.
 
-What is to be identified are models of the catalogue, or fractions of given degrees, with parameters that are free. A fit begins
-at values drawn from units and the lines' own scales, a fraction at linear least squares, each time weighted with the
-denominator before; it ends where a model lies nearest to the lines, weighted by their discs.
+What is to be identified are models of the catalogue, or fractions of given degrees, with parameters
+that are free. A fit begins at values drawn from units and the lines' own scales, a fraction at
+linear least squares, each time weighted with the denominator before; it ends where a model lies
+nearest to the lines, weighted by their discs.
 
-Whether other values of a model's parameters give the very same response is a question of algebra, which no line answers. Two
-responses are one where numerator and denominator are, but for one factor. With the values that were found (to three digits) on
-the one side these are polynomial equations for the parameters, solved by a Groebner basis.
+Whether other values of a model's parameters give the very same response is a question of algebra,
+which no line answers. Two responses are one where numerator and denominator are, but for one
+factor. With the values that were found (to three digits) on the one side these are polynomial
+equations for the parameters, solved by a Groebner basis.
 """
 
 from __future__ import annotations
@@ -43,7 +45,8 @@ MOST = 16
 
 @dataclass(frozen=True)
 class Free:
-    """A parameter to be found: its path in the scene that is written, and the symbol that it has until then."""
+    """A parameter to be found: its path in the scene that is written, and the symbol that it has
+    until then."""
 
     path: str
     symbol: Symbol
@@ -58,7 +61,8 @@ class Free:
 
 @dataclass(frozen=True)
 class Wanted:
-    """Tables of a scene file, in which a parameter may be ``Free``. ``degrees`` : where a fraction is wanted.
+    """Tables of a scene file, in which a parameter may be ``Free``. ``degrees`` : where a fraction
+    is wanted.
 
     ``known`` : what should be felt, where that is given and nothing in it is free.
     """
@@ -97,7 +101,13 @@ def _free(given: Any) -> Iterator[Free]:
     if isinstance(given, Free):
         yield given
     elif not isinstance(given, str):
-        for x in given.values() if isinstance(given, Mapping) else given if isinstance(given, list | tuple) else ():
+        for x in (
+            given.values()
+            if isinstance(given, Mapping)
+            else given
+            if isinstance(given, list | tuple)
+            else ()
+        ):
             yield from _free(x)
 
 
@@ -107,13 +117,18 @@ def _built(catalogue: Mapping[str, Model], table: Table) -> Any:
 
 
 def wanted(
-    environment: str | None, effects: Sequence[str], degrees: Degrees | None, known: tuple[Environment, Table] | None
+    environment: str | None,
+    effects: Sequence[str],
+    degrees: Degrees | None,
+    known: tuple[Environment, Table] | None,
 ) -> Wanted:
-    """What the words of a call ask for. SceneError for models, keys and combinations that there are not.
+    """What the words of a call ask for. SceneError for models, keys and combinations that there are
+    not.
 
-    ``environment``, ``effects`` : a model each, as ``"shunt"``, ``"shunt:m,b"`` (with these parameters alone of those that may be
-    absent) or ``"second-order-lowpass:zeta=0.5"`` (with a given value). ``degrees`` : of a numerator and a denominator, in place
-    of a model of the environment; of a series effect where the environment is ``known``.
+    ``environment``, ``effects`` : a model each, as ``"shunt"``, ``"shunt:m,b"`` (with these
+    parameters alone of those that may be absent) or ``"second-order-lowpass:zeta=0.5"`` (with a
+    given value). ``degrees`` : of a numerator and a denominator, in place of a model of the
+    environment; of a series effect where the environment is ``known``.
 
     >>> [x.path for x in wanted("mass-spring-damper:k,b", ["delay"], None, None).free]
     ['environment.k', 'environment.b', 'effects.delay.tau']
@@ -122,12 +137,15 @@ def wanted(
     if known is not None:
         if environment is not None:
             raise SceneError(
-                "environment: the scene gives it: leave it out, or give the file of the response instead of the scene"
+                "environment: the scene gives it: leave it out, or give the file of the "
+                "response instead of the scene"
             )
         own: Table = known[1]
     elif degrees is not None:
         if environment is not None:
-            raise SceneError(f"degrees: a fraction replaces the model: leave out {environment} or the degrees")
+            raise SceneError(
+                f"degrees: a fraction replaces the model: leave out {environment} or the degrees"
+            )
         own = _fraction(degrees, "environment", names)
     elif environment is None:
         models = ", ".join(x for x in ENVIRONMENTS if x != "expression")
@@ -159,7 +177,9 @@ def _check(found: Wanted) -> None:
         raise SceneError(f"{len(found.free)} parameters are free: at most {MOST} can be fitted")
     own = [x for x in found.effects if x["model"] != "series"]
     if found.degrees and any(x["model"] != "delay" for x in own):
-        raise SceneError("degrees: a fraction is fitted with a delay only: leave out the other effects")
+        raise SceneError(
+            "degrees: a fraction is fitted with a delay only: leave out the other effects"
+        )
 
 
 class _Symbols:
@@ -177,7 +197,9 @@ class _Symbols:
 def _fraction(degrees: Degrees, place: str, names: _Symbols) -> Table:
     """A fraction whose denominator begins with 1."""
     above, below = degrees
-    if not all(isinstance(x, int) and not isinstance(x, bool) and 0 <= x <= HIGHEST for x in degrees):
+    if not all(
+        isinstance(x, int) and not isinstance(x, bool) and 0 <= x <= HIGHEST for x in degrees
+    ):
         raise SceneError(f"degrees: {above} and {below} must be whole numbers from 0 to {HIGHEST}")
     keys = [f"a{i}" for i in range(above + 1)], [f"d{i}" for i in range(1, below + 1)]
     top, bottom = (" + ".join(_term(x) for x in part) for part in keys)
@@ -198,30 +220,42 @@ def _model(text: str, catalogue: Mapping[str, Model], place: str, names: _Symbol
     name, colon, listed = (x.strip() for x in str(text).partition(":"))
     if name not in catalogue:
         raise SceneError(
-            f'{kind}: unknown model "{name[:60]}": {meant(name, catalogue)}valid are {", ".join(catalogue)}'
+            f'{kind}: unknown model "{name[:60]}": {meant(name, catalogue)}valid are '
+            f"{', '.join(catalogue)}"
         )
     slots = catalogue[name].slots
     formulas = [key for key, x in slots.items() if x.formula and x.required]
     if formulas:
-        raise SceneError(f"{name}: a formula has no parameters to fit: choose another model, or degrees")
+        raise SceneError(
+            f"{name}: a formula has no parameters to fit: choose another model, or degrees"
+        )
     with within(name):
         keys = (
             _keys(listed, slots)
             if colon
-            else {key: None for key, x in slots.items() if not x.formula and (x.required or not x.is_setting)}
+            else {
+                key: None
+                for key, x in slots.items()
+                if not x.formula and (x.required or not x.is_setting)
+            }
         )
-        found = {key: _entry(f"{place}.{key}", slots[key], given, names) for key, given in keys.items()}
+        found = {
+            key: _entry(f"{place}.{key}", slots[key], given, names) for key, given in keys.items()
+        }
     return {"model": name, **found}
 
 
 def _keys(listed: str, slots: Mapping[str, Slot]) -> dict[str, str | None]:
-    """The parameters that a model has: those that are listed, each with its value if it has one, and the required ones."""
+    """The parameters that a model has: those that are listed, each with its value if it has one,
+    and the required ones."""
     given: dict[str, str | None] = {}
     for word in listed.split(","):
         key, equals, value = (x.strip() for x in word.partition("="))
         valid = [x for x, slot in slots.items() if not slot.formula]
         if key not in valid:
-            raise SceneError(f'unknown parameter "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}')
+            raise SceneError(
+                f'unknown parameter "{key[:60]}": {meant(key, valid)}valid are {", ".join(valid)}'
+            )
         if key in given:
             raise SceneError(f"{key} is there twice")
         given[key] = value if equals else None
@@ -244,11 +278,14 @@ def _entry(path: str, slot: Slot, given: str | None, names: _Symbols) -> Any:
 
 
 _LIMITS = 60, 400, 20_000  # polynomials of a basis, terms of one, bits of a coefficient
-_SAME = 1e-4  # relative: values and roots that differ by less are one, as the values have three digits
+_SAME = (
+    1e-4  # relative: values and roots that differ by less are one, as the values have three digits
+)
 
 
 def twins(wanted: Wanted, values: Reals) -> tuple[Reals, ...] | None:
-    """Other positive values that give the response of these, nearly; None where that was not decided.
+    """Other positive values that give the response of these, nearly; None where that was not
+    decided.
 
     What stands in a delay or a power of s is left as it is.
 
@@ -261,7 +298,10 @@ def twins(wanted: Wanted, values: Reals) -> tuple[Reals, ...] | None:
     perceived = distort(own, *effects).perc.reduced()
     ring, parts = perceived.ring, (perceived.numerator, perceived.denominator)
     inside = {x for meaning in ring.meanings[ring.size :] for x in meaning.free_symbols}
-    near = {x.symbol: Fraction(f"{value:.3g}") for x, value in zip(wanted.free, values.tolist(), strict=True)}
+    near = {
+        x.symbol: Fraction(f"{value:.3g}")
+        for x, value in zip(wanted.free, values.tolist(), strict=True)
+    }
     free = [x for x in near if x not in inside]
     if not free or any(near[x] <= 0 for x in free):
         return None
@@ -277,7 +317,9 @@ def twins(wanted: Wanted, values: Reals) -> tuple[Reals, ...] | None:
                 int(coefficient.p), int(coefficient.q)
             )
         for terms in rows.values():
-            total, known = _equation(context.constant(0), terms, near, dict(zip(free, unknown, strict=True)))
+            total, known = _equation(
+                context.constant(0), terms, near, dict(zip(free, unknown, strict=True))
+            )
             equations.append(total * known.denominator - factor * known.numerator)
     basis, whole = fmpz_mpoly_vec(equations, context).buchberger_naive(limits=_LIMITS)
     if not whole:
@@ -287,11 +329,15 @@ def twins(wanted: Wanted, values: Reals) -> tuple[Reals, ...] | None:
         return None
     given = np.array([float(near[x]) for x in free])
     others = [x for x in found if not np.allclose(x, given, rtol=_SAME)]
-    return tuple(np.array([x[free.index(y)] if y in free else values[i] for i, y in enumerate(near)]) for x in others)
+    return tuple(
+        np.array([x[free.index(y)] if y in free else values[i] for i, y in enumerate(near)])
+        for x in others
+    )
 
 
 def _equation(total: Any, terms: Any, near: Any, unknown: Any) -> tuple[Any, Fraction]:
-    """A coefficient as a polynomial in what is unknown, times a whole number, and its value at the values that were found."""
+    """A coefficient as a polynomial in what is unknown, times a whole number, and its value at the
+    values that were found."""
     known, scale = Fraction(0), lcm(*(c.denominator for c in terms.values()))
     for powers, c in terms.items():
         term = total * 0 + int(c * scale)
@@ -306,7 +352,8 @@ def _equation(total: Any, terms: Any, near: Any, unknown: Any) -> tuple[Any, Fra
 
 
 def _solved(basis: list[Any], count: int) -> list[Reals] | None:
-    """The positive solutions of a basis in lexical order, from the last unknown on; None where there is no end of them."""
+    """The positive solutions of a basis in lexical order, from the last unknown on; None where
+    there is no end of them."""
     found: list[list[float]] = [[]]
     for k in range(count):
         at = 2 + count - 1 - k  # its place in the context
@@ -318,13 +365,16 @@ def _solved(basis: list[Any], count: int) -> list[Reals] | None:
 
 
 def _roots(own: Sequence[Any], at: int, rest: Sequence[float]) -> Iterator[float]:
-    """The positive numbers at which polynomials in one unknown, the later ones being known, vanish together."""
+    """The positive numbers at which polynomials in one unknown, the later ones being known, vanish
+    together."""
     rows = []
     for p in own:
         row = [Fraction(0)] * (p.degrees()[at] + 1)
         for powers, c in p.to_dict().items():
             later = zip(powers[at + 1 :], rest, strict=True)
-            row[int(powers[at])] += int(c) * Fraction(float(np.prod([x ** int(n) for n, x in later])))
+            row[int(powers[at])] += int(c) * Fraction(
+                float(np.prod([x ** int(n) for n, x in later]))
+            )
         rows.append(row)
     row = min((x for x in rows if any(x[1:])), key=len, default=[Fraction(1)])
     scale = lcm(*(x.denominator for x in row))
@@ -352,7 +402,8 @@ class Curve:
         return tuple(x.symbol.name for x in self.wanted.free)
 
     def __call__(self, values: Reals) -> Complexes:
-        """Of sets of values (sets, parameters) the responses (sets, lines); NaN where there is none."""
+        """Of sets of values (sets, parameters) the responses (sets, lines); NaN where there is
+        none."""
         sets = np.atleast_2d(values)
         columns = {name: sets[:, i, None] for i, name in enumerate(self.names)}
         with np.errstate(all="ignore"):
@@ -379,20 +430,33 @@ _MOST_LINES = 200
 _DRAWN, _REFINED = 64, 10
 """Sets of values for each parameter and one more, and how many of the best are refined."""
 _DECADES = {
-    Dimension.MASS: (-2.5, 1.0), Dimension.DAMPING: (-2.5, 1.0), Dimension.STIFFNESS: (-1.5, 1.5),
-    Dimension.FREQUENCY: (-0.5, 2.5), Dimension.TIME: (-3.0, 0.3), Dimension.RATIO: (-1.0, 0.3),
-}  # fmt: skip
+    Dimension.MASS: (-2.5, 1.0),
+    Dimension.DAMPING: (-2.5, 1.0),
+    Dimension.STIFFNESS: (-1.5, 1.5),
+    Dimension.FREQUENCY: (-0.5, 2.5),
+    Dimension.TIME: (-3.0, 0.3),
+    Dimension.RATIO: (-1.0, 0.3),
+}
 """Of a parameter around its scale."""
 
 
 def scales(free: tuple[Free, ...], m: Measurement) -> Reals:
     """How large each parameter is likely to be: the middle of the lines in its unit."""
-    size, omega = float(np.median(np.abs(m.H))) or 1.0, float(np.exp(np.log(m.omega[m.omega > 0]).mean()))
+    size, omega = (
+        float(np.median(np.abs(m.H))) or 1.0,
+        float(np.exp(np.log(m.omega[m.omega > 0]).mean())),
+    )
     known = {
-        Dimension.MASS: size / omega**2, Dimension.DAMPING: size / omega, Dimension.STIFFNESS: size,
-        Dimension.FREQUENCY: omega, Dimension.TIME: 1 / omega, Dimension.RATIO: 1.0, Dimension.FORCE: size,
-        Dimension.DISPLACEMENT: 1.0, Dimension.ANY: size,
-    }  # fmt: skip
+        Dimension.MASS: size / omega**2,
+        Dimension.DAMPING: size / omega,
+        Dimension.STIFFNESS: size,
+        Dimension.FREQUENCY: omega,
+        Dimension.TIME: 1 / omega,
+        Dimension.RATIO: 1.0,
+        Dimension.FORCE: size,
+        Dimension.DISPLACEMENT: 1.0,
+        Dimension.ANY: size,
+    }
     return np.array([known[x.dimension] for x in free])
 
 
@@ -405,14 +469,17 @@ def starts(wanted: Wanted, m: Measurement) -> Iterator[Reals]:
         yield from _drawn(wanted, few)
 
 
-# Models: sets of values drawn evenly on logarithmic scales, the best of them refined on the logarithm of the response.
+# Models: sets of values drawn evenly on logarithmic scales, the best of them refined on the
+# logarithm of the response.
 
 
 def _drawn(wanted: Wanted, m: Measurement) -> Iterator[Reals]:
     free, curve, scale = wanted.free, Curve(wanted, m.omega), scales(wanted.free, m)
     count = _DRAWN * (len(free) + 1)
     points = np.random.default_rng(2019).random((count, len(free)))
-    sets = np.stack([_spread(x, c, u) for x, c, u in zip(free, scale, points.T, strict=True)], axis=1)
+    sets = np.stack(
+        [_spread(x, c, u) for x, c, u in zip(free, scale, points.T, strict=True)], axis=1
+    )
     misfit = np.nan_to_num(np.square(_logarithm(curve(sets), m.H)).sum(axis=1), nan=np.inf)
     for i in np.argsort(misfit)[:_REFINED]:
         if np.isfinite(misfit[i]):
@@ -447,14 +514,18 @@ def _refined(curve: Curve, measured: Complexes, begin: Reals, scale: Reals) -> R
         return np.where(signed, u * scale, np.exp(np.clip(u, -300, 300)))
 
     def rest(u: Reals) -> Reals:
-        return np.nan_to_num(_logarithm(curve.at(values(u)), measured), nan=1e3, posinf=1e3, neginf=-1e3)
+        return np.nan_to_num(
+            _logarithm(curve.at(values(u)), measured), nan=1e3, posinf=1e3, neginf=-1e3
+        )
 
     def slope(u: Reals) -> Reals:
         at = values(u)
         with np.errstate(all="ignore"):
             steps = 1e-5 * np.maximum(np.abs(at), 1e-3 * scale)
             relative = curve.slopes(at, steps) / curve.at(at)[:, None] * np.where(signed, scale, at)
-        told: Reals = np.nan_to_num(np.concatenate([relative.real, relative.imag]), nan=0.0, posinf=1e6, neginf=-1e6)
+        told: Reals = np.nan_to_num(
+            np.concatenate([relative.real, relative.imag]), nan=0.0, posinf=1e6, neginf=-1e6
+        )
         return told
 
     with np.errstate(all="ignore"):
@@ -466,13 +537,16 @@ def _refined(curve: Curve, measured: Complexes, begin: Reals, scale: Reals) -> R
     return refined
 
 
-# Fractions: numerator and denominator by linear least squares, each time weighted with the denominator before.
+# Fractions: numerator and denominator by linear least squares, each time weighted with the
+# denominator before.
 
 
 def _fractions(wanted: Wanted, m: Measurement) -> Iterator[Reals]:
     assert wanted.degrees is not None
     ratio = m.H / _known(wanted, m.omega)
-    is_delayed = any(x["model"] == "delay" for x in wanted.effects) and any(x.name == "tau" for x in wanted.free)
+    is_delayed = any(x["model"] == "delay" for x in wanted.effects) and any(
+        x.name == "tau" for x in wanted.free
+    )
     top = float(m.omega[-1])
     for tau in [0.0, *np.geomspace(0.02, 6, 16) / top] if is_delayed else [0.0]:
         yield _linear(wanted, m.omega, ratio * np.exp(1j * m.omega * tau), tau)
@@ -494,13 +568,22 @@ def _linear(wanted: Wanted, omega: Reals, ratio: Complexes, tau: float) -> Reals
     powers = (1j * omega[:, None] / middle) ** np.arange(max(above, below) + 1)
     weight, found = 1 / np.maximum(np.abs(ratio), 1e-300), np.zeros(above + below + 1)
     for _ in range(20):
-        A = np.hstack([powers[:, : above + 1], -ratio[:, None] * powers[:, 1 : below + 1]]) * weight[:, None]
+        A = (
+            np.hstack([powers[:, : above + 1], -ratio[:, None] * powers[:, 1 : below + 1]])
+            * weight[:, None]
+        )
         b = ratio * weight
-        found = np.linalg.lstsq(np.vstack([A.real, A.imag]), np.concatenate([b.real, b.imag]), rcond=None)[0]
+        found = np.linalg.lstsq(
+            np.vstack([A.real, A.imag]), np.concatenate([b.real, b.imag]), rcond=None
+        )[0]
         bottom = np.abs(1 + powers[:, 1 : below + 1] @ found[above + 1 :])
         weight = 1 / np.maximum(np.abs(ratio) * bottom, 1e-300)
     values = dict(
-        zip([*(f"a{i}" for i in range(above + 1)), *(f"d{i}" for i in range(1, below + 1))], found, strict=True)
+        zip(
+            [*(f"a{i}" for i in range(above + 1)), *(f"d{i}" for i in range(1, below + 1))],
+            found,
+            strict=True,
+        )
     )
     own = {key: x / middle ** int(key[1:]) for key, x in values.items()}
     return np.array([own.get(x.name, tau) for x in wanted.free])
@@ -508,21 +591,24 @@ def _linear(wanted: Wanted, omega: Reals, ratio: Complexes, tau: float) -> Reals
 
 LEAST_AVERAGES = 4
 _TOLD_APART = 1e-7
-"""Of the directions in which parameters move, the least told against the best told: below it they cannot be told apart."""
+"""Of the directions in which parameters move, the least told against the best told: below it they
+cannot be told apart."""
 _SAME_FITTING = 1e-6
 """Sums of squares that differ by no more than this share are one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """``sigma`` : of the real and of the imaginary part of each line, as estimated from its disc. ``freedom`` : degrees of
-    freedom of that estimate, infinite where the disc is given; None where no disc is known and sigma is a share of ``|H|``."""
+    """``sigma`` : of the real and of the imaginary part of each line, as estimated from its disc.
+    ``freedom`` : degrees of freedom of that estimate, infinite where the disc is given; None where
+    no disc is known and sigma is a share of ``|H|``."""
 
     sigma: Reals
     freedom: float | None
 
     def squares(self, residuals: Complexes) -> Reals:
-        """Of each line a number that has the distribution chi^2 of 2 degrees of freedom where the model holds.
+        """Of each line a number that has the distribution chi^2 of 2 degrees of freedom where the
+        model holds.
 
         ``|r|^2/2`` has F(2, n); n ln(1 + |r|^2/n) is its quantile, carried over.
         """
@@ -533,7 +619,8 @@ class Noise:
 
     @property
     def widening(self) -> float:
-        """Of variances: weights that are estimated themselves tell less than known ones, by n/(n - 4)."""
+        """Of variances: weights that are estimated themselves tell less than known ones, by n/(n -
+        4)."""
         n = self.freedom
         return 1.0 if n is None or np.isinf(n) else n / (n - 4)
 
@@ -542,7 +629,9 @@ def noise_of(m: Measurement) -> Noise:
     """The noise that the discs of a response speak of. SceneError where they cannot be weights."""
     if m.coherence is not None and m.averages is not None:
         if m.averages < LEAST_AVERAGES:
-            raise SceneError(f"averages: {m.averages:g} are too few: at least {LEAST_AVERAGES} are needed")
+            raise SceneError(
+                f"averages: {m.averages:g} are too few: at least {LEAST_AVERAGES} are needed"
+            )
         n = 2 * m.averages - 2
         sigma = np.abs(m.H) * np.sqrt((1 - m.coherence) / (n * m.coherence))
     elif m.radius is not None:
@@ -553,21 +642,25 @@ def noise_of(m: Measurement) -> Noise:
     if (sigma <= 0).any():
         i = int(np.argmax(sigma <= 0))
         raise SceneError(
-            f"the disc at {m.omega[i]:.6g} rad/s has radius 0: a frequency point without error cannot be weighted; "
+            f"the disc at {m.omega[i]:.6g} rad/s has radius 0: a frequency point without "
+            f"error cannot be weighted; "
             "leave out coherence and radius if there is no noise"
         )
     return Noise(sigma, n)
 
 
 def usable(m: Measurement) -> Measurement:
-    """The lines that can be fitted: not that at frequency 0, which has no phase, and none whose disc is the whole plane."""
+    """The lines that can be fitted: not that at frequency 0, which has no phase, and none whose
+    disc is the whole plane."""
     kept = m.omega > 0
     if m.coherence is not None:
         kept &= m.coherence > 0
     if m.radius is not None:
         kept &= np.isfinite(m.radius)
     if not kept.any():
-        raise SceneError(f"{m.name}: no frequency point above 0 rad/s has a bounded uncertainty disc")
+        raise SceneError(
+            f"{m.name}: no frequency point above 0 rad/s has a bounded uncertainty disc"
+        )
     return m.at(kept)
 
 
@@ -575,10 +668,12 @@ def usable(m: Measurement) -> Measurement:
 class Fit:
     """What least squares found.
 
-    ``lines`` : those that were fitted. ``model`` : the response there; ``residuals`` : measured less model, in units of sigma.
-    ``covariance`` : of the values, linearised. ``starts`` : from how many; ``agreeing`` : how many ended here. ``others`` : other
-    values that give the same response; None where that is not known. ``period`` : s, by how much a delay may be longer on
-    evenly spaced lines; None where no start found a longer one.
+    ``lines`` : those that were fitted. ``model`` : the response there; ``residuals`` : measured
+    less model, in units of sigma.
+    ``covariance`` : of the values, linearised. ``starts`` : from how many; ``agreeing`` : how many
+    ended here. ``others`` : other values that give the same response; None where that is not known.
+    ``period`` : s, by how much a delay may be longer on evenly spaced lines; None where no start
+    found a longer one.
     """
 
     wanted: Wanted
@@ -608,14 +703,18 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     free, noise, curve = wanted.free, noise_of(lines), Curve(wanted, lines.omega)
     if 2 * len(lines) <= len(free):
         numbers = counted(len(free), "parameter")
-        raise SceneError(f"{numbers} need at least {len(free) // 2 + 1} frequency points, not {len(lines)}")
+        raise SceneError(
+            f"{numbers} need at least {len(free) // 2 + 1} frequency points, not {len(lines)}"
+        )
     found: list[tuple[float, Reals]] = []
     for begin in begins or starts(wanted, lines):
         tick(len(found), None, "starts")
         if (x := _least(curve, lines, noise, begin)) is not None:
             found.append(x)
     if not found:
-        raise SceneError("the model has no finite response at these frequencies for any values tried")
+        raise SceneError(
+            "the model has no finite response at these frequencies for any values tried"
+        )
     cost, values = min(found, key=lambda x: x[0])
     alike = [x for sum_, x in found if sum_ <= cost * (1 + _SAME_FITTING) + 1e-12]
     cost, values, period = _shortest(curve, lines, noise, (cost, values), alike)
@@ -624,7 +723,18 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     covariance = _covariance(curve, lines, noise, values) * noise.widening
     if noise.freedom is None:
         covariance = covariance * 2 * cost / (2 * len(lines) - len(free))
-    return Fit(wanted, lines, noise, values, covariance, model, residuals, len(found), len(alike), period=period)
+    return Fit(
+        wanted,
+        lines,
+        noise,
+        values,
+        covariance,
+        model,
+        residuals,
+        len(found),
+        len(alike),
+        period=period,
+    )
 
 
 def with_others(found: Fit) -> Fit:
@@ -647,14 +757,21 @@ def _shortest(
 ) -> tuple[float, Reals, float | None]:
     """Of values that fit alike those with the shortest delays; and by how much others are longer.
 
-    A delay that is longer by 2 pi over the spacing of lines at multiples of it is the same to all of them.
+    A delay that is longer by 2 pi over the spacing of lines at multiples of it is the same to all
+    of them.
     """
-    late = [i for i, x in enumerate(curve.wanted.free) if x.dimension is Dimension.TIME and ".delay" in x.path]
+    late = [
+        i
+        for i, x in enumerate(curve.wanted.free)
+        if x.dimension is Dimension.TIME and ".delay" in x.path
+    ]
     steps = np.diff(m.omega)
     if not late or len(steps) < 1 or np.ptp(steps) > 1e-6 * steps.min():
         return *best, None
     period = 2 * np.pi / float(steps.mean())
-    cost, values = min([best, *((best[0], x) for x in alike)], key=lambda x: float(x[1][late].sum()))
+    cost, values = min(
+        [best, *((best[0], x) for x in alike)], key=lambda x: float(x[1][late].sum())
+    )
     for i in late:
         shorter = values.copy()
         shorter[i] %= period
@@ -715,7 +832,8 @@ def _ends(free: tuple[Free, ...], size: Reals) -> tuple[Reals, Reals]:
 
 
 def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Reals:
-    """Of the values, by the slopes of the response; SceneError where the lines do not tell parameters apart."""
+    """Of the values, by the slopes of the response; SceneError where the lines do not tell
+    parameters apart."""
     free = curve.wanted.free
     size = np.maximum(
         np.abs(values), 1e2 * scales(free, m)
@@ -724,11 +842,15 @@ def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Re
     norms = np.linalg.norm(J, axis=0)
     blind = [x.path for x, norm in zip(free, norms, strict=True) if not norm > 0]
     if blind:
-        raise SceneError(f"The data do not identify {' and '.join(blind)}. Fix it: model:key=value.")
+        raise SceneError(
+            f"The data do not identify {' and '.join(blind)}. Fix it: model:key=value."
+        )
     _, singular, directions = np.linalg.svd(J / norms, full_matrices=False)
     if singular[-1] < _TOLD_APART * singular[0]:
         mixed = [x.path for x, share in zip(free, directions[-1], strict=True) if abs(share) > 0.1]
-        raise SceneError(f"The data do not identify {' and '.join(mixed)} separately. Fix one: model:key=value.")
+        raise SceneError(
+            f"The data do not identify {' and '.join(mixed)} separately. Fix one: model:key=value."
+        )
     root = directions.T / singular / norms[:, None]
     found: Reals = root @ root.T
     return found

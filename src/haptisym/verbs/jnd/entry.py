@@ -1,10 +1,13 @@
-"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was published. Estimated.
+"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was
+published. Estimated.
 
-A psychometric function, a cumulative Gaussian between the rate of guesses and that of lapses, is fitted to answers at several
-levels by maximum likelihood, freely, or with one quantity held: the values of a quantity that the likelihood does not refuse
-are its interval (twice the fall of its logarithm is chi-squared). The descent goes over log sigma and (m - mu)/sigma with m in
-the middle of the levels, as over mu itself the valley of a flat curve bends, and ends with Newton's steps. psignifit 4 fits the
-same curve by Bayes' rule, and allows for answers that vary more than by chance.
+A psychometric function, a cumulative Gaussian between the rate of guesses and that of lapses, is
+fitted to answers at several levels by maximum likelihood, freely, or with one quantity held: the
+values of a quantity that the likelihood does not refuse are its interval (twice the fall of its
+logarithm is chi-squared). The descent goes over log sigma and (m - mu)/sigma with m in the middle
+of the levels, as over mu itself the valley of a flat curve bends, and ends with Newton's steps.
+psignifit 4 fits the same curve by Bayes' rule, and allows for answers that vary more than by
+chance.
 """
 
 from __future__ import annotations
@@ -37,7 +40,8 @@ _NORMAL = NormalDist()
 class Curve(Viewed):
     """psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma).
 
-    ``mu``, ``sigma`` : in the unit of the levels. ``guess``, ``lapse`` : shares of answers that do not depend on the level.
+    ``mu``, ``sigma`` : in the unit of the levels. ``guess``, ``lapse`` : shares of answers that do
+    not depend on the level.
     """
 
     mu: float
@@ -48,7 +52,9 @@ class Curve(Viewed):
     def __call__(self, level: Array) -> Array:
         from scipy.special import ndtr
 
-        shares: Array = self.guess + (1 - self.guess - self.lapse) * ndtr((level - self.mu) / self.sigma)
+        shares: Array = self.guess + (1 - self.guess - self.lapse) * ndtr(
+            (level - self.mu) / self.sigma
+        )
         return shares
 
 
@@ -56,9 +62,10 @@ class Curve(Viewed):
 class Asked:
     """What is wanted of a curve: the JND at ``proportion``, which is a mu + z sigma.
 
-    ``alternatives`` : of a forced choice between so many, whose levels are differences: the JND is the level at which that share
-    of the answers would be right without lapses. None where a comparison with a standard is answered "more" or "less": the JND
-    is then how much further than the point of subjective equality the share of "more", without guesses and lapses, is that.
+    ``alternatives`` : of a forced choice between so many, whose levels are differences: the JND is
+    the level at which that share of the answers would be right without lapses. None where a
+    comparison with a standard is answered "more" or "less": the JND is then how much further than
+    the point of subjective equality the share of "more", without guesses and lapses, is that.
 
     >>> Asked(0.75, None).weights, Asked(0.75, 2).weights
     ((0, 0.6744897501960817), (1, 0.0))
@@ -69,8 +76,13 @@ class Asked:
 
     def __post_init__(self) -> None:
         if not self.chance < self.proportion < 1:
-            what = f"of {self.alternatives} alternatives" if self.alternatives else "of a comparison"
-            raise SceneError(f"proportion: {self.proportion:g} must lie between chance, {self.chance:g} {what}, and 1")
+            what = (
+                f"of {self.alternatives} alternatives" if self.alternatives else "of a comparison"
+            )
+            raise SceneError(
+                f"proportion: {self.proportion:g} must lie between chance, {self.chance:g} "
+                f"{what}, and 1"
+            )
 
     @classmethod
     def of(cls, proportion: float | None, alternatives: int | None) -> Asked:
@@ -94,7 +106,8 @@ class Asked:
 
 
 LEAST_TRIALS = 5
-"""Of a group of levels of which the deviance is tested: with fewer answers chi-squared says nothing."""
+"""Of a group of levels of which the deviance is tested: with fewer answers chi-squared says
+nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,9 +131,11 @@ class Estimate:
 
 @dataclass(frozen=True, slots=True)
 class Deviance:
-    """How far answers are from a curve: with so many degrees of freedom chi-squared is larger with probability ``p``.
+    """How far answers are from a curve: with so many degrees of freedom chi-squared is larger with
+    probability ``p``.
 
-    None where there are too few answers to tell. ``groups`` : of neighbouring levels, put together so that each has enough.
+    None where there are too few answers to tell. ``groups`` : of neighbouring levels, put together
+    so that each has enough.
     """
 
     value: float
@@ -136,7 +151,8 @@ class Deviance:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """The curve, the point of subjective equality (of a forced choice the middle of the curve), the JND and the deviance."""
+    """The curve, the point of subjective equality (of a forced choice the middle of the curve), the
+    JND and the deviance."""
 
     curve: Curve
     middle: Estimate
@@ -149,7 +165,10 @@ def grouped_words(found: Deviance, levels: int) -> str:
     """What was put together for the test of a fit; empty where nothing was."""
     if found.groups == levels:
         return ""
-    return f"{counted(levels, 'level')} put into {counted(found.groups, 'group')} of at least {LEAST_TRIALS} answers"
+    return (
+        f"{counted(levels, 'level')} put into {counted(found.groups, 'group')} of at least "
+        f"{LEAST_TRIALS} answers"
+    )
 
 
 MOST_LAPSES = 0.1
@@ -170,7 +189,8 @@ Held: TypeAlias = "tuple[int, float, float]"
 
 @dataclass(frozen=True)
 class Best:
-    """Where the likelihood is largest: the curve, minus its logarithm there, whether it is a step, or ran out of bounds."""
+    """Where the likelihood is largest: the curve, minus its logarithm there, whether it is a step,
+    or ran out of bounds."""
 
     curve: Curve
     loss: float
@@ -181,7 +201,8 @@ class Best:
 
 @dataclass(frozen=True)
 class Likelihood:
-    """Of the answers, with a share of guesses; the share of lapses is a number, or free where it is None."""
+    """Of the answers, with a share of guesses; the share of lapses is a number, or free where it is
+    None."""
 
     rows: tuple[Row, ...]
     guess: float
@@ -191,7 +212,8 @@ class Likelihood:
     def table(self) -> tuple[Array, Array, Array]:
         """Levels, counts and trials."""
         level, count, trials = (
-            np.array(x, float) for x in zip(*((r.level, r.count, r.trials) for r in self.rows), strict=True)
+            np.array(x, float)
+            for x in zip(*((r.level, r.count, r.trials) for r in self.rows), strict=True)
         )
         return level, count, trials
 
@@ -211,7 +233,8 @@ class Likelihood:
         )
 
     def loss(self, mu: float, spread: float, lapse: float) -> tuple[float, Array]:
-        """Minus the log-likelihood without its constant, and its slopes by mu, log sigma and lapse."""
+        """Minus the log-likelihood without its constant, and its slopes by mu, log sigma and
+        lapse."""
         from scipy.special import log_ndtr, ndtr
 
         level, count, trials = self.table
@@ -221,19 +244,31 @@ class Likelihood:
             more = np.logaddexp(np.log(self.guess), width + log_ndtr(z))
             less = np.logaddexp(np.log(lapse), width + log_ndtr(-z))
             density = width - z * z / 2 - _ROOT_2_PI
-            pull = _times(count, np.exp(density - more)) - _times(trials - count, np.exp(density - less))
-            by_lapse = _times(trials - count, ndtr(z) / np.exp(less)) - _times(count, ndtr(z) / np.exp(more))
+            pull = _times(count, np.exp(density - more)) - _times(
+                trials - count, np.exp(density - less)
+            )
+            by_lapse = _times(trials - count, ndtr(z) / np.exp(less)) - _times(
+                count, ndtr(z) / np.exp(more)
+            )
             total = -(_times(count, more) + _times(trials - count, less)).sum()
             slopes = np.array([pull.sum() / sigma, (pull * z).sum(), -by_lapse.sum()])
-        return (float(total), slopes) if np.isfinite(total) and np.isfinite(slopes).all() else (1e300, np.zeros(3))
+        return (
+            (float(total), slopes)
+            if np.isfinite(total) and np.isfinite(slopes).all()
+            else (1e300, np.zeros(3))
+        )
 
     def best(self, held: Held | None = None, begun: Curve | None = None) -> Best:
-        """The best of all curves, or of those with a value of a mu + z sigma; ``begun`` : where to look, else all over."""
+        """The best of all curves, or of those with a value of a mu + z sigma; ``begun`` : where to
+        look, else all over."""
         way = _Way(self, held)
         found = [way.down(x) for x in ([way.numbers(begun)] if begun else way.starts())]
         loss, numbers = way.refined(*min(found, key=lambda x: x[0]))
         mu, spread, lapse = way.parameters(numbers)
-        curve, (around, (_, high)) = Curve(mu, float(np.exp(spread)), self.guess, lapse), self.bounds
+        curve, (around, (_, high)) = (
+            Curve(mu, float(np.exp(spread)), self.guess, lapse),
+            self.bounds,
+        )
         inside = around[0] + 1e-9 < mu < around[1] - 1e-9
         return Best(curve, loss, self._is_step(curve), spread > high - 0.1, not inside)
 
@@ -251,7 +286,10 @@ class Likelihood:
 
         _, count, trials = self.table
         kept = xlogy(count, count / trials) + xlogy(trials - count, 1 - count / trials)
-        return max(0.0, 2 * float(kept.sum() + self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)[0]))
+        return max(
+            0.0,
+            2 * float(kept.sum() + self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)[0]),
+        )
 
 
 def _times(weight: Array, value: Array) -> Array:
@@ -262,10 +300,11 @@ def _times(weight: Array, value: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Way:
-    """Down the loss by what is free: log sigma, (m - mu)/sigma with m in the middle of the levels, and perhaps the lapses.
+    """Down the loss by what is free: log sigma, (m - mu)/sigma with m in the middle of the levels,
+    and perhaps the lapses.
 
-    Over mu itself the valley of a flat curve bends, and a descent stops on its way. Where a quantity is held, mu or log sigma
-    is left.
+    Over mu itself the valley of a flat curve bends, and a descent stops on its way. Where a
+    quantity is held, mu or log sigma is left.
     """
 
     likelihood: Likelihood
@@ -296,14 +335,16 @@ class _Way:
     def starts(self) -> list[list[float]]:
         level = self.likelihood.table[0]
         span, guess = level[-1] - level[0], self.likelihood.guess
-        places = product(np.quantile(level, [0.1, 0.3, 0.5, 0.7, 0.9]), (0.05 * span, 0.2 * span, 0.8 * span))
+        places = product(
+            np.quantile(level, [0.1, 0.3, 0.5, 0.7, 0.9]), (0.05 * span, 0.2 * span, 0.8 * span)
+        )
         return [self.numbers(Curve(float(mu), float(sigma), guess, 0.02)) for mu, sigma in places]
 
     def down(self, start: Sequence[float]) -> tuple[float, Array]:
         """The loss and the numbers at the bottom.
 
-        The loss is that of a trial: how long the first step is follows from the slopes, and those of many trials leap beyond
-        everything, from where a descent does not return.
+        The loss is that of a trial: how long the first step is follows from the slopes, and those
+        of many trials leap beyond everything, from where a descent does not return.
         """
         from scipy.optimize import minimize
 
@@ -314,7 +355,9 @@ class _Way:
             return total / trials, slopes / trials
 
         options = {"ftol": 1e-15, "maxiter": 500}
-        found: Any = minimize(of_a_trial, start, jac=True, method="SLSQP", bounds=self._bounds, options=options)
+        found: Any = minimize(
+            of_a_trial, start, jac=True, method="SLSQP", bounds=self._bounds, options=options
+        )
         return float(found.fun) * trials, found.x
 
     def refined(self, loss: float, x: Array) -> tuple[float, Array]:
@@ -324,7 +367,10 @@ class _Way:
         bottom = np.array(x, float)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
-                slopes, bends = self._loss(bottom)[1], np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1]))
+                slopes, bends = (
+                    self._loss(bottom)[1],
+                    np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1])),
+                )
                 if not np.isfinite(bends).all() or np.linalg.matrix_rank(bends) < len(bottom):
                     return loss, x
                 bottom = bottom - np.linalg.solve(bends, slopes)
@@ -338,7 +384,9 @@ class _Way:
         own = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
         if self.held is not None:
             a, z, value = self.held
-            reach = _FAR * value / z if not a else 0.0  # a flat curve has its middle far beyond the levels
+            reach = (
+                _FAR * value / z if not a else 0.0
+            )  # a flat curve has its middle far beyond the levels
             own = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
         return [*own, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
 
@@ -354,8 +402,11 @@ class _Way:
         return total, np.array([*own, *([by_lapse] if self.likelihood.lapse is None else [])])
 
 
-def crossing(excess: Callable[[float], float], start: float, step: float, most: float) -> float | None:
-    """Where a function that is negative at the start becomes positive in a direction; None within ``most`` steps."""
+def crossing(
+    excess: Callable[[float], float], start: float, step: float, most: float
+) -> float | None:
+    """Where a function that is negative at the start becomes positive in a direction; None within
+    ``most`` steps."""
     from scipy.optimize import brentq
 
     low, reach = start, 1.0
@@ -371,16 +422,23 @@ _FARTHEST = 1e4
 """Standard deviations (about) within which the end of an interval is looked for."""
 
 
-def fitted(answers: Answers, asked: Asked, guess: float, lapse: float | None, confidence: float) -> Fit:
+def fitted(
+    answers: Answers, asked: Asked, guess: float, lapse: float | None, confidence: float
+) -> Fit:
     """The most likely curve. SceneError where the answers do not determine one."""
     likelihood = Likelihood(answers.rows, guess, lapse)
     best = likelihood.best()
     _refuse(answers, best)
     middle = _profiled(likelihood, best, (1, 0.0), confidence)
-    jnd = middle if asked.weights == (1, 0.0) else _profiled(likelihood, best, asked.weights, confidence)
+    jnd = (
+        middle
+        if asked.weights == (1, 0.0)
+        else _profiled(likelihood, best, asked.weights, confidence)
+    )
     if jnd.value <= 0:
         raise SceneError(
-            f"{answers.name}: the JND would be {jnd.value:.4g}, not > 0: give levels of a forced choice as differences "
+            f"{answers.name}: the JND would be {jnd.value:.4g}, not > 0: give levels of a "
+            f"forced choice as differences "
             "from the standard"
         )
     return Fit(best.curve, middle, jnd, deviance(answers.rows, best.curve, likelihood.free))
@@ -395,13 +453,15 @@ def _refuse(answers: Answers, best: Best) -> None:
             else "the levels do not reach the threshold"
         )
         raise SceneError(
-            f"{answers.name}: the responses do not change from one kind to the other as the level increases: {why}"
+            f"{answers.name}: the responses do not change from one kind to the other as the "
+            f"level increases: {why}"
         )
     if best.steep:
         below = max((x for x in level if x <= best.curve.mu), default=level[0])
         above = min((x for x in level if x > best.curve.mu), default=level[-1])
         raise SceneError(
-            f"{answers.name}: the responses change from one kind to the other between {below:g} and {above:g}: the slope is not "
+            f"{answers.name}: the responses change from one kind to the other between "
+            f"{below:g} and {above:g}: the slope is not "
             "determined; measure at levels in between"
         )
 
@@ -412,8 +472,11 @@ def _falls(rows: Sequence[Row]) -> bool:
     return sum(x.share for x in low) > sum(x.share for x in high)
 
 
-def _profiled(likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float) -> Estimate:
-    """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is chi-squared at most."""
+def _profiled(
+    likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float
+) -> Estimate:
+    """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is
+    chi-squared at most."""
     from scipy.stats import chi2
 
     a, z = weights
@@ -431,17 +494,21 @@ def _profiled(likelihood: Likelihood, best: Best, weights: tuple[int, float], co
 
 
 def deviance(rows: Sequence[Row], curve: Curve, free: int) -> Deviance:
-    """The deviance of answers from a curve with so many fitted numbers; levels with few answers are put together."""
+    """The deviance of answers from a curve with so many fitted numbers; levels with few answers are
+    put together."""
     from scipy.stats import chi2
 
     groups = tuple(_grouped(rows))
     found = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
     degrees = len(groups) - free
-    return Deviance(found, degrees, float(chi2.sf(found, degrees)) if degrees > 0 else None, len(groups))
+    return Deviance(
+        found, degrees, float(chi2.sf(found, degrees)) if degrees > 0 else None, len(groups)
+    )
 
 
 def _grouped(rows: Sequence[Row]) -> list[Row]:
-    """Neighbouring levels put together until each group has enough trials, at the mean of their levels."""
+    """Neighbouring levels put together until each group has enough trials, at the mean of their
+    levels."""
     groups: list[Row] = []
     for row in rows:
         if groups and groups[-1].trials < LEAST_TRIALS:
@@ -465,9 +532,11 @@ _WIDTH = 2 * NormalDist().inv_cdf(0.95)
 
 
 def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fit:
-    """The curve at the peak of the posterior. Guesses of a comparison are as many as lapses; both are fitted.
+    """The curve at the peak of the posterior. Guesses of a comparison are as many as lapses; both
+    are fitted.
 
-    The interval of a JND that depends on sigma alone is that of the width; of a forced choice, that of the threshold.
+    The interval of a JND that depends on sigma alone is that of the width; of a forced choice, that
+    of the threshold.
     """
     import psignifit  # another package: loaded where it is asked for
     from psignifit._utils import PsignifitException
@@ -479,10 +548,16 @@ def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fi
         with warnings.catch_warnings(record=True) as told:
             warnings.simplefilter("always")
             found: Any = psignifit.psignifit(
-                data, experiment_type=kind, confP=(confidence,), verbose=True, thresh_PC=NormalDist().cdf(middle)
+                data,
+                experiment_type=kind,
+                confP=(confidence,),
+                verbose=True,
+                thresh_PC=NormalDist().cdf(middle),
             )
     except (PsignifitException, ValueError, AssertionError) as error:
-        raise SceneError(f"{answers.name}: psignifit cannot fit this: {str(error) or 'no reason given'}") from None
+        raise SceneError(
+            f"{answers.name}: psignifit cannot fit this: {str(error) or 'no reason given'}"
+        ) from None
     words = (" ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in told)
     sentences = (x.partition(". ")[0].rstrip(".") for x in words)
     notes = dict.fromkeys(f"psignifit warns: {x}" for x in sentences)
@@ -495,7 +570,8 @@ def _read_psignifit(found: Any, answers: Answers, asked: Asked, key: str) -> Fit
     a, z = asked.weights
     curve = Curve(values["threshold"] - a * z * sigma, sigma, values["gamma"], values["lambda"])
     threshold, width = (
-        Estimate(values[name], *map(float, found.confidence_intervals[name][key])) for name in ("threshold", "width")
+        Estimate(values[name], *map(float, found.confidence_intervals[name][key]))
+        for name in ("threshold", "width")
     )
     jnd = threshold if a else width.scaled(z / _WIDTH)
     middle = threshold if not a or z == 0 else Estimate(curve.mu, None, None)
@@ -511,11 +587,15 @@ class File:
 
     title: str
 
-    def asides(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> list[str]:
+    def asides(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> list[str]:
         """Nothing: no parameter is nominal."""
         return []
 
-    def aside_keys(self, besides: Collection[str] = (), varied: Collection[str] | None = ()) -> dict[str, Any]:
+    def aside_keys(
+        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
+    ) -> dict[str, Any]:
         """Nothing."""
         return {}
 
@@ -524,8 +604,9 @@ class File:
 class Psychometric(Answer):
     """A psychometric function for answers at several levels, and the JND that it gives.
 
-    ``answers`` : the data. ``fit`` : the curve, its middle (the point of subjective equality of a comparison), the JND with its
-    interval, the deviance. ``reference`` : the level of the standard; the JND as a fraction of it is ``fraction``.
+    ``answers`` : the data. ``fit`` : the curve, its middle (the point of subjective equality of a
+    comparison), the JND with its interval, the deviance. ``reference`` : the level of the standard;
+    the JND as a fraction of it is ``fraction``.
     """
 
     _schema: ClassVar[str] = "haptisym.jnd/1"
@@ -542,7 +623,10 @@ class Psychometric(Answer):
 
     def _line(self) -> str:
         found = self.fraction or self.jnd
-        return f"{self.answers.name}: {'fraction' if self.fraction else 'JND'} {found.value:.4g} at {self.asked.proportion:.4g}"
+        return (
+            f"{self.answers.name}: {'fraction' if self.fraction else 'JND'} {found.value:.4g} at "
+            f"{self.asked.proportion:.4g}"
+        )
 
     @property
     def certified(self) -> bool:
@@ -575,15 +659,23 @@ class Psychometric(Answer):
 
     @cached_property
     def table(self) -> dict[str, str]:
-        """The threshold as the table ``jnd`` of a scene's ``[evaluation]``, values as TOML; empty without a fraction.
+        """The threshold as the table ``jnd`` of a scene's ``[evaluation]``, values as TOML; empty
+        without a fraction.
 
-        The interval is a range. A comparison tells its proportion, so that it can be brought to another one; the curve of a
-        forced choice has another shape, and is asked for the proportion itself.
+        The interval is a range. A comparison tells its proportion, so that it can be brought to
+        another one; the curve of a forced choice has another shape, and is asked for the proportion
+        itself.
         """
         if self.fraction is None:
             return {}
-        own = dict.fromkeys(("real", "imag"), _written(self.fraction)) | {"confidence": f"{self.confidence:g}"}
-        return own if self.asked.alternatives else own | {"proportion": f"{self.asked.proportion:.15g}"}
+        own = dict.fromkeys(("real", "imag"), _written(self.fraction)) | {
+            "confidence": f"{self.confidence:g}"
+        }
+        return (
+            own
+            if self.asked.alternatives
+            else own | {"proportion": f"{self.asked.proportion:.15g}"}
+        )
 
     @property
     def line(self) -> str:
@@ -595,21 +687,41 @@ class Psychometric(Answer):
     def notes(self) -> tuple[str, ...]:
         """What was put together or left out."""
         grouped = grouped_words(self.deviance, len(self.answers.rows))
-        tested = (f"For the test of the fit: {grouped}",) if grouped and self.deviance.p is not None else ()
+        tested = (
+            (f"For the test of the fit: {grouped}",)
+            if grouped and self.deviance.p is not None
+            else ()
+        )
         return (*self.answers.notes, *self.fit.notes, *tested)
 
     def _body(self) -> dict[str, Any]:
         curve, tested = self.fit.curve, self.deviance
         return {
-            "alternatives": self.asked.alternatives, "proportion": self.asked.proportion, "confidence": self.confidence,
+            "alternatives": self.asked.alternatives,
+            "proportion": self.asked.proportion,
+            "confidence": self.confidence,
             "method": METHODS[self.method],
             "data": [{"level": x.level, "k": x.count, "n": x.trials} for x in self.answers.rows],
-            "curve": {"mu": curve.mu, "sigma": curve.sigma, "guess": curve.guess, "lapse": curve.lapse},
-            "threshold": _row(self.middle), "jnd": _row(self.jnd), "reference": self.reference,
+            "curve": {
+                "mu": curve.mu,
+                "sigma": curve.sigma,
+                "guess": curve.guess,
+                "lapse": curve.lapse,
+            },
+            "threshold": _row(self.middle),
+            "jnd": _row(self.jnd),
+            "reference": self.reference,
             "fraction": None if self.fraction is None else _row(self.fraction),
-            "deviance": {"value": tested.value, "degrees": tested.degrees, "p": tested.p, "fits": tested.fits},
-            "line": self.line or None, "notes": list(self.notes), "certified": self.certified,
-        }  # fmt: skip
+            "deviance": {
+                "value": tested.value,
+                "degrees": tested.degrees,
+                "p": tested.p,
+                "fits": tested.fits,
+            },
+            "line": self.line or None,
+            "notes": list(self.notes),
+            "certified": self.certified,
+        }
 
 
 def jnd(
@@ -626,18 +738,24 @@ def jnd(
     where: Mapping[str, str] | None = None,
     more: str | None = None,
 ) -> Psychometric:
-    """Fit psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma) to the responses in a file; return the JND.
+    """Fit psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma) to the responses in a file;
+    return the JND.
 
-    ``data`` : a table (CSV) of levels with counts k of n, or of single responses 1 and 0, or JSON of psignifit 4.
-    ``proportion`` : of "more", or of correct responses, at which the JND is taken; 0.75 for a comparison, else halfway between
-    chance and 1. ``alternatives`` : number of choices of a forced choice, with levels that are differences from the standard.
-    ``guess``, ``lapse`` : shares of responses that do not depend on the level; a lapse of None is fitted, up to 0.1.
-    ``reference`` : level of the standard, in the unit of the levels. ``method`` : "likelihood", or "psignifit" (a package), which
-    fits guesses and lapses itself. ``columns`` : names of the columns "level", "count", "trials" or "answer"; ``where`` : only
-    lines with these values. ``more`` : the answer that means more, where answers are two words.
+    ``data`` : a table (CSV) of levels with counts k of n, or of single responses 1 and 0, or JSON
+    of psignifit 4.
+    ``proportion`` : of "more", or of correct responses, at which the JND is taken; 0.75 for a
+    comparison, else halfway between chance and 1. ``alternatives`` : number of choices of a forced
+    choice, with levels that are differences from the standard.
+    ``guess``, ``lapse`` : shares of responses that do not depend on the level; a lapse of None is
+    fitted, up to 0.1.
+    ``reference`` : level of the standard, in the unit of the levels. ``method`` : "likelihood", or
+    "psignifit" (a package), which fits guesses and lapses itself. ``columns`` : names of the
+    columns "level", "count", "trials" or "answer"; ``where`` : only lines with these values.
+    ``more`` : the answer that means more, where answers are two words.
 
-    Estimated: the interval is that of the profile likelihood at ``confidence``, and may have no upper end. SceneError for a
-    table that cannot be read, and for responses without a threshold. Needs SciPy. Source: Wichmann and Hill (2001).
+    Estimated: the interval is that of the profile likelihood at ``confidence``, and may have no
+    upper end. SceneError for a table that cannot be read, and for responses without a threshold.
+    Needs SciPy. Source: Wichmann and Hill (2001).
 
     >>> from tempfile import TemporaryDirectory
     >>> with TemporaryDirectory() as folder:
@@ -647,7 +765,9 @@ def jnd(
     0.395
     """
     if not isinstance(data, Answers):
-        data = read_answers(data, columns or {}, where or {}, Coding(more, reference, alternatives is not None))
+        data = read_answers(
+            data, columns or {}, where or {}, Coding(more, reference, alternatives is not None)
+        )
     answers = condensed(data)
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
@@ -668,9 +788,13 @@ def jnd(
     return Psychometric(answers, asked, fit, method, confidence, reference)
 
 
-def _check(asked: Asked, guess: float, lapse: float | None, reference: float | None, confidence: float) -> None:
+def _check(
+    asked: Asked, guess: float, lapse: float | None, reference: float | None, confidence: float
+) -> None:
     if asked.alternatives and guess:
-        raise SceneError("guess: leave it out, as a forced choice guesses one over the number of alternatives")
+        raise SceneError(
+            "guess: leave it out, as a forced choice guesses one over the number of alternatives"
+        )
     for key, share in (("guess", guess), ("lapse", lapse)):
         if share is not None and not 0 <= share < 0.5:
             raise SceneError(f"{key}: {share:g} must lie from 0 to below 0.5")
@@ -685,7 +809,8 @@ def _row(x: Estimate) -> dict[str, Any]:
 
 
 def _written(x: Estimate) -> str:
-    """A range with its nominal value; the interval is rounded outwards. The value alone where the interval has no end."""
+    """A range with its nominal value; the interval is rounded outwards. The value alone where the
+    interval has no end."""
     nominal = _decimal(x.value, ROUND_HALF_EVEN)
     if x.low is None or x.high is None or x.low <= 0:
         return nominal
@@ -697,7 +822,8 @@ def _decimal(value: float, rounding: str) -> str:
 
 
 class PublishedThresholds(Answer, tuple[Published, ...]):
-    """Published just-noticeable differences, a tuple of ``Published``; each may be used: ``jnd = { like = "fu2019" }``.
+    """Published just-noticeable differences, a tuple of ``Published``; each may be used: ``jnd = {
+    like = "fu2019" }``.
 
     Measured by their authors: ``certified`` is False. Made by ``published``.
 
@@ -731,10 +857,16 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
 
 def _row_in_published(x: Published) -> dict[str, Any]:
     return {
-        "name": x.name, "quantity": x.quantity, "fraction": [float(x.low), float(x.high)],
-        "criterion": None if x.criterion is None else float(x.criterion), "reference": x.reference, "source": x.source,
-        "doi": x.doi or None, "read": x.read, "usable": not x.apart,
-    }  # fmt: skip
+        "name": x.name,
+        "quantity": x.quantity,
+        "fraction": [float(x.low), float(x.high)],
+        "criterion": None if x.criterion is None else float(x.criterion),
+        "reference": x.reference,
+        "source": x.source,
+        "doi": x.doi or None,
+        "read": x.read,
+        "usable": not x.apart,
+    }
 
 
 def published() -> PublishedThresholds:

@@ -1,7 +1,7 @@
 """Answers of a person at several levels of a stimulus, and the files that hold them.
 
-A file is a table of counts or of single answers (CSV), whose columns are known by the names that programs of psychophysics give
-them, or a result of psignifit 4 (JSON). Never a pickle.
+A file is a table of counts or of single answers (CSV), whose columns are known by the names that
+programs of psychophysics give them, or a result of psignifit 4 (JSON). Never a pickle.
 """
 
 from __future__ import annotations
@@ -42,8 +42,9 @@ class Row:
 class Answers:
     """What was answered, level by level in ascending order; valid by construction.
 
-    ``name`` : where it comes from. ``alternatives`` : of a forced choice, where that is known. ``notes`` : what was left out or
-    put together on the way. ``earlier`` : what another program found, as it says.
+    ``name`` : where it comes from. ``alternatives`` : of a forced choice, where that is known.
+    ``notes`` : what was left out or put together on the way. ``earlier`` : what another program
+    found, as it says.
     """
 
     name: str
@@ -54,7 +55,11 @@ class Answers:
 
     def __post_init__(self) -> None:
         if len(self.rows) < 2:
-            what = "there are no answers" if not self.rows else f"all answers are at one level, {self.rows[0].level:g}"
+            what = (
+                "there are no answers"
+                if not self.rows
+                else f"all answers are at one level, {self.rows[0].level:g}"
+            )
             raise SceneError(f"{what}; a curve needs at least two levels")
         count, trials = sum(x.count for x in self.rows), sum(x.trials for x in self.rows)
         if count in (0, trials):
@@ -63,7 +68,8 @@ class Answers:
 
 
 def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
-    """Level, count and trials of blocks, put together by level; SceneError where a block is impossible.
+    """Level, count and trials of blocks, put together by level; SceneError where a block is
+    impossible.
 
     >>> collected([(2.0, 1, 4), (1.0, 0, 4), (2.0, 3, 4)])
     (Row(level=1.0, count=0, trials=4), Row(level=2.0, count=4, trials=8))
@@ -98,7 +104,11 @@ def condensed(answers: Answers) -> Answers:
         groups[-1].append(row)
         filled += row.trials
     together = tuple(
-        Row(sum(x.level * x.trials for x in group) / _trials(group), sum(x.count for x in group), _trials(group))
+        Row(
+            sum(x.level * x.trials for x in group) / _trials(group),
+            sum(x.count for x in group),
+            _trials(group),
+        )
         for group in groups
     )
     note = f"{len(rows)} levels put into {len(together)} groups of neighbours, each at its mean"
@@ -111,21 +121,56 @@ def _trials(rows: Iterable[Row]) -> int:
 
 ALIASES = {
     "level": (
-        "level", "levels", "x", "intensity", "intensities", "stimlevel", "stimlevels", "stimulus", "stimuli", "stim",
-        "stimulusintensity", "stimulusintensities", "allintensities", "comparison",
+        "level",
+        "levels",
+        "x",
+        "intensity",
+        "intensities",
+        "stimlevel",
+        "stimlevels",
+        "stimulus",
+        "stimuli",
+        "stim",
+        "stimulusintensity",
+        "stimulusintensities",
+        "allintensities",
+        "comparison",
     ),
     "count": (
-        "k", "numpos", "npos", "positives", "ncorrect", "numcorrect", "nright", "hits", "nyes", "yes", "count", "correct",
+        "k",
+        "numpos",
+        "npos",
+        "positives",
+        "ncorrect",
+        "numcorrect",
+        "nright",
+        "hits",
+        "nyes",
+        "yes",
+        "count",
+        "correct",
         "right",
     ),
     "trials": ("n", "outofnum", "ntrials", "trials", "total", "ntotal", "numtrials"),
     "answer": (
-        "response", "responses", "allresponses", "corr", "resp", "answer", "correct", "iscorrect", "outcome", "y", "yes",
+        "response",
+        "responses",
+        "allresponses",
+        "corr",
+        "resp",
+        "answer",
+        "correct",
+        "iscorrect",
+        "outcome",
+        "y",
+        "yes",
     ),
-}  # fmt: skip
-"""By what each is called, in small letters without anything between; a name with a point is known by its end (key_resp.corr).
+}
+"""By what each is called, in small letters without anything between; a name with a point is known
+by its end (key_resp.corr).
 
-k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response, key_resp.corr: PsychoPy.
+k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response,
+key_resp.corr: PsychoPy.
 """
 TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "hand")
 """Columns whose values are different people or conditions: told where they are put together."""
@@ -133,9 +178,11 @@ TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "h
 
 @dataclass(frozen=True)
 class Columns:
-    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a line.
+    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a
+    line.
 
-    ``second`` : the level of the second interval, where ``level`` is that of the first and answers are intervals.
+    ``second`` : the level of the second interval, where ``level`` is that of the first and answers
+    are intervals.
     """
 
     level: int
@@ -147,11 +194,16 @@ class Columns:
     @property
     def used(self) -> tuple[int, ...]:
         """The positions, level first."""
-        return tuple(x for x in (self.level, self.second, self.count, self.trials, self.answer) if x is not None)
+        return tuple(
+            x
+            for x in (self.level, self.second, self.count, self.trials, self.answer)
+            if x is not None
+        )
 
 
 def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
-    """The columns that hold level and answers; ``named`` : those that the caller names. SceneError where there are none.
+    """The columns that hold level and answers; ``named`` : those that the caller names. SceneError
+    where there are none.
 
     >>> find_columns(["trial", "k1", "k2", "answer"], {})
     Columns(level=1, count=None, trials=None, answer=3, second=2)
@@ -160,10 +212,14 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
         answer = _named(header, "answer", named) if "answer" in named else _known(header, "answer")
         if answer is not None:
             return Columns(pair[0], None, None, answer, pair[1])
-    found = {key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES}
+    found = {
+        key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES
+    }
     level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
     if count is None and answer is None:
-        count = next((i for i, name in enumerate(header) if _is_per_cent(name) and i != level), None)
+        count = next(
+            (i for i, name in enumerate(header) if _is_per_cent(name) and i != level), None
+        )
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
     if count is not None and trials is not None and "answer" not in named:
@@ -175,9 +231,12 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
 
 
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
-    """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2, and no other has levels."""
+    """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2,
+    and no other has levels."""
     pairs = [
-        (i, header.index(f"{x[:-1]}2")) for i, x in enumerate(header) if x.endswith("1") and f"{x[:-1]}2" in header
+        (i, header.index(f"{x[:-1]}2"))
+        for i, x in enumerate(header)
+        if x.endswith("1") and f"{x[:-1]}2" in header
     ]
     others = [x for i, x in enumerate(header) if pairs and i not in pairs[0]]
     return pairs[0] if len(pairs) == 1 and _known(others, "level") is None else None
@@ -231,7 +290,10 @@ _MOST_CHARACTERS = 10_000_000
 _MOST_TRIALS = 10**12
 _NOT_TEXT = {
     b"PK": "a workbook: save its sheet as CSV",
-    b"\x80": "a pickle, which would run whatever is in it: export the trials as CSV (saveAsWideText in PsychoPy)",
+    b"\x80": (
+        "a pickle, which would run whatever is in it: export the trials as CSV (saveAsWideText "
+        "in PsychoPy)"
+    ),
     b"\x89HDF": "an HDF5 or MATLAB file: export level, k and n as CSV",
     b"MATLAB": "a MATLAB file: export level, k and n as CSV, as by writetable",
 }
@@ -239,9 +301,11 @@ _NOT_TEXT = {
 
 @dataclass(frozen=True)
 class Coding:
-    """What answers mean: the word for "more", if one was named, and the level of the standard, which two intervals need.
+    """What answers mean: the word for "more", if one was named, and the level of the standard,
+    which two intervals need.
 
-    ``is_forced`` : of a forced choice, where answers are right or wrong, and 1 or 2 would be a choice instead.
+    ``is_forced`` : of a forced choice, where answers are right or wrong, and 1 or 2 would be a
+    choice instead.
     """
 
     more: str | None = None
@@ -252,8 +316,8 @@ class Coding:
 def read_answers(
     path: str | Path, named: Mapping[str, str], where: Mapping[str, str], coding: Coding = Coding()
 ) -> Answers:
-    """The answers in a file. ``named`` : columns by what they hold; ``where`` : only lines with these values. SceneError says
-    what is wrong."""
+    """The answers in a file. ``named`` : columns by what they hold; ``where`` : only lines with
+    these values. SceneError says what is wrong."""
     need("data", path, (str, Path), "give a file of responses, or Answers")
     path = Path(path)
     try:
@@ -285,7 +349,9 @@ def _refuse(path: Path, begins: bytes) -> None:
         raise SceneError(f"this is {told}")
 
 
-def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding) -> Answers:
+def _read(
+    path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding
+) -> Answers:
     first = next((line for line in file if line.strip()), "")
     if not first.lstrip().startswith(("{", "[")):
         return _from_table(path.name, first, file, named, where, coding)
@@ -298,17 +364,26 @@ def _read(path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str
 
 
 def _from_table(
-    name: str, first: str, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding
+    name: str,
+    first: str,
+    file: TextIO,
+    named: Mapping[str, str],
+    where: Mapping[str, str],
+    coding: Coding,
 ) -> Answers:
     delimiter = max("\t;,", key=first.count)
     try:
         header, *lines = [
-            [x.strip() for x in row] for row in csv.reader(chain([first], file), delimiter=delimiter)
+            [x.strip() for x in row]
+            for row in csv.reader(chain([first], file), delimiter=delimiter)
         ] or [[]]
     except csv.Error as error:
         raise SceneError(f"not a table: {error}") from None
     _refuse_numbers(header)
-    columns, wanted = find_columns(header, named), {position(header, x): y for x, y in where.items()}
+    columns, wanted = (
+        find_columns(header, named),
+        {position(header, x): y for x, y in where.items()},
+    )
     others = {i: set[str]() for i, x in enumerate(header) if x.lower() in TOLD and i not in wanted}
     kept: list[tuple[int, list[str]]] = []
     half, count = 0, 0
@@ -316,7 +391,10 @@ def _from_table(
         cells = short + [""] * (len(header) - len(short))
         if not any(short) or any(cells[i] != value for i, value in wanted.items()):
             continue
-        used, count = ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used], count + 1
+        used, count = (
+            ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used],
+            count + 1,
+        )
         for i in others if used[-1] else ():
             others[i] |= {cells[i]} - {""}
         if all(used):
@@ -325,13 +403,19 @@ def _from_table(
             half += any(used)
     rows, told = _rows(header, columns, kept, coding, has_commas=delimiter != ",")
     if wanted and not count:
-        raise SceneError(f"no line has {' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}")
+        raise SceneError(
+            f"no line has "
+            f"{' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}"
+        )
     if half == count > 0:
         raise SceneError("no line has both a level and a response")
     notes = [told] if told else []
     notes += [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
     notes += [
-        f"{counted(len(x), 'value')} of {header[i]} put together; choose with --where {header[i]}=..."
+        (
+            f"{counted(len(x), 'value')} of {header[i]} put together; choose with --where "
+            f"{header[i]}=..."
+        )
         for i, x in others.items()
         if len(x) > 1
     ]
@@ -346,7 +430,8 @@ def _rows(
     *,
     has_commas: bool,
 ) -> tuple[list[tuple[float, int, int]], str]:
-    """Level, answers that count and of how many, of each line; and which answers counted, where that was understood."""
+    """Level, answers that count and of how many, of each line; and which answers counted, where
+    that was understood."""
     read: Callable[[Sequence[str]], tuple[float, int, int]]
     number = partial(_number, has_commas=has_commas)
     told = ""
@@ -356,7 +441,9 @@ def _rows(
         read = partial(_of_counts, number, is_per_cent=_is_per_cent(header[columns.count]))
     elif columns.second is not None:
         if coding.reference is None:
-            raise SceneError("two intervals have a level each: add --reference, the level of the standard")
+            raise SceneError(
+                "two intervals have a level each: add --reference, the level of the standard"
+            )
         read = partial(_of_two_intervals, number, coding.reference)
     else:
         more, less = _meaning([cells[-1] for _, cells in kept], coding)
@@ -372,12 +459,18 @@ def _rows(
 
 
 def _of_one(
-    number: Callable[[str, str], float], more: Collection[str], less: Collection[str], cells: Sequence[str]
+    number: Callable[[str, str], float],
+    more: Collection[str],
+    less: Collection[str],
+    cells: Sequence[str],
 ) -> tuple[float, int, int]:
     """Of a level and one answer."""
     answer = cells[1].lower()
     if answer not in (*more, *less):
-        words = "must be 1 or 0 (or true or false, yes or no; of two other words name the one for more, as --more"
+        words = (
+            "must be 1 or 0 (or true or false, yes or no; of two other words name the one for "
+            "more, as --more"
+        )
         raise SceneError(f"answer: {quoted(cells[1])} {words} {cells[1][:20]})")
     return number("level", cells[0]), int(answer in more), 1
 
@@ -385,12 +478,17 @@ def _of_one(
 def _of_two_intervals(
     number: Callable[[str, str], float], reference: float, cells: Sequence[str]
 ) -> tuple[float, int, int]:
-    """Of the levels of two intervals, one of which is the standard, and which was answered; no trial where both are."""
+    """Of the levels of two intervals, one of which is the standard, and which was answered; no
+    trial where both are."""
     levels = [number("level", x) for x in cells[:2]]
     if cells[2] not in ("1", "2"):
-        raise SceneError(f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more; or add --level")
+        raise SceneError(
+            f"answer: {quoted(cells[2])} must be 1 or 2, the interval that was more; or add --level"
+        )
     if reference not in levels:
-        raise SceneError(f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}")
+        raise SceneError(
+            f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}"
+        )
     other = 1 if levels[0] == reference else 0
     return levels[other], int(cells[2] == str(other + 1)), int(levels[0] != levels[1])
 
@@ -429,25 +527,55 @@ def _refuse_numbers(header: Sequence[str]) -> None:
 
 _NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
 _MORE = (
-    "1", "1.0", "true", "yes", "more", "higher", "greater", "larger", "stiffer", "heavier", "comp", "comparison", "test",
-)  # fmt: skip
+    "1",
+    "1.0",
+    "true",
+    "yes",
+    "more",
+    "higher",
+    "greater",
+    "larger",
+    "stiffer",
+    "heavier",
+    "comp",
+    "comparison",
+    "test",
+)
 _LESS = (
-    "0", "0.0", "false", "no", "less", "lower", "smaller", "softer", "lighter", "ref", "reference", "standard",
-    "-1", "-1.0",
-)  # fmt: skip
+    "0",
+    "0.0",
+    "false",
+    "no",
+    "less",
+    "lower",
+    "smaller",
+    "softer",
+    "lighter",
+    "ref",
+    "reference",
+    "standard",
+    "-1",
+    "-1.0",
+)
 
 
 def _meaning(answers: Iterable[str], coding: Coding) -> tuple[Collection[str], Collection[str]]:
-    """Which answers, in small letters, count as more and which as less: as named, or as two numbers or words say."""
+    """Which answers, in small letters, count as more and which as less: as named, or as two numbers
+    or words say."""
     given, more = dict.fromkeys(x.lower() for x in answers), coding.more
     if more is not None:
         if more.lower() not in given:
             raise SceneError(f"more: no answer is {quoted(more)}: there are {_listed(list(given))}")
         others = [x for x in given if x != more.lower()]
         if len(others) > 1:
-            raise SceneError(f"more: besides {quoted(more)} there are {_listed(others)}: choose lines with --where")
+            raise SceneError(
+                f"more: besides {quoted(more)} there are {_listed(others)}: choose lines "
+                f"with --where"
+            )
         return [more.lower()], others
-    if "2" in given and set(given) <= {"1", "2"} and not coding.is_forced:  # the second interval, or the larger number
+    if (
+        "2" in given and set(given) <= {"1", "2"} and not coding.is_forced
+    ):  # the second interval, or the larger number
         return ["2"], ["1"]
     return _MORE, _LESS
 
@@ -462,7 +590,9 @@ def _from_psignifit(name: str, text: str) -> Answers:
         raise SceneError(f"not valid JSON: {str(error) or 'nested too deeply'}") from None
     data = table.get("data") if isinstance(table, dict) else table
     if not isinstance(data, list) or not all(isinstance(x, list) and len(x) == 3 for x in data):
-        raise SceneError("this JSON is no result of psignifit 4: give data, a list of [level, k, n]")
+        raise SceneError(
+            "this JSON is no result of psignifit 4: give data, a list of [level, k, n]"
+        )
     found = Answers(name, collected(map(_block, data)))
     return replace(found, **_configured(table)) if isinstance(table, dict) else found
 
@@ -481,8 +611,12 @@ def _configured(table: Mapping[str, Any]) -> dict[str, Any]:
     told, found = table.get("configuration"), table.get("parameter_estimate_MAP")
     settings = told if isinstance(told, dict) else {}
     choices = settings.get("experiment_choices")
-    is_forced = settings.get("experiment_type") == "nAFC" and isinstance(choices, int) and choices > 1
-    numbers = [found.get(key) if isinstance(found, dict) else None for key in ("threshold", "width")]
+    is_forced = (
+        settings.get("experiment_type") == "nAFC" and isinstance(choices, int) and choices > 1
+    )
+    numbers = [
+        found.get(key) if isinstance(found, dict) else None for key in ("threshold", "width")
+    ]
     known = [x for x in numbers if isinstance(x, int | float) and isfinite(x)]
     is_told = settings.get("sigmoid") == "norm" and len(known) == 2
     earlier = "psignifit found threshold {:.6g} and width {:.6g}".format(*known) if is_told else ""

@@ -1,14 +1,17 @@
-"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never certified.
+"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never
+certified.
 
-Each line is judged by its disc (``judging``), and what would resolve the open ones is told: the coherence, the number of
-averages or the radius at which their discs decide.
+Each line is judged by its disc (``judging``), and what would resolve the open ones is told: the
+coherence, the number of averages or the radius at which their discs decide.
 
-Between the lines something is told where a bound on the slope is stated: stretches that exceed, lie below or stay unresolved. A
-cell of frequency lies between two neighbouring lines. Over all of it the truth lies in the disc of the left line as grown at
-the cell's right end, in the disc of the right line as grown at its left end, and so in the smallest disc around what both have
-in common; H_env is a disc over a cell as well, and the border of a region moves by no more than ``spread`` where its numbers
-are formulas in omega. Cells are halved until each is told or no wider than rounding: an end of a stretch that is told lies
-within that of where the swept discs cease to tell, always on the safe side.
+Between the lines something is told where a bound on the slope is stated: stretches that exceed, lie
+below or stay unresolved. A cell of frequency lies between two neighbouring lines. Over all of it
+the truth lies in the disc of the left line as grown at the cell's right end, in the disc of the
+right line as grown at its left end, and so in the smallest disc around what both have in common;
+H_env is a disc over a cell as well, and the border of a region moves by no more than ``spread``
+where its numbers are formulas in omega. Cells are halved until each is told or no wider than
+rounding: an end of a stretch that is told lies within that of where the swept discs cease to tell,
+always on the safe side.
 """
 
 from __future__ import annotations
@@ -29,7 +32,14 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
-from haptisym.model.measured import Complexes, Measurement, Reals, Slope, averages_for, coherence_for
+from haptisym.model.measured import (
+    Complexes,
+    Measurement,
+    Reals,
+    Slope,
+    averages_for,
+    coherence_for,
+)
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.programs.program import Program, Writer
 from haptisym.programs.taylormodels import Model, Modelled, variable
@@ -50,7 +60,8 @@ from haptisym.verbs.measured.judging import (
 
 
 def spread(c: Threshold, low: Reals, high: Reals, least: Reals) -> Reals:
-    """At most how far the border is anywhere in a cell from where it is at its middle, relative to ``|H_env|``.
+    """At most how far the border is anywhere in a cell from where it is at its middle, relative to
+    ``|H_env|``.
 
     ``least`` : the least ``|H_env|`` in the cell, with which a floor is compared.
     """
@@ -94,7 +105,8 @@ def _modelled(formula: Expr) -> Modelled:
 
 
 def _of_ellipse(c: Threshold, moves: _Moves, sides: Reals) -> Reals:
-    """Its support function is the length of M u with M = [[a, t b], [0, b sqrt(1 - t^2)]]: M moves by no more than this."""
+    """Its support function is the length of M u with M = [[a, t b], [0, b sqrt(1 - t^2)]]: M moves
+    by no more than this."""
     tilt, turned = np.abs(values_of(c.region.tilt, moves.middle)), moves(c.region.tilt)
     root = upright(tilt)
     roots = [np.abs(root - upright(np.clip(x, 0, 1))) for x in (tilt - turned, tilt + turned)]
@@ -104,10 +116,18 @@ def _of_ellipse(c: Threshold, moves: _Moves, sides: Reals) -> Reals:
 
 
 def _of_polygon(c: Threshold, moves: _Moves) -> Reals:
-    """Corners that move by d change where the border meets an axis by at most d times its farthest over its nearest point."""
+    """Corners that move by d change where the border meets an axis by at most d times its farthest
+    over its nearest point."""
     corners = c.region.corners
-    d = sum((np.hypot(*(moves(x) for x in corner)) for corner in corners), np.zeros(len(moves.middle)))
-    farthest = np.max([np.hypot(*(values_of(x, moves.middle) for x in corner)) for corner in corners], axis=0) + d
+    d = sum(
+        (np.hypot(*(moves(x) for x in corner)) for corner in corners), np.zeros(len(moves.middle))
+    )
+    farthest = (
+        np.max(
+            [np.hypot(*(values_of(x, moves.middle) for x in corner)) for corner in corners], axis=0
+        )
+        + d
+    )
     nearest = depth_of(c, moves.middle) - d
     return np.where(nearest > 0, d * farthest / nearest, np.inf)
 
@@ -150,16 +170,22 @@ class Swept:
         kept = np.isfinite(x.perc_radius) & np.isfinite(x.env_radius)
         self.scene, self.omega = scene, x.omega[kept]
         self._felt = _Response(x.felt, self.omega, x.perceived[kept], x.perc_radius[kept])
-        self._own = None if x.own is None else _Response(x.own, self.omega, x.environment[kept], x.env_radius[kept])
+        self._own = (
+            None
+            if x.own is None
+            else _Response(x.own, self.omega, x.environment[kept], x.env_radius[kept])
+        )
 
     @property
     def contradicted(self) -> Any:
-        """For each gap, whether discs and bound contradict each other there: no response keeps to both."""
+        """For each gap, whether discs and bound contradict each other there: no response keeps to
+        both."""
         found = self._felt.contradicted
         return found if self._own is None else found | self._own.contradicted
 
     def lines(self, cells: Cells) -> Iterator[Lines]:
-        """Each cell as a line, in three ways; what is said of one of them is true wherever the discs hold the truth."""
+        """Each cell as a line, in three ways; what is said of one of them is true wherever the
+        discs hold the truth."""
         env = self._environment(cells) if self._own is None else self._own.discs(cells)[-1]
         middle = (cells.low + cells.high) / 2
         size = np.abs(env.centre)
@@ -168,18 +194,29 @@ class Swept:
             with np.errstate(all="ignore"):
                 change, share = (felt.centre - env.centre) / size, env.radius / size
                 radius = ((env.radius + felt.radius) / size + np.abs(change) * share) / (1 - share)
-                radius = np.where(share < 1, radius + more + _ROUNDING * (1 + np.abs(change) + radius), np.inf)
+                radius = np.where(
+                    share < 1, radius + more + _ROUNDING * (1 + np.abs(change) + radius), np.inf
+                )
             own = self._felt.measurement
-            yield Lines(middle, env.centre, felt.centre, env.radius, felt.radius, change, radius, own, None)
+            yield Lines(
+                middle, env.centre, felt.centre, env.radius, felt.radius, change, radius, own, None
+            )
 
     @cached_property
     def _program(self) -> Program:
         return self.scene.frame.distortion().chain.program(["environment_real", "environment_imag"])
 
     def _environment(self, cells: Cells) -> Discs:
-        """Around all that the model is over each cell: proven, but for the roundings of the last square root."""
+        """Around all that the model is over each cell: proven, but for the roundings of the last
+        square root."""
         program = self._program
-        at = variable((cells.low + cells.high) / 2, (cells.high - cells.low) / 2, float(cells.high.max()), 0, 1)._value
+        at = variable(
+            (cells.low + cells.high) / 2,
+            (cells.high - cells.low) / 2,
+            float(cells.high.max()),
+            0,
+            1,
+        )._value
         found = Modelled(program).run([at] if program.inputs else [])
         with np.errstate(all="ignore"):
             models = (x if isinstance(x, Model) else at.number(x) for x in found.values())
@@ -204,7 +241,9 @@ class _Response:
 
     def _of(self, line: Any, at: Reals) -> Discs:
         H = self.H[line]
-        return Discs(H, self._slope.grown(np.abs(H), self.radius[line], np.abs(at - self.omega[line])))
+        return Discs(
+            H, self._slope.grown(np.abs(H), self.radius[line], np.abs(at - self.omega[line]))
+        )
 
     @property
     def _slope(self) -> Any:
@@ -221,9 +260,11 @@ class _Response:
 
 
 def _common(x: Discs, y: Discs) -> Discs:
-    """A disc around what two discs have in common, hardly larger than the smallest: that over their common chord, or one of them.
+    """A disc around what two discs have in common, hardly larger than the smallest: that over their
+    common chord, or one of them.
 
-    From the smaller one's centre the chord is no further than that of the other, and so its place known to roundings of that:
+    From the smaller one's centre the chord is no further than that of the other, and so its place
+    known to roundings of that:
     with them the chord is made longer, and its disc larger.
     """
     first = x.radius <= y.radius
@@ -234,7 +275,9 @@ def _common(x: Discs, y: Discs) -> Discs:
     with np.errstate(all="ignore"):
         foot = (apart - (large - small) * (large + small) / apart) / 2
         centre = own + step * (foot / apart)
-        chord = np.sqrt(np.maximum((small - foot) * (small + foot), 0) + 1e-14 * small * (small + apart))
+        chord = np.sqrt(
+            np.maximum((small - foot) * (small + foot), 0) + 1e-14 * small * (small + apart)
+        )
         chord += 1e-14 * (apart + np.abs(centre))
         between = (foot > 0) & (chord < small)
     return Discs(np.where(between, centre, own), np.where(between, chord, small))
@@ -250,7 +293,8 @@ _TOGETHER = 100_000
 
 @dataclass(frozen=True, eq=False)
 class Stretches:
-    """From ``low`` to ``high``, rad/s, without gaps; ``code`` : 1 exceeds, -1 below, 0 unresolved."""
+    """From ``low`` to ``high``, rad/s, without gaps; ``code`` : 1 exceeds, -1 below, 0
+    unresolved."""
 
     low: Reals
     high: Reals
@@ -272,9 +316,10 @@ class Stretches:
 
 @dataclass(frozen=True, eq=False)
 class Between:
-    """``told`` : of each part, and of None where the region judges both together. ``contradicted`` : from where to where lines
-    differ by more than discs and bound allow, so that nothing is said. ``grown`` : the radius that discs have at most between
-    the lines, relative to ``|H_env|``; of a stretch of none, 0."""
+    """``told`` : of each part, and of None where the region judges both together. ``contradicted``
+    : from where to where lines differ by more than discs and bound allow, so that nothing is said.
+    ``grown`` : the radius that discs have at most between the lines, relative to ``|H_env|``; of a
+    stretch of none, 0."""
 
     told: Mapping[Part | None, Stretches]
     contradicted: tuple[tuple[float, float], ...]
@@ -282,12 +327,18 @@ class Between:
 
     def row(self, slopes: Mapping[str, Slope]) -> dict[str, Any]:
         """As documents have it. ``slopes`` : of which response each bound is."""
-        bounds = {key: {"bound": x.bound, "unit": x.unit, "relative": x.relative} for key, x in slopes.items()}
+        bounds = {
+            key: {"bound": x.bound, "unit": x.unit, "relative": x.relative}
+            for key, x in slopes.items()
+        }
         told = {part.value if part else "joint": x.rows() for part, x in self.told.items()}
         contradicted = [list(x) for x in self.contradicted]
         return {
-            "slope": bounds, **told, "contradicted": contradicted, "grown": self.grown if isfinite(self.grown) else None,
-        }  # fmt: skip
+            "slope": bounds,
+            **told,
+            "contradicted": contradicted,
+            "grown": self.grown if isfinite(self.grown) else None,
+        }
 
 
 def between(scene: MeasuredScene, x: Lines) -> Between | None:
@@ -298,7 +349,10 @@ def between(scene: MeasuredScene, x: Lines) -> Between | None:
     wrong = swept.contradicted
     parts = [part for part in (*Part, None) if judged(scene, x, part)]
     told = {part: _joined(swept, wrong, part) for part in parts}
-    lost = [(float(a), float(b)) for a, b in zip(swept.omega[:-1][wrong], swept.omega[1:][wrong], strict=True)]
+    lost = [
+        (float(a), float(b))
+        for a, b in zip(swept.omega[:-1][wrong], swept.omega[1:][wrong], strict=True)
+    ]
     return Between(told, tuple(lost), _grown(swept))
 
 
@@ -315,10 +369,17 @@ def _grown(swept: Swept) -> float:
 def _joined(swept: Swept, wrong: Any, part: Part | None) -> Stretches:
     """Neighbouring cells that are told alike as one stretch."""
     gaps = np.flatnonzero(~wrong)
-    found = [(Cells(lost := np.flatnonzero(wrong), swept.omega[lost], swept.omega[lost + 1]), np.zeros(len(lost), int))]
+    found = [
+        (
+            Cells(lost := np.flatnonzero(wrong), swept.omega[lost], swept.omega[lost + 1]),
+            np.zeros(len(lost), int),
+        )
+    ]
     for start in range(0, len(gaps), _TOGETHER):
         found += _settled(swept, gaps[start : start + _TOGETHER], part)
-    low, high = (np.concatenate([getattr(cells, key) for cells, _ in found]) for key in ("low", "high"))
+    low, high = (
+        np.concatenate([getattr(cells, key) for cells, _ in found]) for key in ("low", "high")
+    )
     code, order = np.concatenate([x for _, x in found]), np.argsort(low, kind="stable")
     low, high, code = low[order], high[order], code[order]
     if not len(code):
@@ -334,17 +395,25 @@ def _settled(swept: Swept, gaps: Any, part: Part | None) -> list[tuple[Cells, An
     while len(cells.gap):
         code, is_open = _code(swept, cells, part)
         crowd = np.bincount(cells.gap[~is_open & (code == 0)], minlength=len(swept.omega)) > _MOST
-        done = (code != 0) | is_open | (cells.high - cells.low <= _NARROW * cells.high) | crowd[cells.gap]
+        done = (
+            (code != 0)
+            | is_open
+            | (cells.high - cells.low <= _NARROW * cells.high)
+            | crowd[cells.gap]
+        )
         found.append((cells.at(done), code[done]))
         cells = cells.at(~done).halves()
     return found
 
 
 def _code(swept: Swept, cells: Cells, part: Part | None) -> tuple[Any, Any]:
-    """Of each cell what one of its discs tells, and whether it lies too far within what none tells to be halved."""
+    """Of each cell what one of its discs tells, and whether it lies too far within what none tells
+    to be halved."""
     middle = (cells.low + cells.high) / 2
     codes, is_open = np.zeros(len(middle), int), np.ones(len(middle), bool)
-    for whole, point in zip(swept.lines(cells), swept.lines(Cells(cells.gap, middle, middle)), strict=True):
+    for whole, point in zip(
+        swept.lines(cells), swept.lines(Cells(cells.gap, middle, middle)), strict=True
+    ):
         told, here = judged(swept.scene, whole, part), judged(swept.scene, point, part)
         assert told
         assert here
@@ -358,7 +427,8 @@ def _code(swept: Swept, cells: Cells, part: Part | None) -> tuple[Any, Any]:
 
 
 MOST_AVERAGES = 1e6
-"""More than anyone takes: a line that would need more lies at its threshold, as far as measuring goes."""
+"""More than anyone takes: a line that would need more lies at its threshold, as far as measuring
+goes."""
 
 MOST_COHERENCE = 1 - 1e-6
 """More than any bench gives."""
@@ -378,10 +448,11 @@ class Share:
 
 @dataclass(frozen=True)
 class Needed:
-    """What would resolve open lines if the estimates stay where they are, each quantity alone, the others as they are.
+    """What would resolve open lines if the estimates stay where they are, each quantity alone, the
+    others as they are.
 
-    ``radius`` : at most, relative to ``|H_env|``. ``coherence``, ``averages`` : at least; None where the discs do not come from
-    them, or not from them alone.
+    ``radius`` : at most, relative to ``|H_env|``. ``coherence``, ``averages`` : at least; None
+    where the discs do not come from them, or not from them alone.
     """
 
     lines: int
@@ -414,18 +485,23 @@ def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[
 
 
 def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Share:
-    """The value that is enough for at least half of the lines, and for all; None for one above ``most``."""
+    """The value that is enough for at least half of the lines, and for all; None for one above
+    ``most``."""
     row, middle = np.nan_to_num(values, nan=np.inf), (len(values) - 1) // 2
     found = (
         float(np.partition(row, middle)[middle]),
         float(row.max()),
     )  # as sorting all would give, in a fourth of the time
-    half, every = (None if value > most or not np.isfinite(value) else -value if negated else value for value in found)
+    half, every = (
+        None if value > most or not np.isfinite(value) else -value if negated else value
+        for value in found
+    )
     return Share(half, every)
 
 
 class Row(NamedTuple):
-    """What is said of one line. ``radius`` : of the disc around the change, relative to ``|H_env|``; None where none is known."""
+    """What is said of one line. ``radius`` : of the disc around the change, relative to
+    ``|H_env|``; None where none is known."""
 
     omega: float
     ratio_real: float
@@ -439,8 +515,9 @@ class Row(NamedTuple):
 class MeasuredPercept(NamedTuple):
     """What is felt of a part at one line, as far as the discs decide it.
 
-    ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change`` are then of the part that lies
-    nearer its own limit, and ``other`` is how the other one has changed.
+    ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change``
+    are then of the part that lies nearer its own limit, and ``other`` is how the other one has
+    changed.
     """
 
     part: Part | None
@@ -452,16 +529,20 @@ class MeasuredPercept(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredEvaluation(Answer):
-    """The two steps at each measured frequency point: dH/abs(H_env) with its uncertainty disc, against the threshold.
+    """The two steps at each measured frequency point: dH/abs(H_env) with its uncertainty disc,
+    against the threshold.
 
-    ``lines`` : arrays over the points: ``omega``, rad/s, both responses and radii, N/m or N m/rad, ``change`` = dH/abs(H_env)
-    (complex) and its ``radius``. ``distance`` : of each part's ratio from its threshold, positive above it. ``verdict`` : of
-    each part 1 where the whole disc exceeds, -1 where all of it is below, 0 where it is unresolved; ``joint`` : the same of a
-    region that judges both parts together, else None. ``signs`` : those that step 2 needs. ``rows``, ``percepts`` : the same as
-    values. ``needed`` : which radius, coherence or averages would resolve the rest. ``scene`` : with the data.
+    ``lines`` : arrays over the points: ``omega``, rad/s, both responses and radii, N/m or N m/rad,
+    ``change`` = dH/abs(H_env)
+    (complex) and its ``radius``. ``distance`` : of each part's ratio from its threshold, positive
+    above it. ``verdict`` : of each part 1 where the whole disc exceeds, -1 where all of it is
+    below, 0 where it is unresolved; ``joint`` : the same of a region that judges both parts
+    together, else None. ``signs`` : those that step 2 needs. ``rows``, ``percepts`` : the same as
+    values. ``needed`` : which radius, coherence or averages would resolve the rest. ``scene`` :
+    with the data.
 
-    Measured: it is true at the points, where the discs contain the response (``confidence`` of the file); between points only
-    with a bound on the slope. ``certified`` is False.
+    Measured: it is true at the points, where the discs contain the response (``confidence`` of the
+    file); between points only with a bound on the slope. ``certified`` is False.
 
     >>> import haptisym as hs
     >>> row = hs.evaluate("fu2019-bench").rows[0]
@@ -483,9 +564,16 @@ class MeasuredEvaluation(Answer):
     needed: Needed | None
 
     def _line(self) -> str:
-        told = [f"{int((self.verdict[part] == code).sum())} {x.value}" for part in Part for code, x in CODES.items()]
+        told = [
+            f"{int((self.verdict[part] == code).sum())} {x.value}"
+            for part in Part
+            for code, x in CODES.items()
+        ]
         lines = counted(len(self), "line")
-        return f"{titled(self.scene.title)}: {lines}, real {', '.join(told[:3])}, imaginary {', '.join(told[3:])}"
+        return (
+            f"{titled(self.scene.title)}: {lines}, real {', '.join(told[:3])}, imaginary "
+            f"{', '.join(told[3:])}"
+        )
 
     def __len__(self) -> int:
         return len(self.lines.omega)
@@ -502,12 +590,14 @@ class MeasuredEvaluation(Answer):
 
     @property
     def left_out(self) -> int:
-        """Lines of the perceived response that are not judged: off the band, or without a line of the environment."""
+        """Lines of the perceived response that are not judged: off the band, or without a line of
+        the environment."""
         return len(self.scene.perceived) - len(self)
 
     @property
     def is_turned_round(self) -> bool:
-        """Whether the response is nearer to -H_env than to H_env at every line: the reaction to the force may be measured."""
+        """Whether the response is nearer to -H_env than to H_env at every line: the reaction to the
+        force may be measured."""
         felt, wanted = self.lines.perceived, self.lines.environment
         return len(self) > 1 and bool((np.abs(felt + wanted) < np.abs(felt - wanted)).all())
 
@@ -525,7 +615,8 @@ class MeasuredEvaluation(Answer):
         yield from map(Row, x.omega.tolist(), *ratios, radius, *told)
 
     def noticed(self, part: Part | None) -> Any:
-        """Where step 2 asks how a part is felt, or None for both together, which neither is by itself."""
+        """Where step 2 asks how a part is felt, or None for both together, which neither is by
+        itself."""
         if self.joint is None:
             return self.verdict[part] == 1 if part else np.zeros(len(self), dtype=bool)
         alone = [self.verdict[x] for x in Part]
@@ -539,13 +630,19 @@ class MeasuredEvaluation(Answer):
         found = self.noticed(part) & known
         if part is Part.REAL:
             return found
-        return found & ~(self.signs[Part.IMAG].perceived < 0)  # what is active has no name in the model
+        return found & ~(
+            self.signs[Part.IMAG].perceived < 0
+        )  # what is active has no name in the model
 
     @cached_property
     def percepts(self) -> tuple[MeasuredPercept, ...]:
         """What is felt, at each line where the discs decide it."""
         wanted = (*Part, None)
-        return tuple(self._percept(part, i) for part in wanted for i in np.flatnonzero(self.named(part)).tolist())
+        return tuple(
+            self._percept(part, i)
+            for part in wanted
+            for i in np.flatnonzero(self.named(part)).tolist()
+        )
 
     def order(self, line: int) -> list[Part]:
         """Both parts, the one that lies nearer its own limit last, as estimated."""
@@ -553,11 +650,14 @@ class MeasuredEvaluation(Answer):
 
     @cached_property
     def real_nearer(self) -> Any:
-        """At which lines the real part's change is a larger share of its own limit than the imaginary part's."""
+        """At which lines the real part's change is a larger share of its own limit than the
+        imaginary part's."""
         x = self.lines
         sides = {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
         ends = {part: ends_of(self.scene.threshold, part, x.omega) for part in Part}
-        real, imag = (np.maximum(side / ends[part][1], side / ends[part][0]) for part, side in sides.items())
+        real, imag = (
+            np.maximum(side / ends[part][1], side / ends[part][0]) for part, side in sides.items()
+        )
         return real > imag
 
     def _percept(self, part: Part | None, i: int) -> MeasuredPercept:
@@ -565,25 +665,36 @@ class MeasuredEvaluation(Answer):
         if part is not None:
             return MeasuredPercept(part, omega, *self.signs[part].label(part, i))
         far, near = self.order(i)
-        return MeasuredPercept(None, omega, *self.signs[near].label(near, i), self.signs[far].label(far, i))
+        return MeasuredPercept(
+            None, omega, *self.signs[near].label(near, i), self.signs[far].label(far, i)
+        )
 
     @property
     def _understood(self) -> dict[str, str]:
         """What was understood of each file."""
         both = {"environment": self.scene.environment, "perceived": self.scene.perceived}
-        return {key: x.understood for key, x in both.items() if isinstance(x, Measurement) and x.understood}
+        return {
+            key: x.understood
+            for key, x in both.items()
+            if isinstance(x, Measurement) and x.understood
+        }
 
     def _body(self) -> dict[str, Any]:
         felt = self.scene.perceived
         return {
-            "lines": len(self), "left_out": self.left_out, "threshold": self.scene.threshold.row(),
-            **({"understood": read} if (read := self._understood) else {}), "averages": felt.averages,
+            "lines": len(self),
+            "left_out": self.left_out,
+            "threshold": self.scene.threshold.row(),
+            **({"understood": read} if (read := self._understood) else {}),
+            "averages": felt.averages,
             **({} if felt.welch is None else {"estimate": felt.welch.row()}),
-            "confidence": None if self.lines.radius is None else felt.confidence, "rows": [_row(x) for x in self._rows()],
+            "confidence": None if self.lines.radius is None else felt.confidence,
+            "rows": [_row(x) for x in self._rows()],
             "percepts": [_percept(p) for p in self.percepts],
             **({} if self.between is None else {"between": self.between.row(self.scene.slopes)}),
-            "needed": None if self.needed is None else _needed(self.needed), "certified": self.certified,
-        }  # fmt: skip
+            "needed": None if self.needed is None else _needed(self.needed),
+            "certified": self.certified,
+        }
 
     def to_json(self) -> str:
         """As text, one line for each measured line."""
@@ -597,7 +708,8 @@ class MeasuredEvaluation(Answer):
         return "{\n  " + ",\n  ".join(parts) + "\n}"
 
     def kinds(self, part: Part | None) -> Any:
-        """A number for each line: the same where a part, or None for both together, is felt alike."""
+        """A number for each line: the same where a part, or None for both together, is felt
+        alike."""
         found = np.zeros(len(self), dtype=int)
         for x in Part if part is None else (part,):
             own = self.signs[x]
@@ -610,12 +722,20 @@ def _percept(p: MeasuredPercept) -> dict[str, Any]:
         felt: Any = [p.other[0].value, p.property.value], [p.other[1].value, p.change.value]
     else:
         felt = p.property.value, p.change.value
-    return {"part": p.part.value if p.part else "joint", "omega": p.omega, "property": felt[0], "change": felt[1]}
+    return {
+        "part": p.part.value if p.part else "joint",
+        "omega": p.omega,
+        "property": felt[0],
+        "change": felt[1],
+    }
 
 
 def _row(x: Row) -> dict[str, Any]:
     numbers = {"ratio_real": x.ratio_real, "ratio_imag": x.ratio_imag, "radius": x.radius}
-    finite = {key: value if value is not None and isfinite(value) else None for key, value in numbers.items()}
+    finite = {
+        key: value if value is not None and isfinite(value) else None
+        for key, value in numbers.items()
+    }
     return {"omega": x.omega, **finite, "real": x.real.value, "imag": x.imag.value} | (
         {} if x.joint is None else {"joint": x.joint.value}
     )
@@ -623,7 +743,9 @@ def _row(x: Row) -> dict[str, Any]:
 
 def _needed(x: Needed) -> dict[str, Any]:
     shares = {"radius": x.radius, "coherence": x.coherence, "averages": x.averages}
-    return {"lines": x.lines} | {key: share.row() for key, share in shares.items() if share is not None}
+    return {"lines": x.lines} | {
+        key: share.row() for key, share in shares.items() if share is not None
+    }
 
 
 def judge(scene: MeasuredScene) -> MeasuredEvaluation:
@@ -638,13 +760,22 @@ def judge(scene: MeasuredScene) -> MeasuredEvaluation:
     """
     if not isinstance(scene, MeasuredScene):
         raise SceneError(
-            f"{type(scene).__name__} is not a measured scene: make one with MeasuredScene(environment, perceived)"
+            f"{type(scene).__name__} is not a measured scene: make one with "
+            f"MeasuredScene(environment, perceived)"
         )
     x = lines_of(scene)
     alone = {part: one for part in Part if (one := judged(scene, x, part))}
     joint = judged(scene, x, None)
-    distance, found = ({part: getattr(one, key) for part, one in alone.items()} for key in ("distance", "verdict"))
+    distance, found = (
+        {part: getattr(one, key) for part, one in alone.items()} for key in ("distance", "verdict")
+    )
     told = {part: signs(x, part) for part in Part}
     return MeasuredEvaluation(
-        scene, x, distance, found, joint, told, needed(x, [joint] if joint else list(alone.values()))
+        scene,
+        x,
+        distance,
+        found,
+        joint,
+        told,
+        needed(x, [joint] if joint else list(alone.values())),
     )

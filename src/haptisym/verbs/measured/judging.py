@@ -1,7 +1,9 @@
-"""Three-valued judgements of measured lines: where the disc of a change lies against the region of what is not noticed.
+"""Three-valued judgements of measured lines: where the disc of a change lies against the region of
+what is not noticed.
 
-How far a change lies from the border of the region is exact, for regions of every shape, at all lines at once: positive outside,
-negative inside. A disc of radius r lies outside where the distance is above r, inside where it is at most -r.
+How far a change lies from the border of the region is exact, for regions of every shape, at all
+lines at once: positive outside, negative inside. A disc of radius r lies outside where the distance
+is above r, inside where it is at most -r.
 """
 
 from __future__ import annotations
@@ -34,7 +36,8 @@ _NEAR = 1e-30  # of its half axis: beside an axis of an ellipse in place of on i
 
 
 def values_of(formula: Expr, at: Reals) -> Reals:
-    """A number, or a rational formula in omega, at frequencies, to within some roundings of the values themselves."""
+    """A number, or a rational formula in omega, at frequencies, to within some roundings of the
+    values themselves."""
     if not formula.has(omega):
         return np.full(len(at), float(formula))
     above, below = (_polynomial(x, at) for x in _coefficients(formula))
@@ -59,7 +62,8 @@ def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
 
 
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
-    """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``: changes that make it larger."""
+    """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``:
+    changes that make it larger."""
     own, i = c.region, 0 if part is Part.REAL else 1
     if own.corners:
         return _axis(_corners(c, at), i)
@@ -70,7 +74,8 @@ def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
 
 
 def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
-    """Of a change x + j y from an ellipse, a diamond or a polygon; None where each part is judged by itself."""
+    """Of a change x + j y from an ellipse, a diamond or a polygon; None where each part is judged
+    by itself."""
     own = c.region
     if own.shape is Shape.SQUARE:
         return None
@@ -80,11 +85,15 @@ def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
     return _from_polygon(_corners(c, at), x, y)
 
 
-def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]) -> Reals:
-    """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as shares of ``|H_env|``.
+def part_distance(
+    c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]
+) -> Reals:
+    """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as
+    shares of ``|H_env|``.
 
-    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, a limit for changes that make
-    the part larger is that only as far as the part does become larger, and a floor is taken at its worst.
+    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, a
+    limit for changes that make the part larger is that only as far as the part does become larger,
+    and a floor is taken at its worst.
     """
     low, high = ends_of(c, part, at)
     lower = c.lower(part)
@@ -95,13 +104,16 @@ def part_distance(c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, siz
     uncertain = size[0] < size[1]
     exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
     grown, moved = np.abs(env + x) - np.abs(env), np.abs(x)
-    outer, inner = (_either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest))
+    outer, inner = (
+        _either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest)
+    )
     worst = np.where(outer > 0, outer, np.minimum(inner, 0))
     return np.where(uncertain, worst, exact)
 
 
 def is_of_change_alone(c: Threshold, part: Part) -> bool:
-    """Whether it does not matter which environment a change is of: no floor, and limits that are the same for both ways."""
+    """Whether it does not matter which environment a change is of: no floor, and limits that are
+    the same for both ways."""
     return c.lower(part) is None and c.region.floor is None
 
 
@@ -128,7 +140,8 @@ def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
 
 
 def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
-    """How far a change is noticed, or not noticed where negative, whatever the disc makes of how the part has ``grown``."""
+    """How far a change is noticed, or not noticed where negative, whatever the disc makes of how
+    the part has ``grown``."""
     beyond = np.maximum(np.minimum(grown, moved - up), np.minimum(-grown, moved - down))
     within = np.maximum(np.minimum(grown, up - moved), np.minimum(-grown, down - moved))
     outer = np.maximum(moved - np.maximum(up, down), beyond)
@@ -138,10 +151,11 @@ def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
 
 
 def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
-    """One limit for changes that make a part larger in magnitude, another for those that make it smaller.
+    """One limit for changes that make a part larger in magnitude, another for those that make it
+    smaller.
 
-    With env = e > 0 what is smaller lies between -2 e and 0: not noticed is [-min(down, 2 e), up], and [-up, -2 e] if
-    there is one.
+    With env = e > 0 what is smaller lies between -2 e and 0: not noticed is [-min(down, 2 e), up],
+    and [-up, -2 e] if there is one.
     """
     x, turn = np.where(env < 0, -x, x), -2 * np.abs(env)
     first, beyond = np.maximum(-down, turn), -up <= turn
@@ -189,9 +203,11 @@ def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
 
 
 def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
-    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection in the principal axes.
+    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection
+    in the principal axes.
 
-    It is (long^2 u/(t + long^2 - short^2), short^2 v/t); t may be close to 0, and is found to its last digits.
+    It is (long^2 u/(t + long^2 - short^2), short^2 v/t); t may be close to 0, and is found to its
+    last digits.
     """
     mixed, apart = tilt * a * b, (a - b) * (a + b) / 2
     spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
@@ -229,12 +245,14 @@ CODES = {1: Verdict.EXCEEDS, -1: Verdict.BELOW, 0: Verdict.UNRESOLVED}
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """The measured lines as numbers: both responses, the radii of their discs, and the change with its own.
+    """The measured lines as numbers: both responses, the radii of their discs, and the change with
+    its own.
 
-    ``environment``, ``perceived`` : H at ``omega``, rad/s. ``env_radius``, ``perc_radius`` : in the unit of H, 0 where a response
-    is taken as it is. ``change`` : dH/|H_env|, x + j y. ``radius`` : of a disc around it that holds the true change, relative
-    to the true ``|H_env|``, whenever both discs hold the truth; None where no disc is known. ``felt``, ``own`` : as
-    they were measured; ``own`` is of the environment, None where that is a model.
+    ``environment``, ``perceived`` : H at ``omega``, rad/s. ``env_radius``, ``perc_radius`` : in the
+    unit of H, 0 where a response is taken as it is. ``change`` : dH/|H_env|, x + j y. ``radius`` :
+    of a disc around it that holds the true change, relative to the true ``|H_env|``, whenever both
+    discs hold the truth; None where no disc is known. ``felt``, ``own`` : as they were measured;
+    ``own`` is of the environment, None where that is a model.
     """
 
     omega: Reals
@@ -249,8 +267,8 @@ class Lines:
 
 
 def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
-    """The perceived response on the band, and the environment's where that is measured, at the same frequencies. SceneError
-    where there are none."""
+    """The perceived response on the band, and the environment's where that is measured, at the same
+    frequencies. SceneError where there are none."""
     felt, own = scene.perceived, scene.environment
     if scene.band is not None:
         felt = felt.on_band(*map(float, scene.band))
@@ -260,7 +278,8 @@ def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
     common = np.abs(own.omega[nearest] - felt.omega) <= _SAME * felt.omega
     if not common.any():
         raise SceneError(
-            f"{own.name} and {felt.name} have no frequency in common: measure both at the same frequencies"
+            f"{own.name} and {felt.name} have no frequency in common: measure both at the "
+            f"same frequencies"
         )
     return felt.at(common), own.at(nearest[common])
 
@@ -287,8 +306,12 @@ def lines_of(scene: MeasuredScene) -> Lines:
     with np.errstate(divide="ignore", invalid="ignore"):
         change = (felt.H - env) / size
         share = inner / size
-        radius = np.where(share < 1, ((inner + outer) / size + np.abs(change) * share) / (1 - share), np.inf)
-    return Lines(felt.omega, env, felt.H, inner, outer, change, radius if known else None, felt, own)
+        radius = np.where(
+            share < 1, ((inner + outer) / size + np.abs(change) * share) / (1 - share), np.inf
+        )
+    return Lines(
+        felt.omega, env, felt.H, inner, outer, change, radius if known else None, felt, own
+    )
 
 
 def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
@@ -306,15 +329,17 @@ def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
 
 
 def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
-    """Of both parts the lesser of the two limits within which a change of that part alone is not noticed."""
+    """Of both parts the lesser of the two limits within which a change of that part alone is not
+    noticed."""
     ends = {part: ends_of(scene.threshold, part, at) for part in Part}
     return {part: np.minimum(-low, high) for part, (low, high) in ends.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """``distance`` : how far, relative to ``|H_env|``, a line's change lies outside the region, negative inside; ``verdict`` : 1
-    where the whole disc lies outside, -1 where it lies inside, 0 where it does not tell."""
+    """``distance`` : how far, relative to ``|H_env|``, a line's change lies outside the region,
+    negative inside; ``verdict`` : 1 where the whole disc lies outside, -1 where it lies inside, 0
+    where it does not tell."""
 
     distance: Reals
     verdict: Any
@@ -330,7 +355,9 @@ def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> Judged | None:
                 return None
         else:
             own = _side(x.change, part)
-            env, reach = (own, (own, own)) if is_of_change_alone(c, part) else _environment(x, part)  # or not looked at
+            env, reach = (
+                (own, (own, own)) if is_of_change_alone(c, part) else _environment(x, part)
+            )  # or not looked at
             distance = part_distance(c, part, x.omega, own, env, reach)
     return _told(x, distance, part, c)
 
@@ -342,7 +369,10 @@ def _side(z: Complexes, part: Part) -> Reals:
 def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
     """Its part as a share of ``|H_env|``, and the least and the largest ``|H_env|`` in its disc."""
     size = np.abs(x.environment)
-    return _side(x.environment, part) / size, (np.maximum(size - x.env_radius, 0), size + x.env_radius)
+    return _side(x.environment, part) / size, (
+        np.maximum(size - x.env_radius, 0),
+        size + x.env_radius,
+    )
 
 
 def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> Judged:
@@ -367,7 +397,8 @@ def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> Judged:
 
 @dataclass(frozen=True, eq=False)
 class Signs:
-    """What discs tell of a part: its signs in H_env and H_perc, and whether it is felt larger; OPEN where they do not."""
+    """What discs tell of a part: its signs in H_env and H_perc, and whether it is felt larger; OPEN
+    where they do not."""
 
     environment: Any
     perceived: Any
@@ -380,7 +411,11 @@ class Signs:
 
     def label(self, part: Part, line: int) -> tuple[Property, Change]:
         """How the change is felt at a line where all signs are known."""
-        env, perc, compared = int(self.environment[line]), int(self.perceived[line]), int(self.compared[line])
+        env, perc, compared = (
+            int(self.environment[line]),
+            int(self.perceived[line]),
+            int(self.compared[line]),
+        )
         change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}[compared]
         return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change
 

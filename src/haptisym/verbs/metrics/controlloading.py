@@ -1,18 +1,24 @@
-"""A control loading by the tables of 14 CFR Part 60: each test with tolerance, value, margin and result, and the JND's verdict.
+"""A control loading by the tables of 14 CFR Part 60: each test with tolerance, value, margin and
+result, and the JND's verdict.
 
-What a pilot's control does on the ground is compared with the aircraft's, here the environment's. The linear model decides
+What a pilot's control does on the ground is compared with the aircraft's, here the environment's.
+The linear model decides
 
-* static force (A2A 2.a.1 to 2.a.4, C2A 2.a.1 and 2.a.2): H_perc(0) against H_env(0), within 10 % or pounds at full travel A;
+* static force (A2A 2.a.1 to 2.a.4, C2A 2.a.1 and 2.a.2): H_perc(0) against H_env(0), within 10 % or
+  pounds at full travel A;
 * breakout: the dry friction that the effects bring in, against pounds (the environment has none);
-* free response (A2A 2.b.1 to 2.b.3, C2A 2.a.5): ``freeresponse``; C2A is flown with friction off, so that friction is left out;
-* sweeps (A2A 2.b, the alternate method): of one sinusoidal period in T seconds the force above the slow one is
-  abs(H(j w) - H(0)) A, w = 2 pi/T; what the display changes of it, abs(dH(j w) - dH(0)) A, is within 10 % of it or 2 lb. How long
-  moderate and rapid sweeps last is in a paragraph that was not read: the durations are given;
+* free response (A2A 2.b.1 to 2.b.3, C2A 2.a.5): ``freeresponse``; C2A is flown with friction off,
+  so that friction is left out;
+* sweeps (A2A 2.b, the alternate method): of one sinusoidal period in T seconds the force above the
+  slow one is abs(H(j w) - H(0)) A, w = 2 pi/T; what the display changes of it, abs(dH(j w) - dH(0))
+  A, is within 10 % of it or 2 lb. How long moderate and rapid sweeps last is in a paragraph that
+  was not read: the durations are given;
 * freeplay (C2A 2.a.6, 0.10 in): a linear model has none, so that it is not tested.
 
-A margin is the share of the tolerance that is left: 1 with no change at all, 0 at the limit, negative beyond it. Where a rule
-offers two tolerances the wider one counts. Where pounds are needed and the travel is not known, the travel up to which the test
-passes is said instead. Read: both tables (edition of 2019), not the paragraphs of the attachments. EASA's CS-FSTD was not read.
+A margin is the share of the tolerance that is left: 1 with no change at all, 0 at the limit,
+negative beyond it. Where a rule offers two tolerances the wider one counts. Where pounds are needed
+and the travel is not known, the travel up to which the test passes is said instead. Read: both
+tables (edition of 2019), not the paragraphs of the attachments. EASA's CS-FSTD was not read.
 """
 
 from __future__ import annotations
@@ -51,7 +57,8 @@ POUND = quantity("1 lbf", Dimension.FORCE).value
 
 @dataclass(frozen=True)
 class Control:
-    """A control of a table: its entries for static force and dynamics, and its tolerances of breakout and force, lb."""
+    """A control of a table: its entries for static force and dynamics, and its tolerances of
+    breakout and force, lb."""
 
     static: str
     dynamic: str
@@ -78,10 +85,11 @@ CONTROLS: dict[Rule, dict[str, Control]] = {
 
 @dataclass(frozen=True)
 class Trial:
-    """One test: the environment's number, the display's, the share of the tolerance that is left, and whether it passes.
+    """One test: the environment's number, the display's, the share of the tolerance that is left,
+    and whether it passes.
 
-    ``passes`` None: not tested, for the reason ``why``. ``noticed``: what the JND says at the frequency of the test, on the whole
-    band of a free response; None outside the band.
+    ``passes`` None: not tested, for the reason ``why``. ``noticed``: what the JND says at the
+    frequency of the test, on the whole band of a free response; None outside the band.
     """
 
     entry: str
@@ -106,18 +114,23 @@ class Increment(RealNumber):
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits + 32):
-            real, imag = (ValueAt(f, self.omega).ball(bits + 32) for f in (self.response.real, self.response.imag))
+            real, imag = (
+                ValueAt(f, self.omega).ball(bits + 32)
+                for f in (self.response.real, self.response.imag)
+            )
             off = real - self.static.ball(bits + 32)
             return (off * off + imag * imag).sqrt()
 
 
 @dataclass(frozen=True, repr=False)
 class ControlLoading(Answer):
-    """The tests of a control by a table of 14 CFR Part 60, and its JND evaluation. Made by ``control_loading``.
+    """The tests of a control by a table of 14 CFR Part 60, and its JND evaluation. Made by
+    ``control_loading``.
 
-    ``trials`` : of each test the environment's number and the display's, in ``unit``, whether the latter is within the
-    tolerance, and the share of that which is left; those that were not made have the reason. ``travel`` : from neutral to the
-    stop, m; None where it was not given. Proven, but for ``undecided`` ones: then ``certified`` is False.
+    ``trials`` : of each test the environment's number and the display's, in ``unit``, whether the
+    latter is within the tolerance, and the share of that which is left; those that were not made
+    have the reason. ``travel`` : from neutral to the stop, m; None where it was not given. Proven,
+    but for ``undecided`` ones: then ``certified`` is False.
     """
 
     _schema: ClassVar[str] = "haptisym.controlloading/1"
@@ -131,7 +144,10 @@ class ControlLoading(Answer):
     travel: Any = None
 
     def _line(self) -> str:
-        return f"{titled(self.scene.title)}: {counted(len(self.trials), 'test')} of table {self.rule.value}"
+        return (
+            f"{titled(self.scene.title)}: {counted(len(self.trials), 'test')} of table "
+            f"{self.rule.value}"
+        )
 
     @property
     def scene(self) -> Scene:
@@ -141,7 +157,11 @@ class ControlLoading(Answer):
     @property
     def distortion(self) -> Distortion:
         """What is let go: of a helicopter with its friction off."""
-        return _without_friction(self.scene) if self.rule is Rule.HELICOPTER else self.evaluation.distortion
+        return (
+            _without_friction(self.scene)
+            if self.rule is Rule.HELICOPTER
+            else self.evaluation.distortion
+        )
 
     @property
     def failed(self) -> tuple[Trial, ...]:
@@ -156,7 +176,9 @@ class ControlLoading(Answer):
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided."""
-        return self.evaluation.certified and not any(x.why.startswith("undecided") for x in self.trials)
+        return self.evaluation.certified and not any(
+            x.why.startswith("undecided") for x in self.trials
+        )
 
     def _body(self) -> dict[str, Any]:
         e = self.evaluation
@@ -180,9 +202,16 @@ def _row(x: Trial) -> dict[str, Any]:
         for key, y in (("environment", x.environment), ("display", x.display))
     }
     return {
-        "entry": x.entry, "test": x.name, "tolerance": x.tolerance, **numbers, "unit": x.unit, "margin": x.margin,
-        "passes": x.passes, "noticed": x.noticed, **({"why": x.why} if x.why else {}),
-    }  # fmt: skip
+        "entry": x.entry,
+        "test": x.name,
+        "tolerance": x.tolerance,
+        **numbers,
+        "unit": x.unit,
+        "margin": x.margin,
+        "passes": x.passes,
+        "noticed": x.noticed,
+        **({"why": x.why} if x.why else {}),
+    }
 
 
 def control_loading(
@@ -194,12 +223,14 @@ def control_loading(
     sweeps: Iterable[Number] = (),
     limit: float | None = SECONDS,
 ) -> ControlLoading:
-    """The tests of 14 CFR Part 60 on a control, its display against the scene's environment; each decided by proof.
+    """The tests of 14 CFR Part 60 on a control, its display against the scene's environment; each
+    decided by proof.
 
-    ``rule`` : "14cfr60-a2a" (aeroplanes) or "14cfr60-c2a" (helicopters). ``control`` : pitch, roll, pedals, nosewheel; cyclic,
-    collective, pedals. ``travel`` : from neutral to the stop, m, for tolerances in pounds. ``sweeps`` : seconds that a full
-    sweep lasts, each a test of table A2A. ``limit`` : as of ``metrics``. Raises SceneError for a name that there is not, and
-    a travel or duration that is not positive.
+    ``rule`` : "14cfr60-a2a" (aeroplanes) or "14cfr60-c2a" (helicopters). ``control`` : pitch, roll,
+    pedals, nosewheel; cyclic, collective, pedals. ``travel`` : from neutral to the stop, m, for
+    tolerances in pounds. ``sweeps`` : seconds that a full sweep lasts, each a test of table A2A.
+    ``limit`` : as of ``metrics``. Raises SceneError for a name that there is not, and a travel or
+    duration that is not positive.
 
     >>> found = control_loading("helicopter-cyclic", "14cfr60-c2a")
     >>> [x.name for x in found.trials][:2], [x.name for x in found.failed]
@@ -207,22 +238,32 @@ def control_loading(
     """
     scene = as_scene(scene)
     if rule not in RULES:
-        raise SceneError(f'rule: unknown "{str(rule)[:60]}": {meant(str(rule), RULES)}valid are {", ".join(RULES)}')
+        raise SceneError(
+            f'rule: unknown "{str(rule)[:60]}": {meant(str(rule), RULES)}valid are '
+            f"{', '.join(RULES)}"
+        )
     known = CONTROLS[RULES[rule]]
     control = next(iter(known)) if control is None else control
     if control not in known:
         raise SceneError(
-            f'control: unknown "{str(control)[:60]}": {meant(str(control), known)}of this rule are {", ".join(known)}'
+            f'control: unknown "{str(control)[:60]}": {meant(str(control), known)}of this '
+            f"rule are {', '.join(known)}"
         )
     if travel is not None and scene.motion is MotionKind.ROTATION:
-        raise SceneError("travel: this control turns, and the rule is in pounds at the grip: leave it out")
+        raise SceneError(
+            "travel: this control turns, and the rule is in pounds at the grip: leave it out"
+        )
     with limited(limit):
         asked = _Asked(
-            evaluate(scene), RULES[rule], known[control],
+            evaluate(scene),
+            RULES[rule],
+            known[control],
             None if travel is None else _positive("travel", travel, Dimension.DISPLACEMENT),
             tuple(_positive("sweep", x, Dimension.TIME) for x in sweeps),
-        )  # fmt: skip
-        return ControlLoading(asked.evaluation, asked.rule, control, tuple(asked.trials()), asked.travel)
+        )
+        return ControlLoading(
+            asked.evaluation, asked.rule, control, tuple(asked.trials()), asked.travel
+        )
 
 
 def _positive(key: str, given: Number, dimension: Dimension) -> Any:
@@ -234,7 +275,9 @@ def _positive(key: str, given: Number, dimension: Dimension) -> Any:
 
 
 def _without_friction(scene: Scene) -> Distortion:
-    return replace(scene, effects=tuple(x for x in scene.effects if x.model != "coulomb-friction")).distortion()
+    return replace(
+        scene, effects=tuple(x for x in scene.effects if x.model != "coulomb-friction")
+    ).distortion()
 
 
 @dataclass(frozen=True)
@@ -267,7 +310,9 @@ class _Asked:
     def d(self) -> Distortion:
         """What is felt, of a helicopter with its friction off."""
         scene = self.evaluation.scene
-        return _without_friction(scene) if self.rule is Rule.HELICOPTER else self.evaluation.distortion
+        return (
+            _without_friction(scene) if self.rule is Rule.HELICOPTER else self.evaluation.distortion
+        )
 
     def trials(self) -> Iterator[Trial]:
         """All tests of the table, in its order."""
@@ -277,7 +322,9 @@ class _Asked:
         if self.rule is Rule.AEROPLANE and self.control.dynamic:
             yield from self.swept()
         if self.rule is Rule.HELICOPTER:
-            yield Trial("2.a.6", "freeplay", "0.10 in", why="a linear model has no freeplay: measure it")
+            yield Trial(
+                "2.a.6", "freeplay", "0.10 in", why="a linear model has no freeplay: measure it"
+            )
 
     def at_rest(self, f: RealFunction) -> RealNumber | None:
         """A real part at 0 rad/s, exact where it is rational; None where it is infinite."""
@@ -293,7 +340,8 @@ class _Asked:
         return not any(float(x.low.omega) <= at <= float(x.high.omega) for x in e.transparent)
 
     def near(self, off: RealNumber, own: RealNumber, pounds: Rational) -> dict[str, Any]:
-        """Whether a change of force is within 10 % of the environment's, or within pounds at full travel; and the margin."""
+        """Whether a change of force is within 10 % of the environment's, or within pounds at full
+        travel; and the margin."""
         size = abs(float(own.ball(64).mid()))
         share = float(off.ball(64).mid()) / size if size else None
         if isinstance(off, ExactNumber) and isinstance(own, ExactNumber):
@@ -306,7 +354,12 @@ class _Asked:
             left.append(1 - float(off) * float(self.travel) / float(most))
             keeps = keeps or at_most(lambda bits: Scaled(off, 1 / self.travel).ball(bits), most)
         elif not keeps and most is None:
-            return {"why": f"a torque, and more than 10 %: {short(ExactNumber(pounds))} lb at the grip need the lever"}
+            return {
+                "why": (
+                    f"a torque, and more than 10 %: {short(ExactNumber(pounds))} lb at the grip "
+                    f"need the lever"
+                )
+            }
         elif not keeps and most is not None:
             upto = float(most) / float(off)
             why = f"needs the travel: {short(ExactNumber(pounds))} lb is enough up to {upto:.4g} m"
@@ -318,7 +371,12 @@ class _Asked:
         own, felt = (self.at_rest(x.real) for x in (self.d.env_response, self.d.perc_response))
         pounds = self.control.force
         trial = Trial(
-            self.control.static, "static force", f"10 % or {pounds} lb", own, felt, "N m/rad" if self.turns else "N/m"
+            self.control.static,
+            "static force",
+            f"10 % or {pounds} lb",
+            own,
+            felt,
+            "N m/rad" if self.turns else "N/m",
         )
         if own is None or felt is None:
             return replace(trial, why="the stiffness at rest is infinite")
@@ -332,16 +390,28 @@ class _Asked:
         """The display's dry friction: the environment has none."""
         most, pounds = self.control.breakout * POUND, float(self.control.breakout)
         tolerance = f"{pounds:g} lb" + (" or 25 %" if self.rule is Rule.HELICOPTER else "")
-        trial = Trial(self.control.static, "breakout", tolerance, 0, ExactNumber(self.friction), "N")
+        trial = Trial(
+            self.control.static, "breakout", tolerance, 0, ExactNumber(self.friction), "N"
+        )
         if self.turns:
             return replace(
-                trial, environment=None, display=None, unit="", why="a torque: the rule is in pounds at the grip"
+                trial,
+                environment=None,
+                display=None,
+                unit="",
+                why="a torque: the rule is in pounds at the grip",
             )
         if self.friction == 0:
             return replace(
-                trial, environment=None, display=None, unit="", why="the scene has no dry friction: measure it"
+                trial,
+                environment=None,
+                display=None,
+                unit="",
+                why="the scene has no dry friction: measure it",
             )
-        return replace(trial, passes=bool(self.friction <= most), margin=1 - float(self.friction / most))
+        return replace(
+            trial, passes=bool(self.friction <= most), margin=1 - float(self.friction / most)
+        )
 
     def free(self) -> Iterator[Trial]:
         """The free response of the table."""
@@ -350,19 +420,38 @@ class _Asked:
             return
         found = free_response(self.d, self.rule)
         if not found.checks:
-            yield Trial(entry, "free response", "10 %", why=found.refused.removeprefix("not offered: "))
+            yield Trial(
+                entry, "free response", "10 %", why=found.refused.removeprefix("not offered: ")
+            )
         e = self.evaluation
         noticed = e.bandwidth is not e.chart.points[-1].omega
         for x in found.checks:
-            yield Trial(entry, x.name, x.tolerance, x.environment, x.perceived, x.unit, x.margin, x.passes, "", noticed)
+            yield Trial(
+                entry,
+                x.name,
+                x.tolerance,
+                x.environment,
+                x.perceived,
+                x.unit,
+                x.margin,
+                x.passes,
+                "",
+                noticed,
+            )
 
     def swept(self) -> Iterator[Trial]:
         """Moderate and rapid sweeps: what they need more than the slow one."""
         entry, tolerance = self.control.dynamic, "10 % or 2 lb above static"
         if not self.sweeps:
-            why = "how long they last was not read (paragraph 4 of attachment 2): give --sweep SECONDS"
+            why = (
+                "how long they last was not read (paragraph 4 of attachment 2): give --sweep "
+                "SECONDS"
+            )
             yield Trial(entry, "moderate and rapid sweep", tolerance, why=why)
-        rests = [self.at_rest(x.real) for x in (self.d.env_response, self.d.perc_response, self.d.difference_response)]
+        rests = [
+            self.at_rest(x.real)
+            for x in (self.d.env_response, self.d.perc_response, self.d.difference_response)
+        ]
         for duration in self.sweeps:
             w = ExactNumber(2 * pi / duration)
             trial = Trial(entry, f"sweep of {float(duration):g} s", tolerance)
@@ -371,11 +460,18 @@ class _Asked:
                 continue
             responses = self.d.env_response, self.d.perc_response, self.d.difference_response
             own, felt, off = (
-                Increment(x, rest, w) for x, rest in zip(responses, rests, strict=True) if rest is not None
+                Increment(x, rest, w)
+                for x, rest in zip(responses, rests, strict=True)
+                if rest is not None
             )
             unit = "N m/rad" if self.turns else "N/m"
             yield replace(
-                trial, environment=own, display=felt, unit=unit, noticed=self.noticed(w), **self.near(off, own, _TWO)
+                trial,
+                environment=own,
+                display=felt,
+                unit=unit,
+                noticed=self.noticed(w),
+                **self.near(off, own, _TWO),
             )
 
 

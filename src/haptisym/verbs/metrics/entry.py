@@ -1,6 +1,8 @@
-"""The measures of transparency that the field uses, side by side with the JND verdict, and where they disagree with it.
+"""The measures of transparency that the field uses, side by side with the JND verdict, and where
+they disagree with it.
 
-Each with its closed form, proven numbers, its source and how well that is known. Derivation: 15_metrics.
+Each with its closed form, proven numbers, its source and how well that is known. Derivation:
+15_metrics.
 """
 
 from __future__ import annotations
@@ -37,18 +39,27 @@ from haptisym.verbs.metrics.metric import (
 )
 
 _BLIND = (
-    "A force filter or delay in series leaves the zeros of the dynamics where they are: it changes only how a free response "
+    "A force filter or delay in series leaves the zeros of the dynamics where they are: it "
+    "changes only how a free response "
     "begins, while the JND test judges all of it."
 )
-_SLACK = "The free response stays within its tolerances although a moving hand notices the distortion on this band."
-_STRICT = "The free response exceeds its tolerances although a moving hand notices nothing on this band."
+_SLACK = (
+    "The free response stays within its tolerances although a moving hand notices the distortion "
+    "on this band."
+)
+_STRICT = (
+    "The free response exceeds its tolerances although a moving hand notices nothing on this band."
+)
 _COARSE = (
-    "The transmitted impedance stays within 3 dB on the whole band on which the JND is exceeded: 3 dB is 29 to 41 % of the "
+    "The transmitted impedance stays within 3 dB on the whole band on which the JND is "
+    "exceeded: 3 dB is 29 to 41 % of the "
     "modulus, far more than the threshold, and ignores the phase."
 )
 _ACTIVE = (
-    "Transparent is not absolutely stable: the conditions on the axis fail on all of the band but single frequencies, so that "
-    "this display may generate energy with some passive operator or environment where nothing is noticed."
+    "Transparent is not absolutely stable: the conditions on the axis fail on all of the "
+    "band but single frequencies, so that "
+    "this display may generate energy with some passive operator or environment where "
+    "nothing is noticed."
 )
 
 
@@ -68,14 +79,18 @@ def disagreements(m: Measured) -> Iterable[str]:
         yield _ACTIVE
 
 
-def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limit: float | None = SECONDS) -> Metrics:
-    """The measures of transparency of a scene with numbers for all parameters: each proven on its band.
+def metrics(
+    scene: Scene | str | Path, *, absolute_stability: bool = False, limit: float | None = SECONDS
+) -> Metrics:
+    """The measures of transparency of a scene with numbers for all parameters: each proven on its
+    band.
 
-    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity, passivity and absolute
-    stability at all frequencies, effective stiffness, mass and damping, free response. ``absolute_stability`` : whether the page
-    tells it where it fails, too, as it does for most displays. ``limit`` : seconds of processor time after which all
-    further measures are undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter is still a
-    symbol.
+    Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity,
+    passivity and absolute stability at all frequencies, effective stiffness, mass and damping, free
+    response. ``absolute_stability`` : whether the page tells it where it fails, too, as it does for
+    most displays. ``limit`` : seconds of processor time after which all further measures are
+    undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter
+    is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = metrics(load_scene("fu2019"))
@@ -87,7 +102,8 @@ def metrics(scene: Scene | str | Path, *, absolute_stability: bool = False, limi
         m = Measured(evaluate(scene))
         left = Left()
         found = tuple(
-            in_time(partial(measure, m), name, left) or Metric(name, (), (), "", "", f"undecided: {left[name]}")
+            in_time(partial(measure, m), name, left)
+            or Metric(name, (), (), "", "", f"undecided: {left[name]}")
             for name, measure in _MEASURES.items()
         )
         notes = in_time(lambda: tuple(disagreements(m)), "notes", left) or ()
@@ -120,11 +136,17 @@ def _ratio(m: Measured) -> Metric:
     inside = kept(m.edges)
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
-        "transmitted impedance ratio", m.forms("Gamma"), (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
-        "Lawrence (1993): transparent where the displayed impedance is the environment's, Z_t = Z_e",
+        "transmitted impedance ratio",
+        m.forms("Gamma"),
+        (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
+        (
+            "Lawrence (1993): transparent where the displayed impedance is the environment's, "
+            "Z_t = Z_e"
+        ),
         "as the EuroVR knowledge base cites it: read; ratio and 3 dB edges derived",
-        _beside_bandwidth(m, edges) if edges else "no 3 dB edge", edges[0].omega if edges else None,
-    )  # fmt: skip
+        _beside_bandwidth(m, edges) if edges else "no 3 dB edge",
+        edges[0].omega if edges else None,
+    )
 
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
@@ -154,42 +176,71 @@ def _relative(m: Measured) -> Metric:
         else "within the largest circle that the region holds"
     )
     return Metric(
-        "relative distortion", m.forms("Theta"),
-        (Value(circle, m.within, "rad/s"), Value("largest on the band", _largest(square, m)),),
-        "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together", "verified; the modulus derived",
+        "relative distortion",
+        m.forms("Theta"),
+        (Value(circle, m.within, "rad/s"), Value("largest on the band", _largest(square, m))),
+        "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together",
+        "verified; the modulus derived",
         _RELATIVE if m.relative else _IN_CIRCLE,
-    )  # fmt: skip
+    )
 
 
 _RELATIVE = (
-    "where it is at most c neither r_r nor r_i can exceed c; the JND test asks less, as it judges the two parts apart"
+    "where it is at most c neither r_r nor r_i can exceed c; the JND test asks less, as it "
+    "judges the two parts apart"
 )
-_IN_CIRCLE = "where it is in that circle no change leaves the region; the JND test asks less, as the region is larger"
+_IN_CIRCLE = (
+    "where it is in that circle no change leaves the region; the JND test asks less, as the "
+    "region is larger"
+)
 
 
 def _range(m: Measured) -> Metric:
     least, most, width = m.port.least, m.port.most, m.port.width
-    values = [Value("|Z_min| everywhere", None, m.unit)] if least is None else _modulus_at_ends(least, m, "|Z_min|")
+    values = (
+        [Value("|Z_min| everywhere", None, m.unit)]
+        if least is None
+        else _modulus_at_ends(least, m, "|Z_min|")
+    )
     for name, function in (("|Z_max|", most), ("|Z_width|", width)):
-        shown = [Value(f"{name} everywhere", None, m.unit)] if function is None else _modulus_at_ends(function, m, name)
+        shown = (
+            [Value(f"{name} everywhere", None, m.unit)]
+            if function is None
+            else _modulus_at_ends(function, m, name)
+        )
         values += shown
     empty = "nothing" if least is not None and least.is_zero else "Z_min"
-    verdict = f"where there is nothing, {empty} is felt; a rigid environment is felt as {'rigid' if most is None else 'Z_max'}"
+    verdict = (
+        f"where there is nothing, {empty} is felt; a rigid environment is felt as "
+        f"{'rigid' if most is None else 'Z_max'}"
+    )
     return Metric(
-        "impedance range", m.forms("Z_min", "Z_max", "Z_width"), tuple(values),
-        "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the transmitted impedance",
-        "abstract read; the formulas are limits of the two-port, derived (15_metrics)", verdict,
-    )  # fmt: skip
+        "impedance range",
+        m.forms("Z_min", "Z_max", "Z_width"),
+        tuple(values),
+        (
+            "Hashtrudi-Zaad and Salcudean (2001): minimum and dynamic range (width) of the "
+            "transmitted impedance"
+        ),
+        "abstract read; the formulas are limits of the two-port, derived (15_metrics)",
+        verdict,
+    )
 
 
 def _sensitivity(m: Measured) -> Metric:
     square = m.sensitivity_square
     value = None if square is None else _largest(square, m)
     return Metric(
-        "sensitivity", m.forms("dH_perc/dH_env"), (Value("largest |dH_perc/dH_env| on the band", value),),
-        "derivative of H_perc by H_env", "derived (15_metrics)",
-        "1 where a small change of the environment is passed on unchanged; independent of the environment itself",
-    )  # fmt: skip
+        "sensitivity",
+        m.forms("dH_perc/dH_env"),
+        (Value("largest |dH_perc/dH_env| on the band", value),),
+        "derivative of H_perc by H_env",
+        "derived (15_metrics)",
+        (
+            "1 where a small change of the environment is passed on unchanged; independent of "
+            "the environment itself"
+        ),
+    )
 
 
 def _effective(m: Measured) -> Metric:
@@ -200,23 +251,42 @@ def _effective(m: Measured) -> Metric:
         for key, x in row.items()
     ]
     return Metric(
-        "effective impedance", m.forms("k_perc", "m_perc", "b_perc"), tuple(values),
-        "step 2 of Fu, van Paassen and Mulder (2019)", "verified", "what step 2 of the JND evaluation judges",
-    )  # fmt: skip
+        "effective impedance",
+        m.forms("k_perc", "m_perc", "b_perc"),
+        tuple(values),
+        "step 2 of Fu, van Paassen and Mulder (2019)",
+        "verified",
+        "what step 2 of the JND evaluation judges",
+    )
 
 
 def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
     values = [
-        Value(x.name, "none" if x.perceived is None else x.perceived, x.unit, x.environment, x.tolerance, x.passes)
+        Value(
+            x.name,
+            "none" if x.perceived is None else x.perceived,
+            x.unit,
+            x.environment,
+            x.tolerance,
+            x.passes,
+        )
         for x in found.checks
     ]
     blind = found.blind and found.checks and m.evaluation.scene.effects
     passed = {True: "passes", False: "fails", None: found.refused}[found.passes]
-    how = "; H_perc has the zeros of H_env: these effects change how the motion begins, and no period" if blind else ""
+    how = (
+        "; H_perc has the zeros of H_env: these effects change how the motion begins, and no period"
+        if blind
+        else ""
+    )
     return Metric(
-        f"free response, {of}", (), tuple(values), f"14 CFR Part 60, appendix {table}",
-        "verified; the whole response from rest", f"{passed}{how}",
-    )  # fmt: skip
+        f"free response, {of}",
+        (),
+        tuple(values),
+        f"14 CFR Part 60, appendix {table}",
+        "verified; the whole response from rest",
+        f"{passed}{how}",
+    )
 
 
 _MEASURES: Mapping[str, Callable[[Measured], Metric]] = {
@@ -227,7 +297,9 @@ _MEASURES: Mapping[str, Callable[[Measured], Metric]] = {
     "passivity": passivity_measure,
     "absolute stability": absolute_stability_measure,
     "effective impedance": _effective,
-    "free response, aeroplanes": lambda m: _free(m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"),
+    "free response, aeroplanes": lambda m: _free(
+        m.free, m, "aeroplanes", "A, attachment 2, table A2A, 2.b"
+    ),
     "free response, helicopters": lambda m: _free(
         m.free_of_a_helicopter, m, "helicopters", "C, attachment 2, table C2A, 2.a.5"
     ),

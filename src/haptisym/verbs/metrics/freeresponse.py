@@ -1,17 +1,20 @@
-"""The free response: displaced, held until all rests, and let go; how the environment swings back, and what is felt instead.
+"""The free response: displaced, held until all rests, and let go; how the environment swings back,
+and what is felt instead.
 
 The hand holds A_d with the force H(0) A_d, which it takes away at t = 0: with H = N/D
 
     x(t)/A_d = 1 - L^-1[H(0) D(s)/(s N(s))] = L^-1[(N(s) - H(0) D(s))/(s N(s))],
 
-a finite sum of t^k exp(p t) over the zeros p of N, with exact coefficients: where it passes a level, and its extrema, are
-certified zeros. The whole response is judged, not its slowest pair. 14 CFR Part 60, static and dynamic control checks:
+a finite sum of t^k exp(p t) over the zeros p of N, with exact coefficients: where it passes a
+level, and its extrema, are certified zeros. The whole response is judged, not its slowest pair. 14
+CFR Part 60, static and dynamic control checks:
 
-* Table A2A, 2.b (aeroplanes). Underdamped: P_0, from 90 % of A_d to the first zero crossing, within 10 %; each period P_n after
-  it within 10 (n + 1) %; each overshoot above 5 % of A_d within 10 % of the first, A_1; as many of them to within one.
+* Table A2A, 2.b (aeroplanes). Underdamped: P_0, from 90 % of A_d to the first zero crossing, within
+  10 %; each period P_n after it within 10 (n + 1) %; each overshoot above 5 % of A_d within 10 % of
+  the first, A_1; as many of them to within one.
   Overdamped: the time from 90 % to 10 % of A_d within 10 %.
-* Table C2A, 2.a.5 (helicopters): the same, but P_0 is the time of the first zero crossing from the release on, and second
-  and later overshoots are each within 20 %.
+* Table C2A, 2.a.5 (helicopters): the same, but P_0 is the time of the first zero crossing from the
+  release on, and second and later overshoots are each within 20 %.
 """
 
 from __future__ import annotations
@@ -30,7 +33,14 @@ from sympy import Expr, Rational
 
 from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import SURE_BITS, Ball, ExactNumber, RealNumber, at_rising_precision, expression_ball
+from haptisym.kernel.reals import (
+    SURE_BITS,
+    Ball,
+    ExactNumber,
+    RealNumber,
+    at_rising_precision,
+    expression_ball,
+)
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in
 from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion
@@ -52,9 +62,11 @@ class Rule(Enum):
 
 @dataclass(frozen=True)
 class Motion:
-    """x(t)/A_d after a release: its transform is ``above`` over the ``factors``, each as often as it counts; ascending rows.
+    """x(t)/A_d after a release: its transform is ``above`` over the ``factors``, each as often as
+    it counts; ascending rows.
 
-    ``order`` : of the first derivative that is not 0 just after t = 0; of 0 x itself leaps, as a part of the force ends at once.
+    ``order`` : of the first derivative that is not 0 just after t = 0; of 0 x itself leaps, as a
+    part of the force ends at once.
     """
 
     above: Numbers = field(repr=False)
@@ -64,7 +76,9 @@ class Motion:
     def value(self, t: Ball, order: int = 0) -> Ball:
         """A derivative at a time."""
         terms = (
-            q * _derived(k, order, acb(t), p) * (p * acb(t)).exp() for p, row in self._terms for k, q in enumerate(row)
+            q * _derived(k, order, acb(t), p) * (p * acb(t)).exp()
+            for p, row in self._terms
+            for k, q in enumerate(row)
         )
         return sum(terms, acb(0)).real
 
@@ -85,7 +99,9 @@ class Motion:
         found = []
         with flint.ctx.workprec(2 * _BITS):
             above = acb_poly([acb(expression_ball(x)) for x in self.above])
-            rows = [(acb_poly([acb(expression_ball(x)) for x in row]), n) for row, n in self.factors]
+            rows = [
+                (acb_poly([acb(expression_ball(x)) for x in row]), n) for row, n in self.factors
+            ]
             for i, (own, times) in enumerate(rows):
                 for p in zeros(self.factors[i][0], 2 * _BITS):
                     moved = acb_poly([p, 1])
@@ -93,7 +109,9 @@ class Motion:
                     for j, (other, n) in enumerate(rows):
                         rest = rest * other(moved) ** n if j != i else rest
                     series = _quotient(above(moved).coeffs(), rest.coeffs(), times)
-                    found.append((p, [q / factorial(times - 1 - j) for j, q in enumerate(series)][::-1]))
+                    found.append(
+                        (p, [q / factorial(times - 1 - j) for j, q in enumerate(series)][::-1])
+                    )
         return found
 
     @cached_property
@@ -122,8 +140,11 @@ class Motion:
             time /= 2
             tick()
 
-    def passages(self, level: Rational, order: int = 0, until: Fraction | None = None) -> list[Passage]:
-        """Where a derivative (0: x itself) passes a level after the release, all of them up to a time, in order; certified."""
+    def passages(
+        self, level: Rational, order: int = 0, until: Fraction | None = None
+    ) -> list[Passage]:
+        """Where a derivative (0: x itself) passes a level after the release, all of them up to a
+        time, in order; certified."""
         start, last = self._begun, until or self.end
         found: list[Passage] = []
         if order == 0:  # monotonic at first
@@ -135,7 +156,9 @@ class Motion:
             if self._is_apart(low_end, high_end, level, order):
                 continue
             if self._is_apart(low_end, high_end, Rational(0), order + 1):  # it is monotonic
-                signs = [_sign(self._at(t, order) - expression_ball(level)) for t in (low_end, high_end)]
+                signs = [
+                    _sign(self._at(t, order) - expression_ball(level)) for t in (low_end, high_end)
+                ]
                 if signs[0] != signs[1]:
                     found.append(Passage(self, level, order, low_end, high_end))
                 continue
@@ -162,7 +185,10 @@ class Motion:
 
 def _derived(k: int, order: int, t: Any, p: Any) -> Any:
     """A derivative of t^k exp(p t), over exp(p t)."""
-    return sum(comb(order, n) * perm(k, n) * t ** (k - n) * p ** (order - n) for n in range(min(k, order) + 1))
+    return sum(
+        comb(order, n) * perm(k, n) * t ** (k - n) * p ** (order - n)
+        for n in range(min(k, order) + 1)
+    )
 
 
 def _arb(x: Fraction) -> Ball:
@@ -188,7 +214,8 @@ def _quotient(above: list[Any], below: list[Any], count: int) -> list[Any]:
 
 @lru_cache(maxsize=64)
 def zeros(coefficients: Numbers, bits: int) -> tuple[Any, ...]:
-    """Balls around the simple zeros of a polynomial, certified; more precision until they are apart."""
+    """Balls around the simple zeros of a polynomial, certified; more precision until they are
+    apart."""
 
     def apart(working: int) -> tuple[Any, ...] | None:
         polynomial = acb_poly([acb(expression_ball(c)) for c in coefficients])
@@ -203,7 +230,8 @@ def zeros(coefficients: Numbers, bits: int) -> tuple[Any, ...]:
 
 @dataclass(frozen=True, repr=False)
 class Passage(RealNumber):
-    """The one time between two others at which a motion, or a derivative of it, passes a level; s."""
+    """The one time between two others at which a motion, or a derivative of it, passes a level;
+    s."""
 
     motion: Motion
     level: Rational
@@ -212,7 +240,8 @@ class Passage(RealNumber):
     high: Fraction
 
     def ball(self, bits: int) -> Ball:
-        """By Newton's steps with intervals: f(t) = f'(u) (t - x) for a u between, and f' is known up to f'' times the width."""
+        """By Newton's steps with intervals: f(t) = f'(u) (t - x) for a u between, and f' is known
+        up to f'' times the width."""
         with flint.ctx.workprec(2 * bits + 64):
             above, here = self._off(_arb(self.high)), _arb(self.low).union(_arb(self.high))
             least = here.rad() * arb(2) ** -(bits + 8)
@@ -222,7 +251,9 @@ class Passage(RealNumber):
                 off, bend = self._off(middle), self.motion.most(*ends, self.order + 2)
                 slope = self.motion.value(middle, self.order + 1) + arb(0, (bend * half).upper())
                 inner = middle if slope.contains(0) else middle - off / slope
-                if slope.contains(0) or not (inner.rad() < half / 2 and inner > ends[0] and inner < ends[1]):
+                if slope.contains(0) or not (
+                    inner.rad() < half / 2 and inner > ends[0] and inner < ends[1]
+                ):
                     if not sign_of(off):
                         break  # as near as the digits of the zeros allow
                     inner = middle.union(ends[0] if sign_of(off) == _sign(above) else ends[1])
@@ -253,7 +284,8 @@ _AT_ONCE = ExactNumber(Rational(0))
 
 @dataclass(frozen=True)
 class Swings:
-    """What the tables read off a motion: the passages of 90 % and 10 %, the zero crossings, and the overshoots after each."""
+    """What the tables read off a motion: the passages of 90 % and 10 %, the zero crossings, and the
+    overshoots after each."""
 
     motion: Motion
 
@@ -265,20 +297,28 @@ class Swings:
 
     @cached_property
     def crossings(self) -> list[Passage]:
-        """Of zero: all while the motion is larger than 5 %, and at least three where the slowest motion swings for ever."""
+        """Of zero: all while the motion is larger than 5 %, and at least three where the slowest
+        motion swings for ever."""
         motion, until = self.motion, self.motion.end
-        while len(found := motion.passages(Rational(0), 0, until)) < 3 and not motion.slowest.imag.contains(0):
+        while len(
+            found := motion.passages(Rational(0), 0, until)
+        ) < 3 and not motion.slowest.imag.contains(0):
             until *= 2
         return found
 
     @cached_property
     def overshoots(self) -> list[Span]:
-        """After each zero crossing the largest |x|/A_d before the next one, while that may exceed 5 %."""
+        """After each zero crossing the largest |x|/A_d before the next one, while that may exceed 5
+        %."""
         ends = [*(x.high for x in self.crossings[1:]), None]
         turns = self.motion.passages(Rational(0), 1)
         found = []
         for crossing, end in zip(self.crossings, ends, strict=False):
-            own = [Span(x, x, height=True) for x in turns if x.low >= crossing.low and (end is None or x.high <= end)]
+            own = [
+                Span(x, x, height=True)
+                for x in turns
+                if x.low >= crossing.low and (end is None or x.high <= end)
+            ]
             if own:
                 found.append(max(own, key=lambda x: float(x.ball(64).mid())))
         return found
@@ -295,14 +335,21 @@ class Swings:
 
 
 def _exceeds(x: RealNumber, limit: Rational) -> bool:
-    return at_rising_precision(lambda bits: sign_of(x.ball(bits) - expression_ball(limit)) or None, 64, _BITS) == 1
+    return (
+        at_rising_precision(
+            lambda bits: sign_of(x.ball(bits) - expression_ball(limit)) or None, 64, _BITS
+        )
+        == 1
+    )
 
 
 @dataclass(frozen=True)
 class Check:
-    """One tolerance: what the environment does, what is felt instead (None: nothing such), and whether that is close enough.
+    """One tolerance: what the environment does, what is felt instead (None: nothing such), and
+    whether that is close enough.
 
-    ``margin`` : the share of the tolerance that is left, in floats: 1 with no change, 0 at the limit, negative beyond it.
+    ``margin`` : the share of the tolerance that is left, in floats: 1 with no change, 0 at the
+    limit, negative beyond it.
     """
 
     name: str
@@ -316,7 +363,8 @@ class Check:
 
 @dataclass(frozen=True)
 class FreeResponse:
-    """The test's checks; or why there are none (``refused``). ``blind``: H_perc has the very zeros of H_env."""
+    """The test's checks; or why there are none (``refused``). ``blind``: H_perc has the very zeros
+    of H_env."""
 
     checks: tuple[Check, ...]
     refused: str
@@ -329,10 +377,13 @@ class FreeResponse:
 
 
 def free_response(d: Distortion, rule: Rule = Rule.AEROPLANE) -> FreeResponse:
-    """The free-response test of what is felt against the environment by one of the tables, all verdicts proven.
+    """The free-response test of what is felt against the environment by one of the tables, all
+    verdicts proven.
 
-    Offered where both have finitely many zeros, all with Re s < 0, a static stiffness, and no more poles than zeros; otherwise
-    ``refused`` says why. A delay in series leaves the zeros as they are; one that enters them makes infinitely many.
+    Offered where both have finitely many zeros, all with Re s < 0, a static stiffness, and no more
+    poles than zeros; otherwise
+    ``refused`` says why. A delay in series leaves the zeros as they are; one that enters them makes
+    infinitely many.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = free_response(load_scene("fu2019").distortion())
@@ -347,7 +398,9 @@ def free_response(d: Distortion, rule: Rule = Rule.AEROPLANE) -> FreeResponse:
             return FreeResponse((), f"not offered: {motion} (in the {name})", blind)
         if (many := float(motion.end) * abs(float(motion.slowest.imag.mid())) / pi) > _MOST_SWINGS:
             return FreeResponse(
-                (), f"not offered: some {many:.0f} overshoots stay above 5 % of A_d (in the {name})", blind
+                (),
+                f"not offered: some {many:.0f} overshoots stay above 5 % of A_d (in the {name})",
+                blind,
             )
         swings.append(Swings(motion))
     try:
@@ -371,7 +424,10 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
     ring, reduced = dynamics.ring, dynamics.reduced()
     above, below = (_own(x, dynamics) for x in (reduced.numerator, reduced.denominator))
     if any(degree_in([above, below], i) for i in range(ring.size, len(ring.meanings))):
-        return "the response has infinitely many modes, or friction: delays or powers of s enter its zeros or poles"
+        return (
+            "the response has infinitely many modes, or friction: delays or powers of s enter "
+            "its zeros or poles"
+        )
     top, bottom = (tuple(ring.coefficients(x)) for x in (above, below))
     if top[0] == 0 or bottom[0] == 0:
         return "there is no steady force at a displacement"
@@ -411,7 +467,11 @@ def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
         pair = _fall(env), _fall(perc)
         yield _ratio_check("time from 90 % to 10 % of A_d", *pair, 10)
     else:
-        first = "from 90 % of A_d to the first zero crossing" if rule is Rule.AEROPLANE else "first zero crossing"
+        first = (
+            "from 90 % of A_d to the first zero crossing"
+            if rule is Rule.AEROPLANE
+            else "first zero crossing"
+        )
         yield _ratio_check(f"P_0, {first}", _start(env, rule), _start(perc, rule), 10)
         for n in range(1, max(1, (env.significant + 1) // 2) + 1):
             if (own := env.period(n)) is not None and env.significant:
@@ -420,7 +480,13 @@ def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
     count, own_count = env.significant, perc.significant
     apart = abs(count - own_count)
     yield Check(
-        "overshoots above 5 % of A_d", count, own_count, "", "the same number to within 1", apart <= 1, 1.0 - apart
+        "overshoots above 5 % of A_d",
+        count,
+        own_count,
+        "",
+        "the same number to within 1",
+        apart <= 1,
+        1.0 - apart,
     )
 
 
@@ -442,7 +508,9 @@ def _ratio_check(name: str, env: RealNumber | None, perc: RealNumber | None, per
     share = expression_ball(Rational(percent, 100))
     passes = perc is env or (
         perc is not None
-        and at_most(lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0))
+        and at_most(
+            lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0)
+        )
     )
     own = _float(env)
     margin = None if perc is None or not own else 1 - 100 * abs(_float(perc) / own - 1) / percent
@@ -454,7 +522,8 @@ def _float(x: RealNumber) -> float:
 
 
 def _amplitudes(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
-    """Of each overshoot that is above 5 % of A_d on either side; from the fourth on in one row, with the numbers of that one."""
+    """Of each overshoot that is above 5 % of A_d on either side; from the fourth on in one row,
+    with the numbers of that one."""
     count = min(max(env.significant, perc.significant), len(env.overshoots))
     if not count:
         return
@@ -478,9 +547,23 @@ def _overshoot(n: int, env: Swings, perc: Swings, rule: Rule) -> Check:
         return abs((arb(0) if own is None else own.ball(bits)) - known.ball(bits)) / of.ball(bits)
 
     margin = 1 - float(off(64).mid()) / float(limit)
-    return Check(f"A_{n}/A_d", known, own, "", f"{100 * limit} % of A_{n if later else 1}", at_most(off, limit), margin)
+    return Check(
+        f"A_{n}/A_d",
+        known,
+        own,
+        "",
+        f"{100 * limit} % of A_{n if later else 1}",
+        at_most(off, limit),
+        margin,
+    )
 
 
 def at_most(value: Callable[[int], Ball], limit: Rational) -> bool:
-    """Whether a number is at most a limit; one that cannot be told from it at the last precision is not."""
-    return at_rising_precision(lambda bits: -sign_of(value(bits) - expression_ball(limit)) or None, 64, _BITS) == 1
+    """Whether a number is at most a limit; one that cannot be told from it at the last precision is
+    not."""
+    return (
+        at_rising_precision(
+            lambda bits: -sign_of(value(bits) - expression_ball(limit)) or None, 64, _BITS
+        )
+        == 1
+    )

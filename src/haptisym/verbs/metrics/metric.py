@@ -1,8 +1,10 @@
-"""The measures of transparency: the exact functions that they are read off, their closed forms, charts and rows.
+"""The measures of transparency: the exact functions that they are read off, their closed forms,
+charts and rows.
 
-A chain of effects is one two-port: what it does to every environment, and to none in particular. Beside it stand the criteria
-of the field: the 3 dB edges, relative distortion, and Llewellyn's criterion, whose conditions on the axis are asked at all
-frequencies, with those on the poles. Passivity of a display is in ``haptisym.judge.passivity``.
+A chain of effects is one two-port: what it does to every environment, and to none in particular.
+Beside it stand the criteria of the field: the 3 dB edges, relative distortion, and Llewellyn's
+criterion, whose conditions on the axis are asked at all frequencies, with those on the poles.
+Passivity of a display is in ``haptisym.judge.passivity``.
 Derivation: 15_metrics.
 """
 
@@ -37,9 +39,11 @@ from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_respons
 
 @dataclass(frozen=True)
 class TwoPort:
-    """What a display does to any environment: the chain matrix ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]`` up to a factor.
+    """What a display does to any environment: the chain matrix ``[F_h; X_h] = [[A, B], [C, D]]
+    [F_e; X_e]`` up to a factor.
 
-    What is read off it does not see that factor: quotients of entries, and det over a product of two entries.
+    What is read off it does not see that factor: quotients of entries, and det over a product of
+    two entries.
     """
 
     d: Distortion
@@ -70,12 +74,14 @@ class TwoPort:
 
     @property
     def least(self) -> RationalFunction | None:
-        """Z_min = B/D, what is felt of no environment at all (H_env -> 0); None where that is infinite everywhere."""
+        """Z_min = B/D, what is felt of no environment at all (H_env -> 0); None where that is
+        infinite everywhere."""
         return self._over(self._entries[1], self._entries[3])
 
     @property
     def most(self) -> RationalFunction | None:
-        """Z_max = A/C, what is felt of a rigid one (H_env -> infinity); None where nothing bounds it."""
+        """Z_max = A/C, what is felt of a rigid one (H_env -> infinity); None where nothing bounds
+        it."""
         return self._over(self._entries[0], self._entries[2])
 
     @property
@@ -95,7 +101,8 @@ class TwoPort:
 
     @property
     def sensitivity(self) -> RationalFunction | None:
-        """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, H being the environment (or what is rendered)."""
+        """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, H being the environment (or what is
+        rendered)."""
         H = self.ring.convert(self.d.chain.rendered).reduced()
         below = self._entries[2] * H.numerator + self._entries[3] * H.denominator
         return self._over(self._det * H.denominator**2, below**2)
@@ -120,7 +127,8 @@ class Form(Shown):
 
     @cached_property
     def symbolic(self) -> Function | None:
-        """In the scene's symbols; None with too many of them, and where there is none (a division by 0)."""
+        """In the scene's symbols; None with too many of them, and where there is none (a division
+        by 0)."""
         return None if self.symbols is None else _FORMS[self.name](self.symbols)
 
     @cached_property
@@ -146,11 +154,17 @@ def _damping(x: TwoPort) -> RealFunction:
 
 
 _FORMS: dict[str, Callable[[TwoPort], Function | None]] = {
-    "Gamma": lambda x: (x.d.perc / x.d.env).reduced(), "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
-    "Z_min": lambda x: x.least, "Z_max": lambda x: x.most, "Z_width": lambda x: x.width,
-    "dH_perc/dH_env": lambda x: x.sensitivity, "g": lambda x: x.gain, "k_perc": lambda x: on_axis(x.d.perc).real,
-    "m_perc": _mass, "b_perc": _damping,
-}  # fmt: skip
+    "Gamma": lambda x: (x.d.perc / x.d.env).reduced(),
+    "Theta": lambda x: (x.d.difference / x.d.env).reduced(),
+    "Z_min": lambda x: x.least,
+    "Z_max": lambda x: x.most,
+    "Z_width": lambda x: x.width,
+    "dH_perc/dH_env": lambda x: x.sensitivity,
+    "g": lambda x: x.gain,
+    "k_perc": lambda x: on_axis(x.d.perc).real,
+    "m_perc": _mass,
+    "b_perc": _damping,
+}
 
 
 def ratio_square(d: Distortion) -> RealFunction:
@@ -165,7 +179,12 @@ def _below(d: Distortion) -> RealFunction:
 
 TOO_SMALL = Criterion("-3 dB", "-3 dB", "|H_perc/H_env|", "|H_perc/H_env| >= 1/sqrt(2)", _below)
 TOO_LARGE = Criterion(
-    "+3 dB", "+3 dB", "|H_perc/H_env|", "|H_perc/H_env| <= sqrt(2)", ratio_square, threshold=sqrt(Integer(2))
+    "+3 dB",
+    "+3 dB",
+    "|H_perc/H_env|",
+    "|H_perc/H_env| <= sqrt(2)",
+    ratio_square,
+    threshold=sqrt(Integer(2)),
 )
 WITHIN_3_DB = (TOO_SMALL, TOO_LARGE)
 
@@ -177,10 +196,19 @@ def relative_square(d: Distortion) -> RealFunction:
 
 def relative(c: Expr) -> Criterion:
     """|dH/H_env| <= c."""
-    return Criterion("relative", "relative distortion", "|dH/H_env|", "|dH/H_env| <= c", relative_square, threshold=c)
+    return Criterion(
+        "relative",
+        "relative distortion",
+        "|dH/H_env|",
+        "|dH/H_env| <= c",
+        relative_square,
+        threshold=c,
+    )
 
 
-_Hybrid: TypeAlias = Callable[[RealFunction, RealFunction, RealFunction, RealFunction], RealFunction]
+_Hybrid: TypeAlias = Callable[
+    [RealFunction, RealFunction, RealFunction, RealFunction], RealFunction
+]
 """Of Im h11, Im h22, Re g and |g|^2, with g = -h12 h21."""
 
 
@@ -189,10 +217,14 @@ def _read(rule: str, d: Distortion) -> RealFunction:
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
         raise SceneError("the hybrid matrix of this scene does not exist (D = 0)")
-    return _CONDITIONS[rule](on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain))
+    return _CONDITIONS[rule](
+        on_axis(least).imag, on_axis(leak).imag, on_axis(gain).real, squared_modulus(gain)
+    )
 
 
-def _lack(own: RealFunction, other: RealFunction, real: RealFunction, _: RealFunction) -> RealFunction:
+def _lack(
+    own: RealFunction, other: RealFunction, real: RealFunction, _: RealFunction
+) -> RealFunction:
     """-(Re g - 2 Im h11 Im h22)."""
     return RealFunction((own * other).function + (own * other).function) - real
 
@@ -203,14 +235,17 @@ _CONDITIONS: Mapping[str, _Hybrid] = {
     "Re g - 2 Im h11 Im h22 >= 0": _lack,
     "(Re g - 2 Im h11 Im h22)^2 >= |g|^2": lambda *x: x[3] - _lack(*x) * _lack(*x),
 }
-LLEWELLYN = tuple(Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, rule)) for rule in _CONDITIONS)
+LLEWELLYN = tuple(
+    Criterion(rule, rule, rule.split(" ")[0], rule, partial(_read, rule)) for rule in _CONDITIONS
+)
 """Conditions on the axis for absolute stability; those on the poles are others."""
 
 
 @dataclass(frozen=True)
 class Unconditional:
-    """``axis`` : whether the conditions hold at every frequency. ``poles`` : whether h11, h22 and h12 h21 have none in
-    Re s > 0, and h11 and h22 on the axis simple ones with positive residues alone. None where not decided."""
+    """``axis`` : whether the conditions hold at every frequency. ``poles`` : whether h11, h22 and
+    h12 h21 have none in Re s > 0, and h11 and h22 on the axis simple ones with positive residues
+    alone. None where not decided."""
 
     axis: bool | None
     poles: bool | None
@@ -286,7 +321,9 @@ class Measured:
     @cached_property
     def _symbolic(self) -> TwoPort | None:
         scene = self.evaluation.scene
-        return TwoPort(Distortion.of(scene.chain)) if len(scene.parameters) <= MOST_SYMBOLS else None
+        return (
+            TwoPort(Distortion.of(scene.chain)) if len(scene.parameters) <= MOST_SYMBOLS else None
+        )
 
     def forms(self, *names: str) -> tuple[Form, ...]:
         """Some of the closed forms, by their names."""
@@ -294,7 +331,8 @@ class Measured:
 
     @cached_property
     def relative(self) -> Criterion | None:
-        """|dH/H_env| against the smaller threshold; None where the JND is no number for each part."""
+        """|dH/H_env| against the smaller threshold; None where the JND is no number for each
+        part."""
         plain = self.evaluation.scene.threshold.is_plain
         return relative(min(x.threshold for x in self.evaluation.criteria)) if plain else None
 
@@ -330,11 +368,14 @@ class Measured:
     def _within(self) -> Chart:
         if self.relative:
             return self._chart([self.relative], self.band[1])
-        return chart({"": around(self.evaluation.scene.threshold, relative_square(self.d))[0]}, *self.band)
+        return chart(
+            {"": around(self.evaluation.scene.threshold, relative_square(self.d))[0]}, *self.band
+        )
 
     @property
     def within(self) -> Bands:
-        """Where |dH/H_env| is at most the smaller threshold, or within the largest circle that the region holds."""
+        """Where |dH/H_env| is at most the smaller threshold, or within the largest circle that the
+        region holds."""
         return self._within.where(lambda signs: all(sign <= 0 for sign in signs.values()))
 
     @cached_property
@@ -359,7 +400,8 @@ class Measured:
 
     @property
     def llewellyn(self) -> Bands | None:
-        """Where on the band Llewellyn's conditions on the axis hold; None where the hybrid matrix does not exist (D = 0)."""
+        """Where on the band Llewellyn's conditions on the axis hold; None where the hybrid matrix
+        does not exist (D = 0)."""
         return None if self._llewellyn is None else kept(self._llewellyn)
 
     @property
@@ -370,7 +412,8 @@ class Measured:
 
     @cached_property
     def effective(self) -> tuple[tuple[RealNumber, dict[str, RealNumber | None]], ...]:
-        """Effective stiffness, mass and damping of H_perc at the band's ends and at the crossings; None where infinite."""
+        """Effective stiffness, mass and damping of H_perc at the band's ends and at the crossings;
+        None where infinite."""
         axis = self.d.perc_response.real.axis
         w = RealFunction(axis.convert(omega))
         real, imag = self.d.perc_response.real, self.d.perc_response.imag
@@ -424,9 +467,11 @@ def covers(bands: Bands, table: Chart) -> bool:
 
 @dataclass(frozen=True)
 class Value:
-    """One number of a measure, or bands, or a word; None where it is infinite. ``unit`` is empty for a ratio.
+    """One number of a measure, or bands, or a word; None where it is infinite. ``unit`` is empty
+    for a ratio.
 
-    Where there is a tolerance: ``reference`` is the environment's own number, ``kept`` whether the value is near enough.
+    Where there is a tolerance: ``reference`` is the environment's own number, ``kept`` whether the
+    value is near enough.
     """
 
     what: str
@@ -441,7 +486,8 @@ class Value:
 
 @dataclass(frozen=True, repr=False)
 class Metric(Shown):
-    """A measure: ``forms`` its closed forms, ``values`` its numbers, ``evidence`` how well ``source`` is known to say so."""
+    """A measure: ``forms`` its closed forms, ``values`` its numbers, ``evidence`` how well
+    ``source`` is known to say so."""
 
     name: str
     forms: tuple[Form, ...]
@@ -460,9 +506,9 @@ class Metric(Shown):
 class Metrics(Answer):
     """The measures of other authors for a scene, beside its JND evaluation.
 
-    ``metrics`` : one ``Metric`` for each, with formula, value, unit, verdict and source. ``notes`` : where their verdicts differ
-    from that of ``evaluation``. ``measured`` : what was computed for them. Each metric says whether its number is proven or
-    computed.
+    ``metrics`` : one ``Metric`` for each, with formula, value, unit, verdict and source. ``notes``
+    : where their verdicts differ from that of ``evaluation``. ``measured`` : what was computed for
+    them. Each metric says whether its number is proven or computed.
 
     >>> import haptisym as hs
     >>> found = hs.metrics("fu2019")
@@ -482,9 +528,14 @@ class Metrics(Answer):
 
     @property
     def told(self) -> tuple[Metric, ...]:
-        """Those of the page: absolute stability, which most displays lack, where it holds or is asked for."""
+        """Those of the page: absolute stability, which most displays lack, where it holds or is
+        asked for."""
         is_absolute = self["absolute stability"].verdict.startswith("absolutely stable")
-        return tuple(x for x in self.metrics if self.tell_absolute or is_absolute or x.name != "absolute stability")
+        return tuple(
+            x
+            for x in self.metrics
+            if self.tell_absolute or is_absolute or x.name != "absolute stability"
+        )
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self.metrics), 'measure')}"
@@ -509,7 +560,9 @@ class Metrics(Answer):
             if metric.name == name:
                 return metric
         names = [x.name for x in self.metrics]
-        raise SceneError(f'unknown measure "{name}": {meant(name, names)}valid are {", ".join(names)}')
+        raise SceneError(
+            f'unknown measure "{name}": {meant(name, names)}valid are {", ".join(names)}'
+        )
 
     def _body(self) -> dict[str, Any]:
         e = self.evaluation
@@ -533,9 +586,14 @@ _FORMULAS = "haptisym.pages.metrics:formulas"
 
 def _metric_row(x: Metric) -> dict[str, Any]:
     return {
-        "name": x.name, "formula": resolve_name(_FORMULAS)(x), "values": [_value_row(v) for v in x.values],
-        "unit": next((v.unit for v in x.values), ""), "source": x.source, "evidence": x.evidence, "verdict": x.verdict,
-    }  # fmt: skip
+        "name": x.name,
+        "formula": resolve_name(_FORMULAS)(x),
+        "values": [_value_row(v) for v in x.values],
+        "unit": next((v.unit for v in x.values), ""),
+        "source": x.source,
+        "evidence": x.evidence,
+        "verdict": x.verdict,
+    }
 
 
 def _value_row(x: Value) -> dict[str, Any]:
@@ -561,14 +619,19 @@ _ANSWERS = {True: "holds", False: "does not hold", None: "not decided"}
 
 
 def passivity_measure(m: Measured) -> Metric:
-    """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is given away."""
+    """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is
+    given away."""
     found = m.evaluation.passivity
     return Metric(
         "passivity",
         (),
-        (Value("Im H_perc >= 0 on the band", m.passive, "rad/s"), *(_values(m, found) if found else ())),
+        (
+            Value("Im H_perc >= 0 on the band", m.passive, "rad/s"),
+            *(_values(m, found) if found else ()),
+        ),
         "a display is stable with any passive operator exactly if H_perc/s is positive real",
-        "per frequency derived (15_metrics); of a sampled display Colgate and Schenkel (1997), as quoted by Weir and "
+        "per frequency derived (15_metrics); of a sampled display Colgate and Schenkel "
+        "(1997), as quoted by Weir and "
         "Colgate: read",
         _verdict(m, found),
         found.active[0].low.omega if found and found.active else None,
@@ -577,19 +640,40 @@ def passivity_measure(m: Measured) -> Metric:
 
 def _values(m: Measured, found: Passivity) -> list[Value]:
     high = ExactNumber(found.high)
-    rows = [Value(f"Im H_perc < 0, searched up to {short(high)} rad/s", found.active, "rad/s", at=high)]
+    rows = [
+        Value(f"Im H_perc < 0, searched up to {short(high)} rad/s", found.active, "rad/s", at=high)
+    ]
     rows += [Value("Im H_perc beyond that", found.beyond.value)]
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
-        rows += [Value(f"most energy given per cycle, over π A²{where}", given.value, m.unit, at=given.omega)]
+        rows += [
+            Value(
+                f"most energy given per cycle, over π A²{where}",
+                given.value,
+                m.unit,
+                at=given.omega,
+            )
+        ]
     untold = found.holds is None and found.beyond is Beyond.CLOCK
-    rows += [Value("any passive operator", "undecided for a sampled display" if untold else _ANSWERS[found.holds])]
+    rows += [
+        Value(
+            "any passive operator",
+            "undecided for a sampled display" if untold else _ANSWERS[found.holds],
+        )
+    ]
     if found.is_active and found.damping:
         where = (
-            f", set at {short(found.damping.omega)} rad/s" if found.damping.omega else ", approached at high frequency"
+            f", set at {short(found.damping.omega)} rad/s"
+            if found.damping.omega
+            else ", approached at high frequency"
         )
         rows += [
-            Value(f"hand damping that compensates it{where}", found.damping.value, m.units["b"], at=found.damping.omega)
+            Value(
+                f"hand damping that compensates it{where}",
+                found.damping.value,
+                m.units["b"],
+                at=found.damping.omega,
+            )
         ]
     elif found.is_unbounded:
         rows += [Value("hand damping that compensates it", "none: the activity is unbounded")]
@@ -598,7 +682,11 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
     kept = covers(m.passive, m.evaluation.chart)
-    band = "Im H_perc >= 0 on the whole band" if kept else "Im H_perc < 0 somewhere on the band: active there"
+    band = (
+        "Im H_perc >= 0 on the whole band"
+        if kept
+        else "Im H_perc < 0 somewhere on the band: active there"
+    )
     if found is None:
         return f"{band}; whether that is so at all frequencies was not decided"
     if found.holds and found.sampled:
@@ -607,20 +695,26 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
         return "passive: Im H_perc >= 0 at all frequencies and no pole prevents it"
     if found.is_active and found.holds is False:
         above = (
-            f", but < 0 above it, first from {short(found.active[0].low.omega)} rad/s" if kept and found.active else ""
+            f", but < 0 above it, first from {short(found.active[0].low.omega)} rad/s"
+            if kept and found.active
+            else ""
         )
         return f"{band}{above}; not passive"
     if found.beyond is Beyond.CLOCK and found.holds is False:
         return f"{band}; not passive, by Colgate and Schenkel's condition"
     if found.beyond is Beyond.CLOCK:
-        return f"{band} and up to half the sampling rate; that leaves passivity of the sampled display undecided"
+        return (
+            f"{band} and up to half the sampling rate; that leaves passivity of the sampled "
+            f"display undecided"
+        )
     if found.beyond is Beyond.NEVER and found.poles_allow is False:
         return "Im H_perc >= 0 at all frequencies, but poles prevent passivity"
     return f"{band}; passivity undecided"
 
 
 def absolute_stability_measure(m: Measured) -> Metric:
-    """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all frequencies."""
+    """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all
+    frequencies."""
     bands, whole = m.llewellyn, m.unconditional
     rows: tuple[Value, ...] = ()
     if bands is None:
@@ -633,9 +727,13 @@ def absolute_stability_measure(m: Measured) -> Metric:
         )
         verdict = _absolutely(m, covers(bands, m.evaluation.chart))
     return Metric(
-        "absolute stability", m.forms("g"), rows, "Llewellyn's criterion, after Adams and Hannaford (1999)",
-        "verified (tutorial chapter 9.3.3)", verdict,
-    )  # fmt: skip
+        "absolute stability",
+        m.forms("g"),
+        rows,
+        "Llewellyn's criterion, after Adams and Hannaford (1999)",
+        "verified (tutorial chapter 9.3.3)",
+        verdict,
+    )
 
 
 def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001
@@ -644,11 +742,21 @@ def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001
         return "absolutely stable: with any passive operator and environment"
     if not kept:
         return (
-            "not absolutely stable: the conditions on the axis fail somewhere on the band, where the display may "
+            "not absolutely stable: the conditions on the axis fail somewhere on the band, "
+            "where the display may "
             "generate energy"
         )
     if whole.axis is False:
-        return "not absolutely stable: the conditions on the axis hold on the whole band, but fail above it"
+        return (
+            "not absolutely stable: the conditions on the axis hold on the whole band, but fail "
+            "above it"
+        )
     if whole.poles is False:
-        return "not absolutely stable: the conditions on the axis hold on the whole band, but poles break those on the poles"
-    return "the conditions on the axis hold on the whole band; whether it is absolutely stable was not decided"
+        return (
+            "not absolutely stable: the conditions on the axis hold on the whole band, but poles "
+            "break those on the poles"
+        )
+    return (
+        "the conditions on the axis hold on the whole band; whether it is absolutely stable was "
+        "not decided"
+    )

@@ -1,15 +1,18 @@
-"""Values of one parameter in balls, over cells of its values: what ``floatcells`` tells of conditions, without NumPy.
+"""Values of one parameter in balls, over cells of its values: what ``floatcells`` tells of
+conditions, without NumPy.
 
-A condition N/D <= 0 is looked at over a piece of the band for all values of a cell. Balls enclose N and D there, and the slope
-of N along the values. Of a cell
+A condition N/D <= 0 is looked at over a piece of the band for all values of a cell. Balls enclose N
+and D there, and the slope of N along the values. Of a cell
 
-- all conditions are *kept* if on every piece one of the functions that must not all be positive is negative,
+- all conditions are *kept* if on every piece one of the functions that must not all be positive is
+  negative,
 - one is *broken* if at one frequency all its functions are positive for all values of the cell,
-- the verdicts on its two ends tell all if on every piece that is left what may be positive grows with the values, or falls:
+- the verdicts on its two ends tell all if on every piece that is left what may be positive grows
+  with the values, or falls:
   what is broken at a frequency then stays broken on one side of any value.
 
-Other cells are cut, the widest first: at once where a condition is broken in the middle of a cell but not shown to be so on all
-of it.
+Other cells are cut, the widest first: at once where a condition is broken in the middle of a cell
+but not shown to be so on all of it.
 """
 
 from __future__ import annotations
@@ -37,7 +40,8 @@ _BITS = 128
 _SAMPLES = 32
 """Frequencies at which the middle of a cell is tried."""
 _MOST_PIECES, _MOST_LEVELS = (400, 40), 60
-"""How many pieces of the band may be left, fewer in wide cells, which are mostly to be cut; and how often they are halved."""
+"""How many pieces of the band may be left, fewer in wide cells, which are mostly to be cut; and how
+often they are halved."""
 _MOST_HINTS, _MOST_HALVES = 4, 40
 _MOST_CELLS = 3000
 _NARROW = Fraction(1, 2**31)
@@ -50,7 +54,8 @@ Span: TypeAlias = tuple[Fraction, Fraction]
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is known of a function on a piece of the band for all values of a cell, 0 where nothing is: its sign, and its trend.
+    """What is known of a function on a piece of the band for all values of a cell, 0 where nothing
+    is: its sign, and its trend.
 
     ``trend`` : the sign of its slope along the values.
     """
@@ -61,9 +66,11 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A polynomial of a ring as a function of the frequency and one parameter: a sum of a_i(omega) m_i.
+    """A polynomial of a ring as a function of the frequency and one parameter: a sum of a_i(omega)
+    m_i.
 
-    Of the products m_i each factor depends on the parameter: its powers, or those of cos(omega tau/2), say.
+    Of the products m_i each factor depends on the parameter: its powers, or those of cos(omega
+    tau/2), say.
     """
 
     polynomial: Polynomial
@@ -71,9 +78,11 @@ class Sheet:
     free: Symbol
 
     def over(self, piece: Span, values: Span) -> Iterator[tuple[Ball, Ball]]:
-        """Balls around it and around its slope along the values, for frequencies and values between two each, ever narrower.
+        """Balls around it and around its slope along the values, for frequencies and values between
+        two each, ever narrower.
 
-        By its terms; by the middle value and its slope; by the middle frequency and its slope along the band.
+        By its terms; by the middle value and its slope; by the middle frequency and its slope along
+        the band.
         """
         own, slope, tilt = self._at(piece, values)
         yield own, slope
@@ -89,16 +98,20 @@ class Sheet:
             yield _both(own, along + tilt * (place - place.mid())), slope
 
     def _at(self, piece: Span, values: Span) -> tuple[Ball, Ball, Ball]:
-        """Balls around it and around its slopes along the values and along the band, by its terms."""
+        """Balls around it and around its slopes along the values and along the band, by its
+        terms."""
         products = self._products(piece if self._is_mixed else None, values)
         found = self._column(piece) * products
         return found[0, 0], found[0, 1], found[1, 0] + found[0, 2]
 
     @cached_property
     def _factors(self) -> list[tuple[int, Expr]]:
-        """The variables of the ring that depend on the parameter, and stand in the polynomial, with their places."""
+        """The variables of the ring that depend on the parameter, and stand in the polynomial, with
+        their places."""
         degrees = self.polynomial.degrees()
-        return [(i, x) for i, x in enumerate(self.ring.meanings) if x.has(self.free) and degrees[i] > 0]
+        return [
+            (i, x) for i, x in enumerate(self.ring.meanings) if x.has(self.free) and degrees[i] > 0
+        ]
 
     @cached_property
     def _is_mixed(self) -> bool:
@@ -114,7 +127,9 @@ class Sheet:
             own = [int(n) for n in exponents]
             rest = tuple(0 if i in places else n for i, n in enumerate(own))
             rows.setdefault(tuple(own[i] for i in places), {})[rest] = coefficient
-        return {x: Alone(self.polynomial.context().from_dict(row), self.ring) for x, row in rows.items()}
+        return {
+            x: Alone(self.polynomial.context().from_dict(row), self.ring) for x, row in rows.items()
+        }
 
     @cached_property
     def _column(self) -> Callable[[Span], arb_mat]:
@@ -129,7 +144,8 @@ class Sheet:
 
     @cached_property
     def _products(self) -> Callable[[Span | None, Span], arb_mat]:
-        """For frequencies and values between two each the m_i with their slopes along the values and along the band."""
+        """For frequencies and values between two each the m_i with their slopes along the values
+        and along the band."""
 
         @lru_cache(64)
         def products(piece: Span | None, values: Span) -> arb_mat:
@@ -137,7 +153,10 @@ class Sheet:
             along = [self.free] if piece is None else [self.free, omega]
             factors = [_value(x, known) for _, x in self._factors]
             changes = [[_change(x, by, known) for _, x in self._factors] for by in along]
-            rows = [[_product(factors, n), *(_product_rule(factors, x, n) for x in changes)] for n in self._terms]
+            rows = [
+                [_product(factors, n), *(_product_rule(factors, x, n) for x in changes)]
+                for n in self._terms
+            ]
             return arb_mat([[*row, *[arb(0)] * (3 - len(row))] for row in rows])
 
         return products
@@ -153,7 +172,9 @@ class Alone:
     def over(self, place: Ball) -> tuple[Ball, Ball]:
         """Balls around it, by its terms and by the middle and the slope, and around its slope."""
         known = self._known(place)
-        slope = sum((_sum(p, self.ring, known) * _change(x, omega, known) for x, p in self._partial), arb(0))
+        slope = sum(
+            (_sum(p, self.ring, known) * _change(x, omega, known) for x, p in self._partial), arb(0)
+        )
         own = _sum(self.polynomial, self.ring, known)
         if not place.rad():
             return own, slope
@@ -163,7 +184,9 @@ class Alone:
     @cached_property
     def _used(self) -> list[tuple[int, Expr]]:
         """The variables of the ring that stand in the polynomial, with their places."""
-        return [(i, x) for i, x in enumerate(self.ring.meanings) if self.polynomial.degrees()[i] > 0]
+        return [
+            (i, x) for i, x in enumerate(self.ring.meanings) if self.polynomial.degrees()[i] > 0
+        ]
 
     @cached_property
     def _partial(self) -> list[tuple[Expr, Polynomial]]:
@@ -180,7 +203,9 @@ def _product(factors: Sequence[Ball], exponents: Sequence[int]) -> Ball:
     return prod((_to_the(x, n) for x, n in zip(factors, exponents, strict=True)), start=arb(1))
 
 
-def _product_rule(factors: Sequence[Ball], changes: Sequence[Ball], exponents: Sequence[int]) -> Ball:
+def _product_rule(
+    factors: Sequence[Ball], changes: Sequence[Ball], exponents: Sequence[int]
+) -> Ball:
     """A ball around the slope of a product of powers whose factors have these slopes."""
     total = arb(0)
     for i, n in enumerate(exponents):
@@ -213,7 +238,8 @@ def _sum(polynomial: Polynomial, ring: PolynomialRing, known: dict[Expr, Ball]) 
 
 
 def _value(x: Expr, known: dict[Expr, Ball]) -> Ball:
-    """A ball around what a variable of a ring stands for; of a power of a frequency, which may be 0, with a positive exponent."""
+    """A ball around what a variable of a ring stands for; of a power of a frequency, which may be
+    0, with a positive exponent."""
     if not isinstance(x, Pow):
         return expression_ball(x, known)
     base, exponent = expression_ball(x.base, known), expression_ball(x.exp, known)
@@ -230,7 +256,8 @@ def _both(a: Ball, b: Ball) -> Ball:
 
 
 def _change(x: Expr, by: Symbol, known: dict[Expr, Ball]) -> Ball:
-    """A ball around the slope of a variable of a ring; of sinc, whose own formula ends at 0, |sinc'(a)| <= |a|/3."""
+    """A ball around the slope of a variable of a ring; of sinc, whose own formula ends at 0,
+    |sinc'(a)| <= |a|/3."""
     if not isinstance(x, sinc):
         return expression_ball(_derivative(x, by), known)
     angle = expression_ball(x.args[0], known)
@@ -351,7 +378,9 @@ class BallCells:
     @cached_property
     def _functions(self) -> list[list[Function]]:
         """Of each condition the functions that must not all be positive."""
-        return [[Function.of(f, self.free) for f in pieces(own)] for own in self.conditions.values()]
+        return [
+            [Function.of(f, self.free) for f in pieces(own)] for own in self.conditions.values()
+        ]
 
     @cached_property
     def _whole(self) -> Span:
@@ -362,13 +391,19 @@ class BallCells:
 
     @cached_property
     def _samples(self) -> list[Fraction]:
-        """Frequencies on the band; near its low end, where long delays show themselves, and beside the high one."""
+        """Frequencies on the band; near its low end, where long delays show themselves, and beside
+        the high one."""
         low, high = self._whole
-        shares = {Fraction(n, _SAMPLES) for n in range(1, _SAMPLES)} | {Fraction(1, 2**n) for n in range(1, 20)}
-        return [low + (high - low) * x for x in [1 - Fraction(1, 2**20), *sorted(shares, reverse=True)]]
+        shares = {Fraction(n, _SAMPLES) for n in range(1, _SAMPLES)} | {
+            Fraction(1, 2**n) for n in range(1, 20)
+        }
+        return [
+            low + (high - low) * x for x in [1 - Fraction(1, 2**20), *sorted(shares, reverse=True)]
+        ]
 
     def _told(self, cell: _Cell) -> list[Told] | tuple[Fraction, ...]:
-        """What is known of a cell; frequencies at which a condition is likely broken where nothing is."""
+        """What is known of a cell; frequencies at which a condition is likely broken where nothing
+        is."""
         with flint.ctx.workprec(_BITS):
             suspects = [(own, x) for own in self._functions for x in [*cell.hints, *self._samples]]
             left = [(own, self._whole) for own in self._functions]
@@ -384,21 +419,29 @@ class BallCells:
                     return [Told(cell.low, cell.high, kept=True)]
                 if trends in ({1}, {-1}):
                     return self._monotone(cell, growing=trends == {1})
-                left = [(own, half) for own, piece, trend in known if trend is not None for half in _halves(piece)]
+                left = [
+                    (own, half)
+                    for own, piece, trend in known
+                    if trend is not None
+                    for half in _halves(piece)
+                ]
                 if len(left) > _MOST_PIECES[self._width(cell) > _COARSE]:
                     break
                 suspects = [(own, _middle_of(piece)) for own, piece in left]
         return ()
 
     def _is_broken(self, functions: Sequence[Function], place: Fraction, cell: _Cell) -> bool:
-        """Whether a condition is broken at a frequency, which is on the band, for all values of a cell."""
+        """Whether a condition is broken at a frequency, which is on the band, for all values of a
+        cell."""
         low, high = map(expression_ball, self.band)
         return bool(low <= dyadic(place) <= high) and _is_positive(functions, place, cell.values)
 
     def _monotone(self, cell: _Cell, *, growing: bool) -> list[Told]:
-        """What verdicts tell of a cell in which more and more is broken as the values grow, or fall.
+        """What verdicts tell of a cell in which more and more is broken as the values grow, or
+        fall.
 
-        Where there is an end inside, what is open is cut until values beside it are known to keep all conditions.
+        Where there is an end inside, what is open is cut until values beside it are known to keep
+        all conditions.
         """
         best, worst = cell.values if growing else cell.values[::-1]
         if self.verdict(_rational(best)) is False:
@@ -430,7 +473,8 @@ def _is_positive(functions: Sequence[Function], place: Fraction, values: Span) -
 
 
 def _trend(functions: Sequence[Function], piece: Span, values: Span) -> int | None:
-    """Whether a condition is broken on a piece of the band for more and more of the values, 1, or for fewer, -1.
+    """Whether a condition is broken on a piece of the band for more and more of the values, 1, or
+    for fewer, -1.
 
     0 where that is not known, None where it is kept there for all of them.
     """
@@ -454,7 +498,8 @@ def _merged(told: Sequence[Told]) -> list[Told]:
 
 
 def _middle(low: Fraction, high: Fraction) -> Fraction:
-    """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a simple one."""
+    """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a
+    simple one."""
     a, b = float(low), float(high)
     if a >= 0 and (a == 0 or b / a > 4):
         cut = sqrt(a * b) if a > 0 else b / 16

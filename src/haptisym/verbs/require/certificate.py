@@ -1,9 +1,11 @@
-"""The certificate of a requirement: for which values of one parameter a display is transparent (docs/certificates.md, rule 6).
+"""The certificate of a requirement: for which values of one parameter a display is transparent
+(docs/certificates.md, rule 6).
 
-The proof are *slabs*, intervals of values: over one of them a factor is a sum, with positive weights, of functions of omega
-alone, its slices, whose signs show its own. Either a point of the band is named at which the excess of a part is positive for
-all values of the slab, or cells of the band in which no excess is. Slabs are halved, and cells as well, until the checker's
-own objects (``haptisym_check``) find the signs that they need.
+The proof are *slabs*, intervals of values: over one of them a factor is a sum, with positive
+weights, of functions of omega alone, its slices, whose signs show its own. Either a point of the
+band is named at which the excess of a part is positive for all values of the slab, or cells of the
+band in which no excess is. Slabs are halved, and cells as well, until the checker's own objects
+(``haptisym_check``) find the signs that they need.
 """
 
 from __future__ import annotations
@@ -39,14 +41,16 @@ _MOST_AMONG_WAVES = 10**8  # of a checker: points times cost
 
 @dataclass(frozen=True)
 class Problem:
-    """Excesses as products of factors, on a band; ``starts`` : points of the band at which something binds."""
+    """Excesses as products of factors, on a band; ``starts`` : points of the band at which
+    something binds."""
 
     linked: Linked
     band: tuple[Fraction, Fraction, Fraction, Fraction]
     starts: Sequence[Fraction]
 
     def slabs(self, low: Value, high: Value, *, holds: bool) -> Iterator[dict[str, Any]]:
-        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate may have do not suffice."""
+        """Slabs from end to end, each with its proof. UndecidedError where so many as a certificate
+        may have do not suffice."""
         most = _MOST_WITH_WAVES if self.linked.has_waves else _MOST_SLABS
         whole = Slab(self, low, high)
         waiting, count = Waiting(whole.halves() if low is high is None else [whole]), 1
@@ -59,16 +63,26 @@ class Problem:
                 count += 1
             else:
                 raise UndecidedError(
-                    "a certificate: so many slabs of values, and cells of the band, as it may have are not enough"
+                    "a certificate: so many slabs of values, and cells of the band, as it "
+                    "may have are not enough"
                 )
 
     @property
     def tried(self) -> list[Fraction]:
-        """Points of the band at which an excess may be positive: those that bind, and some between."""
+        """Points of the band at which an excess may be positive: those that bind, and some
+        between."""
         _, low, high, _ = self.band
         # powers of omega have no bounds at 0
-        near_0 = [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and self.linked.orders else []
-        return [*self.starts, *near_0, high, low, *(low + (high - low) * n / 16 for n in range(1, 16))]
+        near_0 = (
+            [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and self.linked.orders else []
+        )
+        return [
+            *self.starts,
+            *near_0,
+            high,
+            low,
+            *(low + (high - low) * n / 16 for n in range(1, 16)),
+        ]
 
 
 @dataclass(frozen=True)
@@ -83,14 +97,18 @@ class Slab:
     def halves(self) -> tuple[Slab, Slab]:
         """Two of them that meet inside."""
         cut, (first, last) = _middle(self.low, self.high), self.closed
-        return Slab(self.problem, self.low, cut, (first, True)), Slab(self.problem, cut, self.high, (True, last))
+        return Slab(self.problem, self.low, cut, (first, True)), Slab(
+            self.problem, cut, self.high, (True, last)
+        )
 
     @cached_property
     def slices(self) -> list[Slices]:
         """Of each factor, over the slab. SceneError where a checker refuses so long ends."""
         low = (-1, 0) if self.low is None else self.low.as_integer_ratio()
         high = (1, 0) if self.high is None else self.high.as_integer_ratio()
-        found: list[Slices] | None = shown(lambda: [Slices(x, low, high) for x in self.problem.linked.factors])
+        found: list[Slices] | None = shown(
+            lambda: [Slices(x, low, high) for x in self.problem.linked.factors]
+        )
         if found is None:
             raise SceneError(TOO_LONG)
         return found
@@ -98,12 +116,19 @@ class Slab:
     def failed(self) -> dict[str, Any] | None:
         """A point of the band at which an excess is positive for all values, and whose."""
         names = self.problem.linked.told
-        tried = ((x, name) for x in self.problem.tried for name in names if self._sign(name, x, x) == 1)
+        tried = (
+            (x, name) for x in self.problem.tried for name in names if self._sign(name, x, x) == 1
+        )
         found = next(tried, None)
-        return None if found is None else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
+        return (
+            None
+            if found is None
+            else {"points": [str(found[0])], "part": found[1].partition(".")[2]}
+        )
 
     def kept(self) -> dict[str, Any] | None:
-        """Points between which no excess is positive; None where so many as a slab may have do not suffice."""
+        """Points between which no excess is positive; None where so many as a slab may have do not
+        suffice."""
         low, *_, high = self.problem.band
         starts = sorted(x for x in self.problem.starts if low < x < high)
         found, waiting = [low], Waiting(pairwise([low, *dict.fromkeys(starts), high]))
@@ -117,12 +142,15 @@ class Slab:
         return {"points": [str(x) for x in found], "part": None}
 
     def _sign(self, name: str, a: Fraction, b: Fraction) -> int | None:
-        """Of an excess, between two points of the band or at one, for all values; None where it is not shown."""
+        """Of an excess, between two points of the band or at one, for all values; None where it is
+        not shown."""
         told = self.problem.linked.told[name]
         number = Fraction(told["number"])
         found = (number > 0) - (number < 0)
         for i, n in told["powers"]:
-            own = shown(self.slices[i].side, a, b, self.closed if a == b or n < 0 else (False, False))
+            own = shown(
+                self.slices[i].side, a, b, self.closed if a == b or n < 0 else (False, False)
+            )
             if own is None:
                 return None
             found *= own if n % 2 else 1
@@ -150,11 +178,15 @@ def _middle(low: Value, high: Value) -> Fraction:
 
 def ascending(values: Sequence[tuple[Value, Value, bool]]) -> bool:
     """Whether the intervals come one after the other, and no two neighbours say the same."""
-    return all(a[1] is not None and b[0] is not None and a[1] <= b[0] and a[2] is not b[2] for a, b in pairwise(values))
+    return all(
+        a[1] is not None and b[0] is not None and a[1] <= b[0] and a[2] is not b[2]
+        for a, b in pairwise(values)
+    )
 
 
 def certificate(found: Requirement) -> str:
-    """The document of JSON. SceneError, a sentence, where the format has no room for the question or the scene.
+    """The document of JSON. SceneError, a sentence, where the format has no room for the question
+    or the scene.
 
     >>> import json
     >>> from haptisym.verbs.require.required import require
@@ -165,7 +197,9 @@ def certificate(found: Requirement) -> str:
     _refuse(found)
     path = _keys(scene, found, name_in_file(scene))
     functions = _functions(found)
-    linked = products(functions, next(iter(functions.values())).axis.meanings.index(found.free.symbol))
+    linked = products(
+        functions, next(iter(functions.values())).axis.meanings.index(found.free.symbol)
+    )
     problem = Problem(linked, _band(scene), _starts(found))
     bounds = partial(_end, digits=found.digits, apart=linked.has_waves)
     values = _values(found, bounds)
@@ -179,24 +213,34 @@ def certificate(found: Requirement) -> str:
         "values": [[None if x is None else str(x) for x in row[:2]] + [row[2]] for row in values],
         "binds": _binds({bounds(x): x for x in found.ends}, values, slabs),
     }
-    return document(scene, claim, {key: x for key, x in linked.proof().items() if x} | {"slabs": every}, linked)
+    return document(
+        scene, claim, {key: x for key, x in linked.proof().items() if x} | {"slabs": every}, linked
+    )
 
 
 def _afford(slabs: Sequence[dict[str, Any]], linked: Linked) -> None:
     """SceneError where a checker would refuse to find so many signs."""
     triples = [(x["from"], x["to"], point) for x in slabs for point in x["points"]]
     costs = [cost(f) for f in linked.factors]
-    afford((Fraction(x) for triple in triples for x in triple if x is not None), sum(x for x, _ in costs))
+    afford(
+        (Fraction(x) for triple in triples for x in triple if x is not None),
+        sum(x for x, _ in costs),
+    )
     if len(triples) * sum(x for _, x in costs) >= _MOST_AMONG_WAVES:
         raise SceneError(TOO_LONG)
 
 
 def _binds(
-    ends: Mapping[Any, Point], values: Sequence[tuple[Value, Value, bool]], slabs: Sequence[Sequence[Any]]
+    ends: Mapping[Any, Point],
+    values: Sequence[tuple[Value, Value, bool]],
+    slabs: Sequence[Sequence[Any]],
 ) -> list[str]:
     """The part that binds at each end; of several the one that exceeds in the slab beside it."""
     beside = (
-        (a[-1]["part"] or b[0]["part"], [found.criterion.name for found in ends[x[1], y[0]].bindings])
+        (
+            a[-1]["part"] or b[0]["part"],
+            [found.criterion.name for found in ends[x[1], y[0]].bindings],
+        )
         for (a, x), (b, y) in pairwise(zip(slabs, values, strict=True))
     )
     return [part if part in names else names[0] for part, names in beside]
@@ -204,8 +248,12 @@ def _binds(
 
 def _refuse(found: Requirement) -> None:
     found.scene.threshold.need_plain("a certificate")
-    if found.that != ("transparent",) or any(x.name not in ("real", "imag") for x in found.criteria):
-        raise SceneError("a certificate of a requirement is about what is transparent in this environment alone")
+    if found.that != ("transparent",) or any(
+        x.name not in ("real", "imag") for x in found.criteria
+    ):
+        raise SceneError(
+            "a certificate of a requirement is about what is transparent in this environment alone"
+        )
     if found.undecided:
         raise SceneError("a certificate is about a whole answer: this one left values undecided")
 
@@ -216,12 +264,15 @@ def _functions(found: Requirement) -> dict[str, RealFunction]:
     functions = {f"excess.{x.name}": f for x, f in told.items() if isinstance(f, RealFunction)}
     axis = next(iter(functions.values())).axis
     if any(found.free.symbol in x.free_symbols for x in (*axis.lags, *getattr(axis, "powers", ()))):
-        raise SceneError("a certificate of a requirement needs a free number that is no delay and no power of s")
+        raise SceneError(
+            "a certificate of a requirement needs a free number that is no delay and no power of s"
+        )
     return functions
 
 
 def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str | int]:
-    """Where the scene's file has the number; of one of several environments as if it were the only one."""
+    """Where the scene's file has the number; of one of several environments as if it were the only
+    one."""
     table, free = tomllib.loads(scene.text), found.free
     for one in table.get("environments", []):
         if one.get("name", one.get("model")) == environment:
@@ -263,11 +314,15 @@ def _bounds(x: RealNumber, digits: int = 60) -> tuple[Fraction, Fraction]:
 def _starts(found: Requirement) -> list[Fraction]:
     """The frequencies at which something binds, nearly."""
     _, low, high, _ = _band(found.scene)
-    places = [_bounds(b.omega)[0] for end in found.ends for b in end.bindings if b.omega is not None]
+    places = [
+        _bounds(b.omega)[0] for end in found.ends for b in end.bindings if b.omega is not None
+    ]
     return sorted({min(max(x, low), high) for x in places})
 
 
-def _values(found: Requirement, bounds: Callable[[Point | None], Bounds | None]) -> list[tuple[Value, Value, bool]]:
+def _values(
+    found: Requirement, bounds: Callable[[Point | None], Bounds | None]
+) -> list[tuple[Value, Value, bool]]:
     """Intervals of values, ascending, each with whether it is feasible."""
     low_end, high_end = (None if x is None else _bounds(x) for x in found.domain.ends)
     here, rows = None if low_end is None else low_end[1], list[tuple[Value, Value, bool]]()
@@ -289,9 +344,14 @@ def _values(found: Requirement, bounds: Callable[[Point | None], Bounds | None])
 
 
 def _end(x: Point | None, *, digits: int, apart: bool) -> Bounds | None:
-    """Bounds of an end; ``apart`` : where something binds it is neither of them, as no bounds of sines show that zero."""
+    """Bounds of an end; ``apart`` : where something binds it is neither of them, as no bounds of
+    sines show that zero."""
     if x is None:
         return None
     low, high = _bounds(x.value, digits)
-    beside = (abs(low) or 1) / Fraction(10) ** digits if apart and low == high and x.bindings else Fraction(0)
+    beside = (
+        (abs(low) or 1) / Fraction(10) ** digits
+        if apart and low == high and x.bindings
+        else Fraction(0)
+    )
     return low - beside, high + beside

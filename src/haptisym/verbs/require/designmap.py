@@ -1,13 +1,16 @@
-"""Design charts: where in the plane of two parameters what is asked holds, by exact slices and what is proven between them.
+"""Design charts: where in the plane of two parameters what is asked holds, by exact slices and what
+is proven between them.
 
-A slice is the exact requirement on the second parameter at a value of the first: few to begin with, more where the boundary
-bends, or where its kind changes. How far lines between slices are off is estimated from how ends bend from slice to slice.
+A slice is the exact requirement on the second parameter at a value of the first: few to begin with,
+more where the boundary bends, or where its kind changes. How far lines between slices are off is
+estimated from how ends bend from slice to slice.
 
-What is proven all over the plane are rectangles in which conditions are kept, or broken, in Taylor models. Of the JND one is
-broken where a condition is broken at one frequency for all of its values, and kept where every condition is kept on all of the
-band for all of them. What shows neither is cut along what changes more, down to 1/256 of both ranges. Of a hand roots of the
-display in it are counted (``held_plane``), down to 1/512. From them follows how far from straight lines between slices anything
-else may be.
+What is proven all over the plane are rectangles in which conditions are kept, or broken, in Taylor
+models. Of the JND one is broken where a condition is broken at one frequency for all of its values,
+and kept where every condition is kept on all of the band for all of them. What shows neither is cut
+along what changes more, down to 1/256 of both ranges. Of a hand roots of the display in it are
+counted (``held_plane``), down to 1/512. From them follows how far from straight lines between
+slices anything else may be.
 """
 
 from __future__ import annotations
@@ -41,17 +44,32 @@ from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain
 from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
-from haptisym.verbs.require.freeparameter import asked_of, conditions, edge_polynomial, pieces, touch_polynomial
+from haptisym.verbs.require.freeparameter import (
+    asked_of,
+    conditions,
+    edge_polynomial,
+    pieces,
+    touch_polynomial,
+)
 from haptisym.verbs.require.hands import with_hands
-from haptisym.verbs.require.required import SUITS_ALL, TRANSPARENT, Requirement, further, require, wishes
+from haptisym.verbs.require.required import (
+    SUITS_ALL,
+    TRANSPARENT,
+    Requirement,
+    further,
+    require,
+    wishes,
+)
 from haptisym.verbs.stability.ranges import grid, held_plane, wider_than
 
 
 @dataclass(frozen=True)
 class Slice:
-    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on each thing asked, alone.
+    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on
+    each thing asked, alone.
 
-    ``contours`` : the values for which nothing is noticed with each of the other thresholds that were asked about.
+    ``contours`` : the values for which nothing is noticed with each of the other thresholds that
+    were asked about.
     """
 
     at: Expr
@@ -83,7 +101,8 @@ class Slice:
 
     @cached_property
     def ends(self) -> tuple[tuple[_End, ...] | None, ...]:
-        """Of each of its sets the ends of the intervals, both of each; None where something was left undecided."""
+        """Of each of its sets the ends of the intervals, both of each; None where something was
+        left undecided."""
         return tuple(None if r.undecided else tuple(_ends(r)) for r in self.sets)
 
 
@@ -105,9 +124,11 @@ def _ends(r: Requirement) -> Iterator[_End]:
 
 @dataclass(frozen=True)
 class Gap:
-    """What lies between two neighbouring slices; ``deviation`` : of the sets' boundaries from straight lines, estimated.
+    """What lies between two neighbouring slices; ``deviation`` : of the sets' boundaries from
+    straight lines, estimated.
 
-    None where no lines join the slices, which differ in how many intervals their sets have, or where something is undecided.
+    None where no lines join the slices, which differ in how many intervals their sets have, or
+    where something is undecided.
     """
 
     low: float
@@ -118,11 +139,14 @@ class Gap:
 def gaps(slices: Sequence[Slice]) -> tuple[Gap, ...]:
     """What lies between each two slices, in order.
 
-    A line between two points of a function is off by at most h^2/8 times its second derivative. That is estimated by the
-    divided differences with the next slices on either side: an estimate, which knows nothing of what slices do not show. Where
-    what binds changes, the boundary has a corner, and is taken to be off by what such a corner may be.
+    A line between two points of a function is off by at most h^2/8 times its second derivative.
+    That is estimated by the divided differences with the next slices on either side: an estimate,
+    which knows nothing of what slices do not show. Where what binds changes, the boundary has a
+    corner, and is taken to be off by what such a corner may be.
     """
-    return tuple(Gap(a.place, b.place, _deviation(i, slices)) for i, (a, b) in enumerate(pairwise(slices)))
+    return tuple(
+        Gap(a.place, b.place, _deviation(i, slices)) for i, (a, b) in enumerate(pairwise(slices))
+    )
 
 
 def _deviation(i: int, slices: Sequence[Slice]) -> float | None:
@@ -142,22 +166,32 @@ def _of_set(i: int, k: int, slices: Sequence[Slice]) -> float | None:
             continue  # where the range ends
         step = slices[i + 1].place - slices[i].place
         bend = _bent(i, k, j, slices)
-        own = abs(b.value - a.value) if bend is None else bend * step**2 / (4 if a.binds == b.binds else 1)
+        own = (
+            abs(b.value - a.value)
+            if bend is None
+            else bend * step**2 / (4 if a.binds == b.binds else 1)
+        )
         most = max(most, own)
     return most
 
 
 def _bent(i: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
-    """How much an end bends between one slice and the next; at an end of the map, as far as its bend goes on changing."""
+    """How much an end bends between one slice and the next; at an end of the map, as far as its
+    bend goes on changing."""
     before, after = (_bend(first, k, j, slices) for first in (i - 1, i))
     if before is not None and after is not None:
         return max(abs(before), abs(after))
-    known, beyond = (before, _bend(i - 2, k, j, slices)) if after is None else (after, _bend(i + 1, k, j, slices))
+    known, beyond = (
+        (before, _bend(i - 2, k, j, slices))
+        if after is None
+        else (after, _bend(i + 1, k, j, slices))
+    )
     return None if known is None else abs(known) + (0.0 if beyond is None else abs(known - beyond))
 
 
 def _bend(first: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
-    """The second divided difference of one end over three slices; None where there are none, or they differ in kind."""
+    """The second divided difference of one end over three slices; None where there are none, or
+    they differ in kind."""
     if first < 0 or first + 2 >= len(slices):
         return None
     rows = [slices[first + n].ends[k] for n in range(3)]
@@ -173,7 +207,8 @@ def _bend(first: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
 _FIRST = 9
 """Slices to begin with: what lies between two of them and shows on none is not seen."""
 _WORST = 8
-"""Gaps that are so many times better than the worst one wait: with more slices they may prove to be good."""
+"""Gaps that are so many times better than the worst one wait: with more slices they may prove to be
+good."""
 
 
 def even(low: Expr, high: Expr, count: int) -> list[Expr]:
@@ -194,10 +229,11 @@ def refined(
     size: tuple[float, float],
     share: float,
 ) -> list[Slice]:
-    """More slices, halfway between two, until lines between them are off by no more than a share of the range, as estimated.
+    """More slices, halfway between two, until lines between them are off by no more than a share of
+    the range, as estimated.
 
-    Slices that differ in kind are to be no further from each other than that share of the first range. ``size`` : of both
-    ranges. It ends at ``most`` slices, and where the time is over.
+    Slices that differ in kind are to be no further from each other than that share of the first
+    range. ``size`` : of both ranges. It ends at ``most`` slices, and where the time is over.
     """
     while len(found) < most and not budget.reached:
         with spared():
@@ -216,13 +252,16 @@ def refined(
 def _worst(found: Sequence[Slice], size: tuple[float, float], share: float) -> list[int]:
     """The gaps that are worth a slice, the worst first."""
     scores = [
-        (gap.high - gap.low) / size[0] if gap.deviation is None else gap.deviation / size[1] for gap in gaps(found)
+        (gap.high - gap.low) / size[0] if gap.deviation is None else gap.deviation / size[1]
+        for gap in gaps(found)
     ]
     for i, (a, b) in enumerate(pairwise(found)):
         if None in (*a.ends, *b.ends):
             scores[i] = 0.0  # another slice would stay undecided too
     limit = max(share, max(scores, default=0.0) / _WORST)
-    return sorted((i for i, x in enumerate(scores) if x > share and x >= limit), key=lambda i: -scores[i])
+    return sorted(
+        (i for i, x in enumerate(scores) if x > share and x >= limit), key=lambda i: -scores[i]
+    )
 
 
 _PIECES = 16  # of the band, to begin with
@@ -234,7 +273,8 @@ _MOST_PLANE = 60_000  # cells of band and plane that are looked at
 class Rectangles(Shown):
     """Rectangles that fill a plane, (rectangles, 2, 2): from where to where, of each parameter, SI.
 
-    ``kept`` : conditions are kept for all of their values; ``broken`` : for none; ``left`` : neither was shown.
+    ``kept`` : conditions are kept for all of their values; ``broken`` : for none; ``left`` :
+    neither was shown.
     """
 
     kept: Array
@@ -257,11 +297,17 @@ class Rectangles(Shown):
 
 
 def rectangles(
-    scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]], criteria: Sequence[Criterion]
+    scene: Scene,
+    free: tuple[Knob, Knob],
+    ranges: Sequence[tuple[Expr, Expr]],
+    criteria: Sequence[Criterion],
 ) -> Rectangles | None:
-    """The plane of two parameters in rectangles; None where a criterion is none that models of floats are made of."""
+    """The plane of two parameters in rectangles; None where a criterion is none that models of
+    floats are made of."""
     try:
-        box = _Plane(scene, tuple(Side(x.name, *pair) for x, pair in zip(free, ranges, strict=True)))
+        box = _Plane(
+            scene, tuple(Side(x.name, *pair) for x, pair in zip(free, ranges, strict=True))
+        )
         if not _is_modelled(box, free, criteria):
             return None
         excesses = [excess_of(box, x) for x in criteria]
@@ -269,16 +315,24 @@ def rectangles(
         return None
     judges, steps = [x.curve for x in excesses if not x.is_zero], np.arange(_PIECES + 1) / _PIECES
     band = np.stack([steps[:-1], steps[1:]], -1)[:, None]
-    found = search(judges, grid(), band, wide=wider_than(_FINEST_PLANE), most=_MOST_PLANE, what="rectangles")
+    found = search(
+        judges, grid(), band, wide=wider_than(_FINEST_PLANE), most=_MOST_PLANE, what="rectangles"
+    )
     return _placed(ranges, *(x.outer for x in found.parts))
 
 
-def held_rectangles(scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]]) -> Rectangles | None:
+def held_rectangles(
+    scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]]
+) -> Rectangles | None:
     """The same of what is stable in the hands of a scene; None where nothing is known of it."""
     symbols = [Dummy() if x.parts else x.symbol for x in free]  # a threshold moves no root
     try:
         found = held_plane(
-            scene, scene.hands, dict(zip(symbols, ranges, strict=True)), finest=_FINEST_HELD, most=2 * _MOST_PLANE
+            scene,
+            scene.hands,
+            dict(zip(symbols, ranges, strict=True)),
+            finest=_FINEST_HELD,
+            most=2 * _MOST_PLANE,
         )
     except HaptisymError:
         return None
@@ -286,7 +340,8 @@ def held_rectangles(scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tupl
 
 
 def common(planes: Sequence[Rectangles]) -> Array:
-    """Rectangles that are kept in all of several planes of the same ranges; what they fill may be cut otherwise."""
+    """Rectangles that are kept in all of several planes of the same ranges; what they fill may be
+    cut otherwise."""
     count = round(1 / _FINEST_HELD)
     every = np.ones((count, count), bool)
     cells = np.concatenate(planes[0].parts)
@@ -298,7 +353,11 @@ def common(planes: Sequence[Rectangles]) -> Array:
             own[a:b, c:d] = True
         every &= own
     steps = np.linspace(low, high, count + 1)
-    rows = [[steps[[i, i + 1], 0], steps[[a, b], 1]] for i, row in enumerate(every) for a, b in _runs(row)]
+    rows = [
+        [steps[[i, i + 1], 0], steps[[a, b], 1]]
+        for i, row in enumerate(every)
+        for a, b in _runs(row)
+    ]
     return np.array(rows).reshape(-1, 2, 2)
 
 
@@ -310,7 +369,10 @@ def _runs(row: Array) -> list[tuple[int, int]]:
 
 def _placed(ranges: Sequence[tuple[Expr, Expr]], *shares: Array) -> Rectangles:
     """Rectangles in shares of both ranges where they are."""
-    lows, widths = (np.array(x)[:, None] for x in ([float(a) for a, _ in ranges], [float(b - a) for a, b in ranges]))
+    lows, widths = (
+        np.array(x)[:, None]
+        for x in ([float(a) for a, _ in ranges], [float(b - a) for a, b in ranges])
+    )
     return Rectangles(*(lows + widths * x for x in shares))
 
 
@@ -334,7 +396,10 @@ def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) 
         return True
     plain = all(x.region is None and not x.threshold.has(omega) for x in criteria)
     return plain and all(
-        box.part_name(x.part) == limit.name for x in criteria for limit in limits if x.part and x.part in limit.parts
+        box.part_name(x.part) == limit.name
+        for x in criteria
+        for limit in limits
+        if x.part and x.part in limit.parts
     )
 
 
@@ -344,9 +409,11 @@ _ROUNDING, _SAME = 1e-9, 1e-12
 
 @dataclass(frozen=True, repr=False)
 class Proof(Shown):
-    """What is proven of one set of a map, all over its plane: rectangles inside and outside of it, and those undecided.
+    """What is proven of one set of a map, all over its plane: rectangles inside and outside of it,
+    and those undecided.
 
-    ``of`` : what was asked; ``set`` : its number among the sets of a slice; ``jnd`` : the threshold, where it is not the scene's;
+    ``of`` : what was asked; ``set`` : its number among the sets of a slice; ``jnd`` : the
+    threshold, where it is not the scene's;
     ``window`` : the range of the second parameter.
     """
 
@@ -360,10 +427,12 @@ class Proof(Shown):
         return f"{self.of}: {self.rectangles}"
 
     def bounds(self, slices: Sequence[Slice]) -> tuple[float | None, ...]:
-        """Between each two slices, how far from the lines that join them the set may differ from what these enclose.
+        """Between each two slices, how far from the lines that join them the set may differ from
+        what these enclose.
 
-        In units of the second parameter. Of what stays open it is told from the ends of the range too, where the set reaches
-        there. None where slices differ in kind, or where something else is possible that no line is near.
+        In units of the second parameter. Of what stays open it is told from the ends of the range
+        too, where the set reaches there. None where slices differ in kind, or where something else
+        is possible that no line is near.
         """
         rows = [(x.place, x.sets[self.set]) for x in slices]
         return tuple(self._bound((a, b), x, y) for (a, x), (b, y) in pairwise(rows))
@@ -374,7 +443,9 @@ class Proof(Shown):
         edges = float(self.window[0]), float(self.window[1])
         low, high = (_ends_in_proven(one, other, name) for name in ("low", "high"))
         lines = _unbounded(low, edges[0], -np.inf), _unbounded(high, edges[1], np.inf)
-        kept, broken = (_Between(*_within(x, *at), *lines, (-np.inf, np.inf)) for x in self.rectangles.parts[:2])
+        kept, broken = (
+            _Between(*_within(x, *at), *lines, (-np.inf, np.inf)) for x in self.rectangles.parts[:2]
+        )
         left = _Between(*_within(self.rectangles.left, *at), low, high, edges)
         found = max(kept.distance, broken.depth, left.distance, left.depth)
         return found * (1 + _ROUNDING) if np.isfinite(found) else None
@@ -382,9 +453,11 @@ class Proof(Shown):
 
 @dataclass(frozen=True, eq=False)
 class _Between:
-    """Rectangles between two slices, cut off there, and the lines that join the ends of intervals on these.
+    """Rectangles between two slices, cut off there, and the lines that join the ends of intervals
+    on these.
 
-    ``shares`` : (rectangles, 2), of the way from slice to slice; ``values`` : (rectangles, 2), of the second parameter.
+    ``shares`` : (rectangles, 2), of the way from slice to slice; ``values`` : (rectangles, 2), of
+    the second parameter.
     """
 
     shares: Array
@@ -394,7 +467,8 @@ class _Between:
     edges: tuple[float, float]
 
     def _most(self, found: Array) -> float:
-        """The largest; of rectangles at an end of the range no more than what they reach to from there."""
+        """The largest; of rectangles at an end of the range no more than what they reach to from
+        there."""
         is_there = (self.values <= self.edges[0]).any(-1) | (self.values >= self.edges[1]).any(-1)
         reached = np.where(is_there, self.values[:, 1] - self.values[:, 0], np.inf)
         return float(np.minimum(found, reached).max(initial=0.0))
@@ -426,7 +500,8 @@ class _Between:
 
 
 def _within(cells: Array, a: float, b: float) -> tuple[Array, Array]:
-    """Of the rectangles those between two values of the first parameter: shares of the way, and values of the second one."""
+    """Of the rectangles those between two values of the first parameter: shares of the way, and
+    values of the second one."""
     own = cells[(cells[:, 0, 0] < b) & (cells[:, 0, 1] > a)]
     return (np.clip(own[:, 0], a, b) - a) / (b - a), own[:, 1]
 
@@ -449,7 +524,8 @@ _FOR_PROOFS = 0.3
 
 @dataclass(frozen=True)
 class Plan:
-    """At most that many slices, lines between them to be off by a share of the second range; evenly placed if it is None."""
+    """At most that many slices, lines between them to be off by a share of the second range; evenly
+    placed if it is None."""
 
     most: int
     within: Expr | None
@@ -462,7 +538,9 @@ def share_of(given: Number) -> Expr:
     """The exact number; SceneError unless it is one, and positive."""
     found = number(given, Dimension.RATIO).value
     if sign_of_number(found) <= 0:
-        raise SceneError(f"within: {given} must be > 0, a share of the range of the second parameter")
+        raise SceneError(
+            f"within: {given} must be > 0, a share of the range of the second parameter"
+        )
     return found
 
 
@@ -480,16 +558,24 @@ class Asked:
 
     @classmethod
     def of(
-        cls, scene: Scene, paths: Sequence[str], ranges: Sequence[tuple[Number, Number]], options: Mapping[str, Any],
-        wanted: tuple[str, ...], jnd: Sequence[Number],
-    ) -> Asked:  # fmt: skip
+        cls,
+        scene: Scene,
+        paths: Sequence[str],
+        ranges: Sequence[tuple[Number, Number]],
+        options: Mapping[str, Any],
+        wanted: tuple[str, ...],
+        jnd: Sequence[Number],
+    ) -> Asked:
         """SceneError where paths, ranges or thresholds are not fit."""
         first, second = scene.knobs.chosen(paths)
         scene.knobs.need_numbers((first, second))
         judged = asked_of(scene, (first, second), **options) if TRANSPARENT in wanted else ()
         if len(several("ranges", ranges, _RANGES)) != 2:
             raise SceneError(f"ranges: {len(ranges)} will not do: {_RANGES}")
-        across, along = ((free.number(a), free.number(b)) for free, (a, b) in zip((first, second), ranges, strict=True))
+        across, along = (
+            (free.number(a), free.number(b))
+            for free, (a, b) in zip((first, second), ranges, strict=True)
+        )
         for free, pair in zip((first, second), (across, along), strict=True):
             domain(free, pair)
         thresholds = _thresholds(scene, (first, second), jnd, wanted)
@@ -499,12 +585,17 @@ class Asked:
     def cut(self, at: Expr) -> Slice:
         """The slice at a value of the first parameter."""
         here, path, along = self.free[0].put(self.scene, at), self.free[1].path, self.ranges[1]
-        apart = [require(here, path, along, that=[x], limit=None, **self.options) for x in self.wanted]
+        apart = [
+            require(here, path, along, that=[x], limit=None, **self.options) for x in self.wanted
+        ]
         others = (here.with_values({THRESHOLD: x}) for x in self.thresholds)
-        return Slice.of(at, apart, [require(x, path, along, limit=None, **self.options) for x in others])
+        return Slice.of(
+            at, apart, [require(x, path, along, limit=None, **self.options) for x in others]
+        )
 
     def proofs(self) -> tuple[Proof, ...]:
-        """What is proven all over the plane: of what is transparent, with each threshold, and of what is stable."""
+        """What is proven all over the plane: of what is transparent, with each threshold, and of
+        what is stable."""
         with share(_FOR_PROOFS):
             found = [*self._of_transparent(), *self._of_stable()]
         return tuple(x for x in found if x.rectangles.share_left < 1)
@@ -514,14 +605,21 @@ class Asked:
             return
         first = 1 + len(self.wanted) if len(self.wanted) > 1 else 1
         asked: list[tuple[int, Expr | None, Scene]] = [(self._set(TRANSPARENT), None, self.scene)]
-        asked += [(first + i, c, self.scene.with_values({THRESHOLD: c})) for i, c in enumerate(self.thresholds)]
+        asked += [
+            (first + i, c, self.scene.with_values({THRESHOLD: c}))
+            for i, c in enumerate(self.thresholds)
+        ]
         for i, jnd, scene in asked:
-            plane = rectangles(scene, self.free, self._window, asked_of(scene, self.free, **self.options))
+            plane = rectangles(
+                scene, self.free, self._window, asked_of(scene, self.free, **self.options)
+            )
             if plane:
                 yield Proof(TRANSPARENT, i, jnd, plane, self._window[1])
 
     def _of_stable(self) -> Iterator[Proof]:
-        if STABLE in self.wanted and (plane := held_rectangles(self.scene, self.free, self._window)):
+        if STABLE in self.wanted and (
+            plane := held_rectangles(self.scene, self.free, self._window)
+        ):
             yield Proof(STABLE, self._set(STABLE), None, plane, self._window[1])
 
     def _set(self, name: str) -> int:
@@ -545,7 +643,11 @@ class Asked:
             with share(1 / min(len(start) - n, 2) if n < len(start) else 1 / 2):
                 return self.cut(at)
 
-        places = even(low, high, plan.most) if plan.within is None else first_places(low, high, plan.most)
+        places = (
+            even(low, high, plan.most)
+            if plan.within is None
+            else first_places(low, high, plan.most)
+        )
         start = [at for at in places if self.free[0].rule.allows(at)]
         found = [cut(at, n) for n, at in enumerate(start)]
         if plan.within is not None:
@@ -554,16 +656,28 @@ class Asked:
         return tuple(found)
 
 
-def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]) -> tuple[Expr, ...]:
-    """The further thresholds, each once. SceneError where nothing is asked of what is noticed, or the threshold is free."""
+def _thresholds(
+    scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wanted: Sequence[str]
+) -> tuple[Expr, ...]:
+    """The further thresholds, each once. SceneError where nothing is asked of what is noticed, or
+    the threshold is free."""
     if not jnd:
         return ()
     if TRANSPARENT not in wanted:
-        raise SceneError("jnd: further thresholds are of what is noticed: ask for transparent too, or leave them out")
+        raise SceneError(
+            "jnd: further thresholds are of what is noticed: ask for transparent too, or "
+            "leave them out"
+        )
     for x in (x for x in free if x.parts):
-        raise SceneError(f"jnd: further thresholds and {x.path}, which is free, are the same: leave out one of them")
+        raise SceneError(
+            f"jnd: further thresholds and {x.path}, which is free, are the same: leave out "
+            f"one of them"
+        )
     if scene.threshold.region.corners:
-        raise SceneError("jnd: the scene's threshold is a polygon, which is given by its corners and not by one number")
+        raise SceneError(
+            "jnd: the scene's threshold is a polygon, which is given by its corners and not "
+            "by one number"
+        )
     knob = scene.knobs[THRESHOLD]
     for c in jnd:
         knob.check(c)
@@ -572,12 +686,13 @@ def _thresholds(scene: Scene, free: Sequence[Knob], jnd: Sequence[Number], wante
 
 @dataclass(frozen=True, repr=False)
 class DesignMap(Answer):
-    """The values of two parameters for which a scene is transparent, or what else is asked: exact along slices.
+    """The values of two parameters for which a scene is transparent, or what else is asked: exact
+    along slices.
 
-    ``slices`` : in ascending order of the first parameter, each with its value ``at`` and the ``Requirement`` of the second
-    there.
-    ``gaps`` : how far straight lines between slices are off, estimated; ``within`` : what that was to be, a share of the second
-    range.
+    ``slices`` : in ascending order of the first parameter, each with its value ``at`` and the
+    ``Requirement`` of the second there.
+    ``gaps`` : how far straight lines between slices are off, estimated; ``within`` : what that was
+    to be, a share of the second range.
     ``proofs`` : of each criterion for which that is known, what is proven between the slices too.
     """
 
@@ -598,7 +713,10 @@ class DesignMap(Answer):
 
     def _line(self) -> str:
         first, second = (x.path for x in self.free)
-        return f"{titled(self.scene.title)}: {second} over {first}, {counted(len(self.slices), 'slice')}"
+        return (
+            f"{titled(self.scene.title)}: {second} over {first}, "
+            f"{counted(len(self.slices), 'slice')}"
+        )
 
     @property
     def certified(self) -> bool:
@@ -607,21 +725,25 @@ class DesignMap(Answer):
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
-        """What lies between neighbouring slices, and how far lines between them are off, as estimated."""
+        """What lies between neighbouring slices, and how far lines between them are off, as
+        estimated."""
         return gaps(self.slices)
 
     @property
     def deviation(self) -> float | None:
-        """The largest estimate of all, in units of the second parameter; None where no slices are joined by lines."""
+        """The largest estimate of all, in units of the second parameter; None where no slices are
+        joined by lines."""
         return max((x.deviation for x in self.gaps if x.deviation is not None), default=None)
 
     @cached_property
     def bounds(self) -> dict[Proof, tuple[float | None, ...]]:
-        """Of each proof, between each two slices, how far off lines may be; None where no lines join them."""
+        """Of each proof, between each two slices, how far off lines may be; None where no lines
+        join them."""
         return {x: x.bounds(self.slices) for x in self.proofs}
 
     def bound(self, proof: Proof) -> float | None:
-        """The largest of a proof, in units of the second parameter; None where no slices are joined by lines."""
+        """The largest of a proof, in units of the second parameter; None where no slices are joined
+        by lines."""
         return max((x for x in self.bounds[proof] if x is not None), default=None)
 
     @property
@@ -634,14 +756,17 @@ class DesignMap(Answer):
     def is_coarse(self) -> bool:
         """Whether the slices were too few for what their lines were to be off by."""
         return (
-            self.within is not None and self.deviation is not None and self.deviation > float(self.within) * self.height
+            self.within is not None
+            and self.deviation is not None
+            and self.deviation > float(self.within) * self.height
         )
 
     def curves(self) -> dict[tuple[Criterion, Kind], Expr]:
-        """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends, and the discriminants.
+        """Polynomials in both parameters (and pi) that vanish on the boundary: at the band's ends,
+        and the discriminants.
 
-        Every point of the boundary is a zero of one of them. SceneError for scenes with delays or powers of s. Those of
-        touches are large for devices of order 4 and more.
+        Every point of the boundary is a zero of one of them. SceneError for scenes with delays or
+        powers of s. Those of touches are large for devices of order 4 and more.
         """
         judged = [x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
         found = {x: pieces(own) for x, own in conditions(self.scene, self.free, judged).items()}
@@ -653,12 +778,14 @@ class DesignMap(Answer):
 
     @cached_property
     def lines(self) -> tuple[Line, ...]:
-        """The classical bounds on a stiffness for which the scene has what they need, where stability is asked."""
+        """The classical bounds on a stiffness for which the scene has what they need, where
+        stability is asked."""
         return lines(self.scene, self.free, self.encoder) if STABLE in self.that else ()
 
     @property
     def stiffest(self) -> tuple[Slice, RealNumber] | None:
-        """Of slices along a wall's damping the one that is stable furthest up, and how far; None if beyond the range."""
+        """Of slices along a wall's damping the one that is stable furthest up, and how far; None if
+        beyond the range."""
         if STABLE not in self.that or [x.path for x in self.free] != [DAMPING, STIFFNESS]:
             return None
         i = self.that.index(STABLE)
@@ -682,10 +809,15 @@ class DesignMap(Answer):
             "band": [float(x) for x in self.scene.band],
             "criteria": list(self.that),
             "slices": [
-                {"at": float(x.at), **x.requirement.rows(), **_apart(x), **self._contours(x)} for x in self.slices
+                {"at": float(x.at), **x.requirement.rows(), **_apart(x), **self._contours(x)}
+                for x in self.slices
             ],
             **(
-                {"lines": [{"name": x.name, "rule": x.rule, "assumes": x.assumes} for x in self.lines]}
+                {
+                    "lines": [
+                        {"name": x.name, "rule": x.rule, "assumes": x.assumes} for x in self.lines
+                    ]
+                }
                 if self.lines
                 else {}
             ),
@@ -722,7 +854,8 @@ def _apart(x: Slice) -> dict[str, Any]:
 
 
 WITHIN = Rational(1, 200)
-"""What a map is refined to: lines between slices off by so much of the second range, as estimated."""
+"""What a map is refined to: lines between slices off by so much of the second range, as
+estimated."""
 
 
 def design_map(
@@ -743,15 +876,20 @@ def design_map(
     limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> DesignMap:
-    """The transparent region in two parameters, by at most that many slices, more of them where its boundary bends.
+    """The transparent region in two parameters, by at most that many slices, more of them where its
+    boundary bends.
 
-    ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a ``Requirement`` on the second one.
-    ``within``: a share of the second range: slices are put in until straight lines between them are off by no more, as
-    estimated, and slices that differ in kind no further apart than that share of the first range; 0.5 % if not given.
+    ``paths``: of both parameters; ``ranges``: of each, SI or with a unit. Every slice is a
+    ``Requirement`` on the second one.
+    ``within``: a share of the second range: slices are put in until straight lines between them are
+    off by no more, as estimated, and slices that differ in kind no further apart than that share of
+    the first range; 0.5 % if not given.
     ``uniform``: all slices, as far from each other, instead.
-    ``that``, ``hand``, ``limit``, ``told``: as in ``require``; of slices that were not reached in time every value is undecided.
-    ``jnd``: further thresholds, each with the region that is transparent with it. ``friction``, ``resolution``: of a device and
-    its encoder, for Abbott and Okamura's bound beside the other classical ones.
+    ``that``, ``hand``, ``limit``, ``told``: as in ``require``; of slices that were not reached in
+    time every value is undecided.
+    ``jnd``: further thresholds, each with the region that is transparent with it. ``friction``,
+    ``resolution``: of a device and its encoder, for Abbott and Okamura's bound beside the other
+    classical ones.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = design_map(load_scene("fu2019"), ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3)
@@ -761,12 +899,23 @@ def design_map(
     plan = Plan(slices, None if uniform else WITHIN if within is None else share_of(within))
     wanted = wishes(that)
     scene = with_hands(as_scene(scene), hand) if {*IN_HANDS} & {*wanted} else as_scene(scene)
-    asked = Asked.of(scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd)
+    asked = Asked.of(
+        scene, paths, ranges, {"part": part, "any_environment": any_environment}, wanted, jnd
+    )
     encoder = Encoder.of(scene, friction, resolution)
     need_encoder(scene, asked.free, encoder)
     with limited(limit, told) as budget:
         proofs = asked.proofs()
         found = asked.cut_all(plan, budget)
     return DesignMap(
-        scene, asked.free, asked.ranges, found, asked.criteria, wanted, asked.thresholds, encoder, plan.within, proofs
+        scene,
+        asked.free,
+        asked.ranges,
+        found,
+        asked.criteria,
+        wanted,
+        asked.thresholds,
+        encoder,
+        plan.within,
+        proofs,
     )

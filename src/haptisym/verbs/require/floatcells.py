@@ -1,12 +1,15 @@
-"""Values of one parameter in floats with proven bounds, over cells of frequency and value: conditions, and the sign of Im H_perc.
+"""Values of one parameter in floats with proven bounds, over cells of frequency and value:
+conditions, and the sign of Im H_perc.
 
-**Conditions** (``FloatCells``). The one search (``kernel.where``) with the values as its outer side, the band as its inner
-one, and the excess of each criterion in Taylor models as a judge. Values are cut down to a thousandth of themselves: what
-is still open then holds the ends of the set, for balls to find.
+**Conditions** (``FloatCells``). The one search (``kernel.where``) with the values as its outer
+side, the band as its inner one, and the excess of each criterion in Taylor models as a judge.
+Values are cut down to a thousandth of themselves: what is still open then holds the ends of the
+set, for balls to find.
 
-**Energy** (``Energy``). Im H, H = N/D, has the sign of Im(N conj D) on the axis: a sum of powers of omega, omega^p c_p, each
-coefficient made of the parameter and of cos and sinc of delays. Divided by the lowest power it is G(omega, q), bounded down
-to omega = 0; beyond a reach its highest power outweighs the others whatever the phases are.
+**Energy** (``Energy``). Im H, H = N/D, has the sign of Im(N conj D) on the axis: a sum of powers of
+omega, omega^p c_p, each coefficient made of the parameter and of cos and sinc of delays. Divided by
+the lowest power it is G(omega, q), bounded down to omega = 0; beyond a reach its highest power
+outweighs the others whatever the phases are.
 """
 
 from __future__ import annotations
@@ -36,20 +39,27 @@ from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Model, between, floated, valued, variable
 from haptisym.verbs.require.freeparameter import ExactSign, Told, ladder
 
-_FIRST_PIECES, _SHORT_PIECES = tuple(n / 16 for n in range(17)), tuple(2.0**-n for n in (14, 12, 10, 8, 6))
-"""Where pieces of the band begin and end; for times shorter ones near its low end too, where long delays show themselves."""
+_FIRST_PIECES, _SHORT_PIECES = (
+    tuple(n / 16 for n in range(17)),
+    tuple(2.0**-n for n in (14, 12, 10, 8, 6)),
+)
+"""Where pieces of the band begin and end; for times shorter ones near its low end too, where long
+delays show themselves."""
 _HARD = 2000
 """After how many cells the larger excess is asked too."""
 _COARSE, _FINE = 1e-3, 2e-10
-"""Of values that are cut no further, relative to them: of all, and of those around what stays open."""
+"""Of values that are cut no further, relative to them: of all, and of those around what stays
+open."""
 _LAST = 3
 """How often the pieces of the band of cells that cannot be cut are."""
 _MOST_FINE = 20_000
 """Pieces that are looked at to cut values more finely, each time."""
 _WIDENED = 1e-6
-"""Relative width of values up to which slopes are bounded: of less roundings would be a large part."""
+"""Relative width of values up to which slopes are bounded: of less roundings would be a large
+part."""
 _HALVINGS, _MOST_SLOPES = 6, 1000
-"""How often pieces of the band are halved until their slopes show a sign, and how many there may be."""
+"""How often pieces of the band are halved until their slopes show a sign, and how many there may
+be."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 
@@ -69,7 +79,8 @@ class _OneFree(Box):
 class FloatCells:
     """Criteria of a scene in which one parameter is free; ``scale`` : a usual size of it.
 
-    ``is_broken`` : whether another way shows that values about 0 are broken, where an excess may be infinite.
+    ``is_broken`` : whether another way shows that values about 0 are broken, where an excess may be
+    infinite.
     """
 
     scene: Scene
@@ -80,12 +91,19 @@ class FloatCells:
 
     def told(self, low: float, high: float) -> list[Told]:
         """What is known of the values from one to another, in order."""
-        least = 0.0 if low * high > 0 else self.scale * _COARSE  # a size below which widths are no longer relative
+        least = (
+            0.0 if low * high > 0 else self.scale * _COARSE
+        )  # a size below which widths are no longer relative
         pieces = {*_FIRST_PIECES, *(_SHORT_PIECES if self.free.dimension is Dimension.TIME else ())}
         marks, steps = np.array(ladder(low, high, self.scale)), np.array(sorted(pieces))
         outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
         found = search(
-            self._judges, outer, inner, wide=_wider(_COARSE, least), last=_LAST, what="cells of band and values"
+            self._judges,
+            outer,
+            inner,
+            wide=_wider(_COARSE, least),
+            last=_LAST,
+            what="cells of band and values",
         )
         return self._finer(_runs(found.kept, found.broken, found.left))
 
@@ -98,12 +116,16 @@ class FloatCells:
     def _excesses(self) -> list[tuple[Excess, Callable[[], Excess] | None]] | None:
         """None where one of the criteria is not to be had in floats."""
         is_threshold = self.free.parts or self.free.symbol.name in _THRESHOLDS
-        if is_threshold or not all(x.part or x.region or x.name == ANY_ENVIRONMENT.name for x in self.criteria):
+        if is_threshold or not all(
+            x.part or x.region or x.name == ANY_ENVIRONMENT.name for x in self.criteria
+        ):
             return None
         try:
             box = _OneFree(self.scene, self.free.symbol.name)
             series = is_series(self.scene.chain)
-            listed = [(excess_of(box, x), _larger(box, x) if series else None) for x in self.criteria]
+            listed = [
+                (excess_of(box, x), _larger(box, x) if series else None) for x in self.criteria
+            ]
             return [x for x in listed if not x[0].is_zero]
         except HaptisymError:
             return None
@@ -113,7 +135,8 @@ class FloatCells:
         return [_Judge(*x) for x in self._excesses or ()]
 
     def _finer(self, runs: Sequence[Told]) -> list[Told]:
-        """The same with what is open cut more finely, where it is not shown to hold one end; the likely ends first."""
+        """The same with what is open cut more finely, where it is not shown to hold one end; the
+        likely ends first."""
         places = [i for i, x in enumerate(runs) if x.open is not None]
         found = {i: [x] for i, x in enumerate(runs)}
         for i in sorted(places, key=lambda i: not _is_between(runs, i)):
@@ -136,7 +159,9 @@ class FloatCells:
                     *_runs(settled[~broken], settled[broken], cut.left),
                     *runs[i + 1 : i + 2],
                 ]
-                found[i] = [self._turned(around, k) for k in range(len(around)) if around[k] not in runs]
+                found[i] = [
+                    self._turned(around, k) for k in range(len(around)) if around[k] not in runs
+                ]
             else:
                 found[i] = [turned]
         return _merged(x for own in found.values() for x in own)
@@ -149,7 +174,8 @@ class FloatCells:
         return replace(own, slant=self._slant(own.open, 1.0 if runs[i - 1].kept else -1.0))
 
     def _slant(self, cells: Cells, sense: float) -> float | None:
-        """How steep lines are along which each excess that may be 0 grows as the values do, or fall for ``sense`` < 0.
+        """How steep lines are along which each excess that may be 0 grows as the values do, or fall
+        for ``sense`` < 0.
 
         None where there are none.
         """
@@ -174,17 +200,23 @@ class FloatCells:
 
 
 def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
-    """In which boxes what is positive stays so as the values grow, or fall: each function grows along one line through the box.
+    """In which boxes what is positive stays so as the values grow, or fall: each function grows
+    along one line through the box.
 
     And how steep the steepest line is, as a share of the band for one unit.
 
-    The line may be slanted, q + t, omega + v t, where the box is inside of the band: around it nothing is positive, so that no
-    line leaves it so. That is how two functions which must not both be positive bind at a corner, one over the zero of the other.
+    The line may be slanted, q + t, omega + v t, where the box is inside of the band: around it
+    nothing is positive, so that no line leaves it so. That is how two functions which must not both
+    be positive bind at a corner, one over the zero of the other.
     """
     is_inside = (boxes[:, 0, 0] > 0) & (boxes[:, 0, 1] < 1)
     found, steepest = np.ones(len(boxes), bool), 0.0
     for term in excess.terms(boxes):
-        negative, straight, slanted = np.zeros(len(boxes), bool), ~np.zeros(len(boxes), bool), is_inside.copy()
+        negative, straight, slanted = (
+            np.zeros(len(boxes), bool),
+            ~np.zeros(len(boxes), bool),
+            is_inside.copy(),
+        )
         ends = [f.bounds() for f in term]
         signs = [(low[:, 0] > 0, high[:, 0] < 0) for low, high in ends]
         along = [np.sort(sense * np.stack([low[:, 2], high[:, 2]]), 0) for low, high in ends]
@@ -198,13 +230,19 @@ def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
         found &= negative | straight | slanted
         turned = slanted & ~negative & ~straight
         steepest = max(
-            steepest, float((np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1))[turned].max(initial=0.0))
+            steepest,
+            float(
+                (np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1))[turned].max(
+                    initial=0.0
+                )
+            ),
         )
     return found, steepest
 
 
 def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Array]) -> Array:
-    """By how much to go along omega so that functions with these slopes all grow, about: between what each allows."""
+    """By how much to go along omega so that functions with these slopes all grow, about: between
+    what each allows."""
     low, high = np.full(along[0].shape[1], -np.inf), np.full(along[0].shape[1], np.inf)
     with np.errstate(all="ignore"):
         for q, w, own in zip(along, across, counts, strict=True):
@@ -215,23 +253,31 @@ def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Arr
 
 
 def _is_between(runs: Sequence[Told], i: int) -> bool:
-    """Whether the values below keep the conditions and those above do not, or the other way round."""
+    """Whether the values below keep the conditions and those above do not, or the other way
+    round."""
     return 0 < i < len(runs) - 1 and {runs[i - 1].kept, runs[i + 1].kept} == {True, False}
 
 
 def _wider(share: float, least: float) -> Callable[[Array], Array]:
     """Of cells whether they are wider than a share of their values."""
-    return lambda cells: cells[..., 1] - cells[..., 0] >= share * np.maximum(np.abs(cells).max(-1), least)
+    return lambda cells: (
+        cells[..., 1] - cells[..., 0] >= share * np.maximum(np.abs(cells).max(-1), least)
+    )
 
 
 def _runs(*parts: Cells) -> list[Told]:
-    """Cells that are kept, broken and left as they follow each other, those of which the same is known as one."""
-    listed = sorted((*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x)))
+    """Cells that are kept, broken and left as they follow each other, those of which the same is
+    known as one."""
+    listed = sorted(
+        (*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x))
+    )
     found = list[Told]()
     for n, group in groupby(listed, key=lambda row: row[2]):
         rows = [*group]
         cells = parts[n][[row[3] for row in rows]] if n == 2 else None
-        found.append(Told(Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells))
+        found.append(
+            Told(Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells)
+        )
     return found
 
 
@@ -247,12 +293,17 @@ def _merged(told: Iterable[Told]) -> list[Told]:
 
 
 def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
-    return None if x.part is None or x.region or x.threshold.has(omega) else cache(partial(LargerExcess, box, x))
+    return (
+        None
+        if x.part is None or x.region or x.threshold.has(omega)
+        else cache(partial(LargerExcess, box, x))
+    )
 
 
 @dataclass
 class _Judge:
-    """An excess, and what makes one that is never smaller, which near a resonance of the environment larger cells show."""
+    """An excess, and what makes one that is never smaller, which near a resonance of the
+    environment larger cells show."""
 
     excess: Excess
     larger: Callable[[], Excess] | None
@@ -313,7 +364,8 @@ def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
 
 
 Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
-"""A power of omega, by how many quarters it is turned, and what stands before it; None: not known."""
+"""A power of omega, by how many quarters it is turned, and what stands before it; None: not
+known."""
 
 
 def beginnings(row: Sequence[Term]) -> Iterator[Turned]:
@@ -331,7 +383,8 @@ def endings(row: Sequence[Term]) -> Iterator[Turned]:
 
 
 def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr, Expr], list[Expr]]:
-    """Im of above times the conjugate of below, by powers of omega, but what cancels; and powers of which it is not known."""
+    """Im of above times the conjugate of below, by powers of omega, but what cancels; and powers of
+    which it is not known."""
     found, unknown = dict[Expr, Expr](), list[Expr]()
     for (p, a, x), (n, b, y) in product(above, below):
         if x is None or y is None or not isinstance(a - b, Integer):
@@ -342,7 +395,8 @@ def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr,
 
 
 def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
-    """Add a model times C to the real part of what stands at a power of omega, and times S to the imaginary part."""
+    """Add a model times C to the real part of what stands at a power of omega, and times S to the
+    imaginary part."""
     pair = found.setdefault(power, [None, None])
     for i, factor in enumerate((C, S)):
         if factor:
@@ -400,7 +454,8 @@ def variables(cells: Array) -> tuple[Model, Model]:
 
 @dataclass(frozen=True)
 class _Points:
-    """Values at single places, and about how far roundings put them off: says where to look; what it finds models prove."""
+    """Values at single places, and about how far roundings put them off: says where to look; what
+    it finds models prove."""
 
     c0: Any
     r: Any
@@ -416,15 +471,21 @@ class _Points:
         return self * self.number(x)
 
     def __add__(self, other: _Points) -> _Points:
-        return _Points(self.c0 + other.c0, self.r + other.r + _ROUNDING * (abs(self.c0) + abs(other.c0)))
+        return _Points(
+            self.c0 + other.c0, self.r + other.r + _ROUNDING * (abs(self.c0) + abs(other.c0))
+        )
 
     def __mul__(self, other: _Points) -> _Points:
         c0 = self.c0 * other.c0
-        return _Points(c0, abs(self.c0) * other.r + self.r * (abs(other.c0) + other.r) + _ROUNDING * abs(c0))
+        return _Points(
+            c0, abs(self.c0) * other.r + self.r * (abs(other.c0) + other.r) + _ROUNDING * abs(c0)
+        )
 
     def __truediv__(self, other: _Points) -> _Points:
         c0 = np.divide(self.c0, other.c0)  # by 0 as well
-        return _Points(c0, np.divide(self.r + abs(c0) * other.r, abs(other.c0)) + _ROUNDING * abs(c0))
+        return _Points(
+            c0, np.divide(self.r + abs(c0) * other.r, abs(other.c0)) + _ROUNDING * abs(c0)
+        )
 
     def cosine_and_sine(self) -> tuple[_Points, _Points]:
         return tuple(_Points(x, self.r + _ROUNDING) for x in (np.cos(self.c0), np.sin(self.c0)))  # type: ignore[return-value]
@@ -446,7 +507,9 @@ def ends_of(model: Model) -> tuple[float, float]:
 def span(low: Rational, high: Rational) -> Span:
     """The ends as floats, rounded outward."""
     a, b = float(low), float(high)
-    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(b, inf)
+    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(
+        b, inf
+    )
 
 
 class _Late:
@@ -487,11 +550,14 @@ class Energy:
         return cls([terms_in(ring, p) for p in (H.numerator, H.denominator)], symbol)
 
     def clear(self, q: Span, start: float = 0.0) -> bool:
-        """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range, proven."""
+        """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range,
+        proven."""
         reach = self._reach(q)
         if reach is None:
             return False
-        edges = np.concatenate([[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)])
+        edges = np.concatenate(
+            [[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)]
+        )
         cells = np.empty((_FIRST, 2, 2))
         cells[:, 0, 0], cells[:, 0, 1], cells[:, 1] = edges[:-1], edges[1:], q
         waiting = Batches(cells, size=_MOST, most=_MOST, what="cells of frequency and value")
@@ -506,12 +572,15 @@ class Energy:
         return not len(waiting.rest)
 
     def active_at(self, q: Span) -> float | None:
-        """A frequency at which Im H < 0 for all values of a range, proven; None where none was found."""
+        """A frequency at which Im H < 0 for all values of a range, proven; None where none was
+        found."""
         middle = (q[0] + q[1]) / 2
         value: Any = _Points(middle, abs(middle) * _ROUNDING)
         with np.errstate(all="ignore"):
             reach = self._reach((middle, middle), (value, value)) or self._turns(q)
-        grid = np.unique(np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]]))
+        grid = np.unique(
+            np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]])
+        )
         at: Any = _Points(grid, grid * _ROUNDING)
         low = np.broadcast_to(self._function(at, value).bounds()[1], grid.shape)
         for i in np.argsort(low)[:3]:
@@ -520,7 +589,8 @@ class Energy:
         return None
 
     def rises(self, q: Span) -> float | None:
-        """A frequency up to which G(omega, q) > G(0, q), for all values of a range; None where that is not shown."""
+        """A frequency up to which G(omega, q) > G(0, q), for all values of a range; None where that
+        is not shown."""
         end = self._reach(q) or 0.0
         while end > 1e-6:
             omega, value = variables(np.array([[[0.0, end], q]]))
@@ -529,7 +599,9 @@ class Energy:
             if len(powers) < 2:
                 return None
             low, high = (x[0, 0] for x in found[powers[1]].bounds())
-            rest = sum(max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:])
+            rest = sum(
+                max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:]
+            )
             if low > rest * (1 + 1e-9):
                 return end
             if high < 0:
@@ -538,7 +610,8 @@ class Energy:
         return None
 
     def beyond(self, end: float, side: int) -> bool | None:
-        """Whether all values above (1) or below an end are as it is: True: passive, False: active; None: not known."""
+        """Whether all values above (1) or below an end are as it is: True: passive, False: active;
+        None: not known."""
         if any(x.lag.has(self.symbol) for row in self._rows for x in row):
             return None
         if self._is_helped(side):
@@ -551,7 +624,9 @@ class Energy:
     def _is_helped(self, side: int) -> bool:
         """Whether more of the number is more stiffness, damping or mass, and nothing else."""
         above, below = self._rows
-        if len(below) > 1 or any(x.power != 0 or x.lag != 0 or not x.number.is_positive for x in below):
+        if len(below) > 1 or any(
+            x.power != 0 or x.lag != 0 or not x.number.is_positive for x in below
+        ):
             return False
         more = [(x, x.number.diff(self.symbol) * side) for x in above if x.number.has(self.symbol)]
         return all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more)
@@ -563,9 +638,12 @@ class Energy:
             forms = [Poly(x.number, self.symbol) for x in row]
             most = max(x.degree() for x in forms)
             numbers = (
-                sum((c * side**n * self.symbol ** (most - n) for (n,), c in x.terms()), Integer(0)) for x in forms
+                sum((c * side**n * self.symbol ** (most - n) for (n,), c in x.terms()), Integer(0))
+                for x in forms
             )
-            rows.append([Term(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)])
+            rows.append(
+                [Term(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)]
+            )
         return Energy(rows, self.symbol)
 
     @cached_property
@@ -573,7 +651,9 @@ class Energy:
         """What stands before the highest power of N; None where some of that comes late."""
         top = max(x.power for x in self._rows[0])
         terms = [x for x in self._rows[0] if x.power == top]
-        return sum((x.number for x in terms), Integer(0)) if all(x.lag == 0 for x in terms) else None
+        return (
+            sum((x.number for x in terms), Integer(0)) if all(x.lag == 0 for x in terms) else None
+        )
 
     @cached_property
     def at_0(self) -> Expr:
@@ -586,17 +666,25 @@ class Energy:
 
     @cached_property
     def far(self) -> tuple[Expr, ExactSign] | None:
-        """The highest power of omega in Im(N conj D), and the sign of what stands before it; None where some of it is late."""
+        """The highest power of omega in Im(N conj D), and the sign of what stands before it; None
+        where some of it is late."""
         found, unknown = paired(*(list(endings(row)) for row in self._rows))
         top = max(found, default=None)
-        if top is None or any(bool(p >= top) for p in unknown) or not found[top].is_polynomial(self.symbol):
+        if (
+            top is None
+            or any(bool(p >= top) for p in unknown)
+            or not found[top].is_polynomial(self.symbol)
+        ):
             return None
         return top, ExactSign(found[top], self.symbol)
 
     @cached_property
     def turning(self) -> ExactSign | None:
-        """Negative but where what prevails far out vanishes or is not late: it turns there, and is negative again and again."""
-        tops, below = ([x for x in row if x.power == max(y.power for y in row)] for row in self._rows)
+        """Negative but where what prevails far out vanishes or is not late: it turns there, and is
+        negative again and again."""
+        tops, below = (
+            [x for x in row if x.power == max(y.power for y in row)] for row in self._rows
+        )
         if len(below) > 1 or below[0].lag != 0 or any(x.lag == 0 for x in tops):
             return None
         if len(tops) > 1 and any(x.lag.has(self.symbol) for x in tops):
@@ -607,11 +695,15 @@ class Energy:
 
     @cached_property
     def far_right(self) -> ExactSign | None:
-        """The sign of H(s)/s for large s > 0, where what comes late has faded; 0 for numbers with which something is not late."""
+        """The sign of H(s)/s for large s > 0, where what comes late has faded; 0 for numbers with
+        which something is not late."""
         early = [[x for x in row if x.lag == 0] for row in self._rows]
         if not all(early):
             return None
-        late = prod((x.lag**2 for row in self._rows for x in row if x.lag.has(self.symbol)), start=Integer(1))
+        late = prod(
+            (x.lag**2 for row in self._rows for x in row if x.lag.has(self.symbol)),
+            start=Integer(1),
+        )
         form = prod((max(row, key=lambda x: x.power).number for row in early), start=late).expand()
         return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
@@ -637,7 +729,8 @@ class Energy:
             return total
 
     def _coefficients(self, omega: Model, q: Model, *, expanded: bool = False) -> dict[Expr, Model]:
-        """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the rest."""
+        """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the
+        rest."""
         with np.errstate(all="ignore"):
             above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
             return imaginary(above, below)
@@ -670,7 +763,9 @@ class Energy:
         if form not in self._rows_of:
             is_one = form.is_polynomial(self.symbol)
             rows = Poly(form, self.symbol).all_coeffs()[::-1] if is_one else None
-            self._rows_of[form] = rows and [(Integer(n), floated(c)) for n, c in enumerate(rows) if c != 0]
+            self._rows_of[form] = rows and [
+                (Integer(n), floated(c)) for n, c in enumerate(rows) if c != 0
+            ]
         row, q = self._rows_of[form], powers.x
         if row is None:
             return valued(form, {self.symbol: q}, q)
@@ -679,11 +774,13 @@ class Energy:
 
     @cached_property
     def _rows_of(self) -> dict[Expr, list[tuple[Integer, float]] | None]:
-        """Of numbers and delays the powers of the parameter and what stands before them; None where they are no polynomials."""
+        """Of numbers and delays the powers of the parameter and what stands before them; None where
+        they are no polynomials."""
         return {}
 
     def _reach(self, q: Span, place: tuple[Model, Model] | None = None) -> float | None:
-        """From where on Im H > 0 for all values of a range; None where that is not shown. ``place`` : frequency and value."""
+        """From where on Im H > 0 for all values of a range; None where that is not shown. ``place``
+        : frequency and value."""
         omega, value = place or variables(np.array([[[0.0, 0.0], q]]))
         sure, others = list[Parts](), list[dict[Expr, float]]()
         for row in self._rows:
@@ -696,7 +793,10 @@ class Energy:
             others.append(sizes)
         known = imaginary(*sure)
         doubt: dict[Expr, float] = {}
-        whole = [{p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()} for x in sure]
+        whole = [
+            {p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()}
+            for x in sure
+        ]
         for one, other in ((whole[0], others[1]), (others[0], whole[1]), (others[0], others[1])):
             for p, a in one.items():
                 for n, b in other.items():
@@ -709,7 +809,10 @@ class Energy:
             return None
         top = powers[-1]
         least = low[top]
-        rest = {p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0) for p in powers}
+        rest = {
+            p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0)
+            for p in powers
+        }
         radius = 2.0**-20
         while radius < _FARTHEST and least > 0:
             others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
@@ -719,7 +822,8 @@ class Energy:
         return None
 
     def _ends_upward(self, top: Expr, q: Span) -> bool:
-        """Whether what stands before the highest power is nowhere negative for values of a range: it may vanish at its ends."""
+        """Whether what stands before the highest power is nowhere negative for values of a range:
+        it may vanish at its ends."""
         if self.far is None or self.far[0] != top:
             return False
         low, high = map(Rational, q)

@@ -1,10 +1,13 @@
-"""One free parameter: the values that are asked about, conditions as functions of it, and what is exact about these.
+"""One free parameter: the values that are asked about, conditions as functions of it, and what is
+exact about these.
 
-A condition N(omega, t) <= 0, N a polynomial, can change only where a zero of N in omega enters over an end of the band,
-N(end, t) = 0, or where two zeros meet: where the discriminant of a factor of N or the resultant of two factors vanishes. These
-*critical values* are roots of polynomials in t (``critical``, ``real_roots``). The boundary of a map of two parameters is a zero
-of the same polynomials, and so are the values at which signs at rest and at high frequency change (``ExactSign``), and those at
-which a scene does not exist: where its environment is zero everywhere, or it is divided by 0 (``missing``).
+A condition N(omega, t) <= 0, N a polynomial, can change only where a zero of N in omega enters over
+an end of the band, N(end, t) = 0, or where two zeros meet: where the discriminant of a factor of N
+or the resultant of two factors vanishes. These *critical values* are roots of polynomials in t
+(``critical``, ``real_roots``). The boundary of a map of two parameters is a zero of the same
+polynomials, and so are the values at which signs at rest and at high frequency change
+(``ExactSign``), and those at which a scene does not exist: where its environment is zero
+everywhere, or it is divided by 0 (``missing``).
 """
 
 from __future__ import annotations
@@ -42,8 +45,11 @@ if TYPE_CHECKING:
     from haptisym.kernel.where import Cells
 
 
-def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool) -> tuple[Criterion, ...]:
-    """What is to hold on the whole band: what is judged of one part, or of both, or |G - 1| <= c."""
+def asked_of(
+    scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool
+) -> tuple[Criterion, ...]:
+    """What is to hold on the whole band: what is judged of one part, or of both, or |G - 1| <=
+    c."""
     if not any_environment:
         return tuple(x for x in noticed(scene.threshold) if part in (None, x.part))
     if part is not None:
@@ -57,11 +63,14 @@ def asked_of(scene: Scene, free: Sequence[Knob], part: Part | None, *, any_envir
 
 @dataclass(frozen=True, eq=False)
 class Told:
-    """Values between two: ``kept`` with all conditions on all of the band, or not; None where that is not told.
+    """Values between two: ``kept`` with all conditions on all of the band, or not; None where that
+    is not told.
 
-    ``slant`` : of values between some that keep the conditions and some that do not, where it is proven that there is one end:
-    what is broken at a frequency for one of them is so for all beyond it, there or so fast away from there, rad/s for one unit;
-    None where that is not proven. ``open`` : the cells that are left in there.
+    ``slant`` : of values between some that keep the conditions and some that do not, where it is
+    proven that there is one end:
+    what is broken at a frequency for one of them is so for all beyond it, there or so fast away
+    from there, rad/s for one unit; None where that is not proven. ``open`` : the cells that are
+    left in there.
     """
 
     low: Fraction
@@ -80,14 +89,16 @@ _NARROW = Fraction(1, 10**9)
 
 
 def ladder(low: float, high: float, scale: float) -> list[float]:
-    """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both sides of 0."""
+    """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both
+    sides of 0."""
     sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
     marks = [-x for x in sizes] + [0.0] + sizes
     return sorted({low, high, *(x for x in marks if low < x < high)})
 
 
 Condition: TypeAlias = RealFunction | Lattice
-"""A function of omega and the free parameters that must not be positive; of a lattice of one term one of several."""
+"""A function of omega and the free parameters that must not be positive; of a lattice of one term
+one of several."""
 Conditions: TypeAlias = Mapping[Criterion, Condition]
 
 
@@ -105,7 +116,8 @@ def conditions(
     criteria: Iterable[Criterion],
     seen: Callable[[Distortion], Distortion] = lambda d: d,
 ) -> dict[Criterion, Condition]:
-    """What criteria ask, with the free parameters left as symbols; of a region with several terms each of them.
+    """What criteria ask, with the free parameters left as symbols; of a region with several terms
+    each of them.
 
     ``seen`` : as what the distortion is taken, where not as it is.
     """
@@ -139,17 +151,21 @@ def _upright(found: RealFunction) -> RealFunction:
     if not turning and constant > 0:
         return RealFunction(f)
     top = prod(turning, start=f.numerator * constant)
-    return RealFunction(f.ring.function(top, f.denominator * prod(turning, start=f.ring.constant(constant))))
+    return RealFunction(
+        f.ring.function(top, f.denominator * prod(turning, start=f.ring.constant(constant)))
+    )
 
 
 def _is_positive(polynomial: Polynomial) -> bool:
-    """Whether a factor shows to be positive: by even powers with positive coefficients, or as |f(j omega)|^2."""
+    """Whether a factor shows to be positive: by even powers with positive coefficients, or as |f(j
+    omega)|^2."""
     even = not any(n % 2 for row in polynomial.monoms() for n in row)
     return (even and all(x > 0 for x in polynomial.coeffs())) or _is_modulus(polynomial)
 
 
 def is_kept_anyway(scene: Scene, free: Sequence[Knob], x: Criterion, own: Condition) -> bool:
-    """Whether a condition is kept whatever the free parameters, all phases and the frequency are, as factors show.
+    """Whether a condition is kept whatever the free parameters, all phases and the frequency are,
+    as factors show.
 
     By itself, or as r <= |G - 1| of effects in series.
     """
@@ -171,7 +187,8 @@ _MOST_FACTORED = 300  # terms: nothing interrupts FLINT while it factors
 
 
 def _is_never_positive(polynomial: Polynomial) -> bool:
-    """Whether it shows to be positive nowhere, whatever its variables are: by factors that are even or keep their sign."""
+    """Whether it shows to be positive nowhere, whatever its variables are: by factors that are even
+    or keep their sign."""
     if len(polynomial) > _MOST_FACTORED:
         return False
     constant, factors = polynomial.factor()
@@ -185,13 +202,18 @@ def _sign_of_all(factor: Polynomial) -> int | None:
         return 1
     [*used] = (i for i, n in enumerate(factor.degrees()) if n)
     first = factor.to_dict().get((0,) * len(factor.degrees()))
-    if len(used) != 1 or first is None or any(True for _ in real_roots(factor, used[0], negative=True)):
+    if (
+        len(used) != 1
+        or first is None
+        or any(True for _ in real_roots(factor, used[0], negative=True))
+    ):
         return None
     return 1 if first > 0 else -1
 
 
 def _is_modulus(polynomial: Polynomial) -> bool:
-    """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in s^2 that is its own f."""
+    """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in
+    s^2 that is its own f."""
     rows = dict(monomials(polynomial))
     if any(row[0] % 2 for row in rows) or polynomial.leading_coefficient() < 0:
         return False
@@ -206,7 +228,8 @@ Reason: TypeAlias = tuple[Criterion, Kind] | None
 def critical(
     criterion: Criterion, pieces: Sequence[RealFunction], band: tuple[Expr, Expr]
 ) -> Iterator[tuple[Reason, Polynomial]]:
-    """The polynomials in pi and the parameter whose roots are critical for a condition on a band, and why each is.
+    """The polynomials in pi and the parameter whose roots are critical for a condition on a band,
+    and why each is.
 
     ``pieces`` : the functions of the condition, which must not all be positive.
     """
@@ -244,7 +267,11 @@ def is_even(polynomial: Polynomial) -> bool:
 
 def in_square(polynomial: Polynomial) -> Polynomial:
     """An even polynomial as one in omega^2."""
-    return polynomial.deflate([2, *[1] * (len(polynomial.degrees()) - 1)]) if is_even(polynomial) else polynomial
+    return (
+        polynomial.deflate([2, *[1] * (len(polynomial.degrees()) - 1)])
+        if is_even(polynomial)
+        else polynomial
+    )
 
 
 def substituted(polynomial: Polynomial, index: int, value: RationalFunction) -> Polynomial:
@@ -274,21 +301,35 @@ def _constant(polynomial: Polynomial) -> fmpq:
 
 
 def edge_polynomial(pieces: Sequence[RealFunction], end: Expr) -> Expr:
-    """The polynomial in the parameters that vanishes where a rational condition binds at a frequency."""
+    """The polynomial in the parameters that vanishes where a rational condition binds at a
+    frequency."""
     axis = _without_functions(pieces)
     tops = [substituted(piece.function.numerator, 0, axis.convert(end)) for piece in pieces]
     return axis.factored_expression(prod(tops[1:], start=tops[0]))
 
 
 def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
-    """What vanishes where a rational condition binds inside the band: discriminants in omega^2, and of several resultants."""
+    """What vanishes where a rational condition binds inside the band: discriminants in omega^2, and
+    of several resultants."""
     axis = _without_functions(pieces)
-    own = [[f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]] for piece in pieces]
+    own = [
+        [f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]]
+        for piece in pieces
+    ]
     found = axis.constant(1)
     for f in (f for factors in own for f in factors):
         found *= in_square(f).discriminant(0) if f.degrees()[0] > (2 if is_even(f) else 1) else 1
-    for f, g in (pair for one, other in combinations(own, 2) for pair in product(one, other) if pair[0] != pair[1]):
-        found *= in_square(f).resultant(in_square(g), 0) if is_even(f) and is_even(g) else f.resultant(g, 0)
+    for f, g in (
+        pair
+        for one, other in combinations(own, 2)
+        for pair in product(one, other)
+        if pair[0] != pair[1]
+    ):
+        found *= (
+            in_square(f).resultant(in_square(g), 0)
+            if is_even(f) and is_even(g)
+            else f.resultant(g, 0)
+        )
     return axis.factored_expression(found)
 
 
@@ -302,7 +343,8 @@ _BITS = 256
 
 
 def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
-    """The real zeros of a polynomial that is not 0 everywhere, each once; its coefficients are rational in pi."""
+    """The real zeros of a polynomial that is not 0 everywhere, each once; its coefficients are
+    rational in pi."""
     axis = Ring.of([form * symbol]).axis
     index = axis.meanings.index(symbol)
     factors = [f for f, _ in axis.convert(form).numerator.factor()[1]]
@@ -310,7 +352,8 @@ def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
 
 
 def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
-    """Whether a number lies between two others (None: without bound), or so near to one that some hundred bits do not tell."""
+    """Whether a number lies between two others (None: without bound), or so near to one that some
+    hundred bits do not tell."""
     if isinstance(x, ExactNumber) and x.value.is_Rational:
         return (low is None or bool(low < x.value)) and (high is None or bool(x.value < high))
     with flint.ctx.workprec(_BITS):

@@ -1,4 +1,5 @@
-"""For which values of one parameter a display is stable in its hands, and with any passive operator: what is asked of whom."""
+"""For which values of one parameter a display is stable in its hands, and with any passive
+operator: what is asked of whom."""
 
 from __future__ import annotations
 
@@ -24,11 +25,16 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
     return found
 
 
-def of_hands(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> list[Callable[[], ValueSet]]:
-    """What finds the values for each hand of the scene that is asked about, and for every passive one."""
+def of_hands(
+    scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
+) -> list[Callable[[], ValueSet]]:
+    """What finds the values for each hand of the scene that is asked about, and for every passive
+    one."""
     both = [(hand, stable_in(hand, what)) for hand in scene.hands for what in IN_HANDS]
     held = [(hand, x) for hand, x in both if x in criteria]
-    found: list[Callable[[], ValueSet]] = [partial(stable_values, scene, hand, free, asked, x) for hand, x in held]
+    found: list[Callable[[], ValueSet]] = [
+        partial(stable_values, scene, hand, free, asked, x) for hand, x in held
+    ]
     if any(x.name == PASSIVE.name for x in criteria):
         passive = solve_sampled if clocks(scene) else solve_passive
         found.append(partial(passive, scene, free, asked))

@@ -1,9 +1,11 @@
-"""Where no value of a parameter makes a display transparent: the one that comes nearest, what binds there, and what is proven.
+"""Where no value of a parameter makes a display transparent: the one that comes nearest, what binds
+there, and what is proven.
 
-A value comes nearer than another if thresholds that are a smaller multiple of the scene's would do for it. For one value that
-multiple is the largest r/c on the band, exact; which value is tried is a guess in floats, on a grid of frequencies, that proves
-nothing. Whether any value does with less is the question itself, asked once more with larger thresholds: where the answer is
-empty, none does, proven.
+A value comes nearer than another if thresholds that are a smaller multiple of the scene's would do
+for it. For one value that multiple is the largest r/c on the band, exact; which value is tried is a
+guess in floats, on a grid of frequencies, that proves nothing. Whether any value does with less is
+the question itself, asked once more with larger thresholds: where the answer is empty, none does,
+proven.
 """
 
 from __future__ import annotations
@@ -44,7 +46,8 @@ _SIMPLER = (0.1, 0.01, 1e-3, 1e-5)
 
 @dataclass(frozen=True)
 class Question:
-    """What was asked about one parameter, which no value does; criteria that are about ratios, held against numbers."""
+    """What was asked about one parameter, which no value does; criteria that are about ratios, held
+    against numbers."""
 
     scene: Scene
     free: Knob
@@ -52,7 +55,8 @@ class Question:
     criteria: Sequence[Criterion]
 
     def best(self) -> Iterator[Expr]:
-        """Values at which the largest ratio over its threshold is about as small as anywhere; of many not an extreme one."""
+        """Values at which the largest ratio over its threshold is about as small as anywhere; of
+        many not an extreme one."""
         coarse = self._grid()
         worst = self.times(coarse)
         if not np.isfinite(worst).any():
@@ -62,7 +66,9 @@ class Question:
         if own in alike:
             yield self.free.value
         elif len(alike) and value not in (coarse[0], coarse[-1]):
-            value = float(alike[np.argmin(np.abs(alike - own) / (np.abs(alike) + abs(own) + 1e-300))])
+            value = float(
+                alike[np.argmin(np.abs(alike - own) / (np.abs(alike) + abs(own) + 1e-300))]
+            )
         yield from self._simple(value, times)
 
     def _least(self, grid: Array, worst: Array) -> tuple[float, float]:
@@ -81,7 +87,9 @@ class Question:
         for width in _SIMPLER:
             reach = (ExactNumber(Rational(value + sign * width * abs(value))) for sign in (-1, 1))
             found = rational_between(*reach) if value else Rational(0)
-            if self._holds(found) and self.times(np.array([float(found)]))[0] <= times * (1 + 2 * _LEAVE):
+            if self._holds(found) and self.times(np.array([float(found)]))[0] <= times * (
+                1 + 2 * _LEAVE
+            ):
                 yield found
                 return
         if self._holds(Rational(value)):
@@ -90,10 +98,13 @@ class Question:
     def _holds(self, x: Expr) -> bool:
         low, high = self.domain.low, self.domain.high
         above = low is None or bool(x > low) or (self.domain.holds_low and bool(x == low))
-        return above and (high is None or bool(x < high) or (self.domain.holds_high and bool(x == high)))
+        return above and (
+            high is None or bool(x < high) or (self.domain.holds_high and bool(x == high))
+        )
 
     def times(self, t: Array) -> Array:
-        """The largest ratio over its threshold at each of some values, over a grid of the band; nan where there is no scene."""
+        """The largest ratio over its threshold at each of some values, over a grid of the band; nan
+        where there is no scene."""
         if not self._exists_at_0 and (t == 0).any():
             found = np.full(t.shape, np.nan)
             found[t != 0] = self.times(t[t != 0])
@@ -124,17 +135,28 @@ class Question:
         tails = size * np.logspace(-_DECADES, _DECADES, _VALUES)
         start = low if low is not None else -float(tails[-1])
         end = high if high is not None else max(float(tails[-1]), 2 * start)
-        listed = [np.linspace(start, end, _VALUES), tails, -tails, start + tails, end - tails, np.array([size])]
+        listed = [
+            np.linspace(start, end, _VALUES),
+            tails,
+            -tails,
+            start + tails,
+            end - tails,
+            np.array([size]),
+        ]
         found = np.unique(np.concatenate(listed))
         inside = found[(found >= start) & (found <= end)]
-        first, last = inside[0] == low and not self.domain.holds_low, inside[-1] == high and not self.domain.holds_high
+        first, last = (
+            inside[0] == low and not self.domain.holds_low,
+            inside[-1] == high and not self.domain.holds_high,
+        )
         return inside[int(first) : len(inside) - int(last)]
 
 
 _SECONDS = 5.0
 """Who asked for values that do needs to know about how far off all others are, not more."""
 _CLOSE = (0.99, 0.9, 0.6)
-"""Powers of how many times the thresholds the best value needs, for which no value is asked to do: the next if one stays open."""
+"""Powers of how many times the thresholds the best value needs, for which no value is asked to do:
+the next if one stays open."""
 _ROUNDS = 6
 _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
@@ -143,8 +165,9 @@ _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 class Nearest:
     """A value of the parameter, and by how much it fails.
 
-    ``value``: SI. ``ratio``: the largest ratio at it, proven; ``binding``: of what, and where. ``times``: by how much the
-    thresholds would have to be larger for this value; ``at_least``: by how much, at least, for any value asked about, proven.
+    ``value``: SI. ``ratio``: the largest ratio at it, proven; ``binding``: of what, and where.
+    ``times``: by how much the thresholds would have to be larger for this value; ``at_least``: by
+    how much, at least, for any value asked about, proven.
     """
 
     value: Expr
@@ -155,8 +178,11 @@ class Nearest:
 
 
 def nearest(r: Question) -> Nearest | None:
-    """The value that comes nearest where none will do, found in five seconds; None where none shows."""
-    plain = all(x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria)
+    """The value that comes nearest where none will do, found in five seconds; None where none
+    shows."""
+    plain = all(
+        x.region is None and not x.threshold.has(omega) and x.threshold != 0 for x in r.criteria
+    )
     if r.free.parts or not plain:
         return None
     best: Nearest | None = None
@@ -183,7 +209,8 @@ def _tried(r: Question) -> Iterator[Expr]:
 
 
 def _bounded(r: Question, best: Nearest) -> float | Expr | None:
-    """By how much every value fails at least, or a value that comes nearer than the best; None where neither shows."""
+    """By how much every value fails at least, or a value that comes nearer than the best; None
+    where neither shows."""
     for power in _CLOSE:
         times = _simple(best.times**power)
         if not 1 < float(times) < best.times:
@@ -204,7 +231,8 @@ def _simple(x: float) -> Rational:
 
 
 def _at(r: Question, value: Expr) -> Nearest | None:
-    """How far a value is from doing; None where the scene does not exist at it, or a ratio has no bound."""
+    """How far a value is from doing; None where the scene does not exist at it, or a ratio has no
+    bound."""
     try:
         scene = r.free.put(r.scene, value)
         d = scene.distortion()

@@ -1,14 +1,16 @@
-"""For which values of one parameter a display is passive: stable in the hand of any passive operator.
+"""For which values of one parameter a display is passive: stable in the hand of any passive
+operator.
 
-*Of a rational display*: exact verdicts between critical values. *With delays or powers of s* by cells, each proven: a cell
-of values is not passive where Im H_perc < 0 at one frequency for all of them, and passive where Im H_perc > 0 at all
-frequencies, no pole comes to the axis and no highest power is lost in it, and one exact verdict in it is yes. Where the
-sign turns first at frequency 0, it turns at a root of a polynomial: an exact end. What none of these shows is left open.
+*Of a rational display*: exact verdicts between critical values. *With delays or powers of s* by
+cells, each proven: a cell of values is not passive where Im H_perc < 0 at one frequency for all of
+them, and passive where Im H_perc > 0 at all frequencies, no pole comes to the axis and no highest
+power is lost in it, and one exact verdict in it is yes. Where the sign turns first at frequency 0,
+it turns at a root of a polynomial: an exact end. What none of these shows is left open.
 
-*Of a sampled loop*: Colgate and Schenkel's condition. The damping that a device has left over is rational in
-tan(theta/2) and the parameter. It can become 0 at some angle, or the controller's poles can reach the unit circle, at
-roots of resultants and discriminants alone, and the stiffness at rest at roots of its numerator; between these one
-verdict tells.
+*Of a sampled loop*: Colgate and Schenkel's condition. The damping that a device has left over is
+rational in tan(theta/2) and the parameter. It can become 0 at some angle, or the controller's poles
+can reach the unit circle, at roots of resultants and discriminants alone, and the stiffness at rest
+at roots of its numerator; between these one verdict tells.
 """
 
 from __future__ import annotations
@@ -32,7 +34,17 @@ from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
-from haptisym.kernel.sets import STOPPED, Cell, Change, Changes, Domain, Open, Question, ValueSet, solve
+from haptisym.kernel.sets import (
+    STOPPED,
+    Cell,
+    Change,
+    Changes,
+    Domain,
+    Open,
+    Question,
+    ValueSet,
+    solve,
+)
 from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import Rule, values
 from haptisym.model.scene import Knob, Scene
@@ -80,7 +92,8 @@ def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
 
 
 class _Display:
-    """A display with delays or powers of s and one open number, and for which of its values it is passive."""
+    """A display with delays or powers of s and one open number, and for which of its values it is
+    passive."""
 
     def __init__(self, scene: Scene, free: Knob) -> None:
         self.scene, self.free = scene, free
@@ -95,7 +108,8 @@ class _Display:
         """The exact verdict on one value."""
         return passivity(self.free.put(self.scene, value)).holds
 
-    # Signs that are those of polynomials: they are told for all values between two of their zeros at once
+    # Signs that are those of polynomials: they are told for all values between two of their zeros
+    # at once
 
     @cached_property
     def _at_rest(self) -> ExactSign | None:
@@ -108,7 +122,8 @@ class _Display:
 
     @cached_property
     def _signs(self) -> list[ExactSign]:
-        """What must not be negative: Im H_perc at rest and far out, where it turns, and H_perc for large s."""
+        """What must not be negative: Im H_perc at rest and far out, where it turns, and H_perc for
+        large s."""
         far = self.energy.far
         found = self._at_rest, far and far[1], self.energy.turning, self.energy.far_right
         return [x for x in found if x]
@@ -197,7 +212,8 @@ class _Display:
         return self.energy.active_at(q) is not None or self.energy.clear(q)
 
     def _beyond(self, end: Rational, side: int, *, here: bool | None) -> tuple[bool | None, str]:
-        """Of all values from an end on, where the cell before it is told; else why that is not known."""
+        """Of all values from an end on, where the cell before it is told; else why that is not
+        known."""
         found = self.energy.beyond(span(end, end)[side < 0], side)
         return (found, "") if found is not None and found == here else (None, _BEYOND)
 
@@ -210,7 +226,8 @@ class _Display:
             return None, False
 
     def _told(self, low: Rational, high: Rational) -> tuple[bool | None, bool]:
-        """Whether all values are passive, None where it is not shown; and whether no part of them will be shown either."""
+        """Whether all values are passive, None where it is not shown; and whether no part of them
+        will be shown either."""
         q = span(low, high)
         if self.energy.active_at(q) is not None:
             return False, False
@@ -225,7 +242,8 @@ class _Display:
     def _is_clear_above_rest(self, q: tuple[float, float]) -> bool:
         """Whether Im H_perc > 0 at all frequencies for all values at which it is so at rest.
 
-        From rest it rises up to a frequency from which on it is positive: so it is where it comes to 0 at rest.
+        From rest it rises up to a frequency from which on it is positive: so it is where it comes
+        to 0 at rest.
         """
         if self._at_rest is None:
             return False
@@ -244,7 +262,8 @@ class _Display:
         return below.reach is not None and not len(below.left())
 
     def _is_steady(self, low: Rational, high: Rational) -> bool:
-        """Whether H_perc(0) keeps its sign and no highest power of its numerator is lost, but at an end, for all values.
+        """Whether H_perc(0) keeps its sign and no highest power of its numerator is lost, but at an
+        end, for all values.
 
         The zeros of polynomials that tell it are critical values, and lie in no cell.
         """
@@ -252,12 +271,17 @@ class _Display:
             return False
         if self.energy.top is not None and self._is_polynomial(self.energy.top):
             return True
-        return OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
+        return (
+            OnAxis(self.ring, self.H.numerator, {self.free.symbol: (low, high)}).reach is not None
+        )
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
-    """All values for which a continuous-time display is passive; with delays, those that subdivision proves."""
-    perceived = Distortion.of(scene.chain.at(values(x for x in scene.parameters if x.path != free.path))).perc
+    """All values for which a continuous-time display is passive; with delays, those that
+    subdivision proves."""
+    perceived = Distortion.of(
+        scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
+    ).perc
     turns = list[Change]()
     lone: Callable[[Change], bool | None] | None = None
     if free.symbol in perceived.expression().free_symbols:
@@ -303,7 +327,9 @@ def _between(
 
     def bound(x: Change) -> Change:
         """Nothing binds where there is no scene."""
-        return Change(x.value) if isinstance(x.value, ExactNumber) and x.value.value in nowhere else x
+        return (
+            Change(x.value) if isinstance(x.value, ExactNumber) and x.value.value in nowhere else x
+        )
 
     critical_values = [*map(bound, turns), *map(Change, gone)]
     changes = Changes(critical_values, [Open(None, None, _LEFT)] if cells else [])
@@ -312,9 +338,12 @@ def _between(
 
 
 def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
-    """Whether the environment alone is passive for all values, and all effects take energy with each of them."""
+    """Whether the environment alone is passive for all values, and all effects take energy with
+    each of them."""
     alone = environment_alone(scene)
-    if alone is None or free.rule is Rule.ANY:  # a shunt's may be negative, and a formula may do anything with a number
+    if (
+        alone is None or free.rule is Rule.ANY
+    ):  # a shunt's may be negative, and a formula may do anything with a number
         return False
     knob = next((x for x in alone.knobs if x.path == free.path), None)
     if knob is None:
@@ -329,7 +358,8 @@ def _all(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
 
 
 def _is_denied_by_poles(function: RationalFunction, free: Knob, value: RealNumber) -> bool:
-    """Whether poles are proven to prevent passivity at a value: in Re s > 0, or of H/s more than a simple one at infinity.
+    """Whether poles are proven to prevent passivity at a value: in Re s > 0, or of H/s more than a
+    simple one at infinity.
 
     A pole is a zero of the denominator that is none of the numerator.
     """
@@ -346,9 +376,11 @@ def _is_denied_by_poles(function: RationalFunction, free: Knob, value: RealNumbe
 
 
 def _alone_by_signs(scene: Scene, condition: RealFunction, free: Knob, x: Change) -> bool | None:
-    """Whether a display is passive at a value between others at which it is not: no where Im H_perc < 0 shows; else not known.
+    """Whether a display is passive at a value between others at which it is not: no where Im H_perc
+    < 0 shows; else not known.
 
-    It is looked for in the middle of where it is active at a rational value next to that one, and at whole octaves.
+    It is looked for in the middle of where it is active at a rational value next to that one, and
+    at whole octaves.
     """
     near, _ = x.value.bounds(_NEXT)
     there = free.put(scene, Rational(near.numerator, near.denominator))
@@ -360,7 +392,8 @@ def _alone_by_signs(scene: Scene, condition: RealFunction, free: Knob, x: Change
         for place in (*middles, *octaves):
             at = known | {condition.axis.meanings[0]: arb(place)}
             above, below = (
-                condition.axis.ball(f, at) for f in (condition.function.numerator, condition.function.denominator)
+                condition.axis.ball(f, at)
+                for f in (condition.function.numerator, condition.function.denominator)
             )
             if above * below > 0:
                 return False
@@ -368,7 +401,8 @@ def _alone_by_signs(scene: Scene, condition: RealFunction, free: Knob, x: Change
 
 
 _OCTAVES, _NEXT = 40, 40
-"""Of frequencies about 1 rad/s, at each of which a sign is looked for; bits of a value that is next to another one."""
+"""Of frequencies about 1 rad/s, at each of which a sign is looked for; bits of a value that is next
+to another one."""
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:
@@ -377,7 +411,9 @@ def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:
         return
     index = condition.axis.meanings.index(free.symbol)
     found = [
-        (x[1], p) for x, p in critical(PASSIVE, [condition], (Integer(0), Integer(1))) if x and x[1] is not Kind.EDGE
+        (x[1], p)
+        for x, p in critical(PASSIVE, [condition], (Integer(0), Integer(1)))
+        if x and x[1] is not Kind.EDGE
     ]
     found += [(Kind.FAR, _leading(f)) for f, _ in irreducible(condition.function.numerator)]
     for kind, polynomial in found:
@@ -406,7 +442,10 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Change]:
     index, found = ring.meanings.index(free.symbol), list[tuple[Kind, Polynomial]]()
     for polynomial in (function.numerator, function.denominator):
         for f, _ in polynomial.factor()[1]:
-            found += [(Kind.FAR, _leading(f)), (Kind.START, _end(f, min(int(e[0]) for e in f.monoms())))]
+            found += [
+                (Kind.FAR, _leading(f)),
+                (Kind.START, _end(f, min(int(e[0]) for e in f.monoms()))),
+            ]
     for f, _ in function.denominator.factor()[1]:
         [(real, imag)] = ring.axis.parts([f])
         common = real.gcd(imag)
@@ -431,13 +470,20 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     ring = Ring.of([loop.T, loop.C, loop.damping])
     if ring.functions:
         raise UndecidedError("passivity, with a free delay in a sampled loop")
-    margins = [RealFunction((f.axis.convert(loop.damping) - f.function).reduced()) for f in loop.sides(ring)]
+    margins = [
+        RealFunction((f.axis.convert(loop.damping) - f.function).reduced())
+        for f in loop.sides(ring)
+    ]
     turns = [*_of_margins(margins, free), *turns_of_poles(ring.convert(loop.C).reduced(), free)]
     at_rest = loop.at_rest(ring)[1]
     if at_rest.has(free.symbol):
-        turns += [Change(x, (Binding(PASSIVE, None, Kind.START),)) for x in zeros_of(at_rest, free.symbol)]
+        turns += [
+            Change(x, (Binding(PASSIVE, None, Kind.START),)) for x in zeros_of(at_rest, free.symbol)
+        ]
     for held in (loop.mass, loop.stiffness, loop.damping):  # of a device they may be negative
-        turns += [Change(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
+        turns += (
+            [Change(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
+        )
 
     def verdict(value: Rational) -> bool | None:
         return sampled_verdict(free.put(scene, value))
@@ -449,7 +495,8 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
 
 
 def sampled_verdict(scene: Scene) -> bool | None:
-    """Of a scene with numbers. UndecidedError with the reason where the condition does not apply."""
+    """Of a scene with numbers. UndecidedError with the reason where the condition does not
+    apply."""
     found = sampled_passivity(scene)
     assert found is not None
     if found.passive is None:
@@ -458,7 +505,8 @@ def sampled_verdict(scene: Scene) -> bool | None:
 
 
 def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[Change]:
-    """Where the damping that is left over becomes 0 at some angle, or begins to have a pole there."""
+    """Where the damping that is left over becomes 0 at some angle, or begins to have a pole
+    there."""
     for margin, start in zip(margins, (Kind.START, Kind.FAR), strict=True):
         if free.symbol not in margin.axis.meanings:
             continue
@@ -474,11 +522,15 @@ def _is_positive(margins: Sequence[RealFunction], free: Knob, value: RealNumber)
     """Whether damping is left over at all angles, proven, at a value that is known by balls."""
     with flint.ctx.workprec(_BITS):
         known = {free.symbol: value.ball(_BITS), pi: arb.pi()}
-        pieces = [(f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)]
+        pieces = [
+            (f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)
+        ]
         waiting = Waiting(pieces, most=_MOST_PIECES)
         for f, low, high in waiting:
             at = known | {f.axis.meanings[0]: low.union(high)}
-            above, below = (f.axis.ball(x, at) for x in (f.function.numerator, f.function.denominator))
+            above, below = (
+                f.axis.ball(x, at) for x in (f.function.numerator, f.function.denominator)
+            )
             if not above * below > 0:
                 middle = (low + high) / 2
                 waiting.add((f, low, middle), (f, middle, high))

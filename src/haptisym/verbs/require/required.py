@@ -1,7 +1,8 @@
-"""What a parameter must be: what is asked, the values that do, a formula for them where there is one, and the answer.
+"""What a parameter must be: what is asked, the values that do, a formula for them where there is
+one, and the answer.
 
-What is asked of a display, alone or together: to be transparent, stable in a hand, passive. The formula is the
-condition at the end of the band that binds, solved for the parameter.
+What is asked of a display, alone or together: to be transparent, stable in a hand, passive. The
+formula is the condition at the end of the band that binds, solved for the parameter.
 """
 
 from __future__ import annotations
@@ -50,24 +51,31 @@ _MOST_TERMS, _MOST_OPERATIONS = 600, 80
 def closed_form(
     condition: RealFunction, free: Symbol, place: Symbol, known: Mapping[Symbol, Expr], value: str
 ) -> Expr | None:
-    """The formula for a parameter at which a condition binds at a frequency; None where there is no readable one.
+    """The formula for a parameter at which a condition binds at a frequency; None where there is no
+    readable one.
 
-    ``condition``: with symbols for all parameters; ``place``: the name of the frequency; ``known``: what all of them are
-    worth; ``value``: decimal digits of the one solution that is meant, at least 60.
+    ``condition``: with symbols for all parameters; ``place``: the name of the frequency; ``known``:
+    what all of them are worth; ``value``: decimal digits of the one solution that is meant, at
+    least 60.
     """
     turned = _turned(condition, free, place)
     if turned is None:
         return None
     for solution in _solved(_Posed.of(turned)):
         form = solution.omega
-        if form is not None and form.count_ops() <= _MOST_OPERATIONS and _is(form.xreplace(dict(known)), value):
+        if (
+            form is not None
+            and form.count_ops() <= _MOST_OPERATIONS
+            and _is(form.xreplace(dict(known)), value)
+        ):
             return form
     return None
 
 
 @dataclass(frozen=True)
 class _Posed:
-    """A function whose zeros are asked for, with what tells it from others: the slices of a map all pose the same one."""
+    """A function whose zeros are asked for, with what tells it from others: the slices of a map all
+    pose the same one."""
 
     told: tuple[object, ...]
     function: RealFunction = field(compare=False)
@@ -86,20 +94,30 @@ def _solved(posed: _Posed) -> tuple[Solution, ...]:
 
 def _is(number: Expr, value: str) -> bool:
     found = number.evalf(_DIGITS)
-    return bool(found.is_real and Abs(found - Float(value, _DIGITS)) <= Abs(found) * Float(10) ** (8 - _DIGITS))
+    return bool(
+        found.is_real
+        and Abs(found - Float(value, _DIGITS)) <= Abs(found) * Float(10) ** (8 - _DIGITS)
+    )
 
 
 def _turned(condition: RealFunction, free: Symbol, place: Symbol) -> RealFunction | None:
-    """The condition as a function of the parameter, which takes the place of omega; None where it is no such function."""
+    """The condition as a function of the parameter, which takes the place of omega; None where it
+    is no such function."""
     axis, numerator = condition.axis, condition.function.numerator
     rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
-    if axis.orders or any(rate.has(free) for rate in rates) or len(numerator.to_dict()) > _MOST_TERMS:
+    if (
+        axis.orders
+        or any(rate.has(free) for rate in rates)
+        or len(numerator.to_dict()) > _MOST_TERMS
+    ):
         return None
     target = Ring([*(x for x in axis.symbols if x != free), place], rates).axis
     return RealFunction(target.function(_exchanged(numerator, axis, target, free, place)))
 
 
-def _exchanged(polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, place: Symbol) -> Polynomial:
+def _exchanged(
+    polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, place: Symbol
+) -> Polynomial:
     """The polynomial with omega called ``place`` and the parameter called omega."""
     names = {omega: place, free: omega}
     where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
@@ -124,7 +142,9 @@ def wishes(that: Sequence[str]) -> tuple[str, ...]:
     for x in listed:
         if x not in WISHES:
             raise SceneError(
-                f'that: "{str(x)[:60]}" is none of {", ".join(WISHES)}; {meant(str(x), WISHES)}'.rstrip("; ")
+                (
+                    f'that: "{str(x)[:60]}" is none of {", ".join(WISHES)}; {meant(str(x), WISHES)}'
+                ).rstrip("; ")
             )
     if not listed:
         raise SceneError(f"that: nothing is asked: one or more of {', '.join(WISHES)}")
@@ -147,8 +167,14 @@ def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criter
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
         found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
-    low, high = searched(free, asked)  # at an end that is asked about what holds next to it is known as well
-    reach = replace(asked, low=low if asked.low is None else asked.low, high=high if asked.high is None else asked.high)
+    low, high = searched(
+        free, asked
+    )  # at an end that is asked about what holds next to it is known as well
+    reach = replace(
+        asked,
+        low=low if asked.low is None else asked.low,
+        high=high if asked.high is None else asked.high,
+    )
     return replace(combined(found), searched=reach)
 
 
@@ -162,27 +188,35 @@ def _or_open(solved: Callable[[], ValueSet], asked: Domain) -> ValueSet:
         return ValueSet.all_of(asked, holds=None, reason=str(error))
 
 
-_NAMES = {Kind.EDGE: Symbol("omega_max", positive=True), Kind.START: Symbol("omega_min", positive=True)}
+_NAMES = {
+    Kind.EDGE: Symbol("omega_max", positive=True),
+    Kind.START: Symbol("omega_min", positive=True),
+}
 
 _SECONDS = 5.0
 """For what each thing that was asked allows by itself."""
 _MOST_PRODUCTS = 5000
-"""Of terms above and below the line of dH in symbols: beyond it no formula is readable, and building one takes minutes."""
+"""Of terms above and below the line of dH in symbols: beyond it no formula is readable, and
+building one takes minutes."""
 
 
 @dataclass(frozen=True, repr=False)
 class Requirement(Answer):
-    """All values of one parameter for which a scene is transparent on its whole band, or what else is asked.
+    """All values of one parameter for which a scene is transparent on its whole band, or what else
+    is asked.
 
-    ``free`` : the parameter, its path, unit and the value that the scene gives. ``domain`` : the values that were asked about,
-    SI.
-    ``values`` : all that were searched, SI, as a ``ValueSet``: its pieces hold, fail or are undecided, with a reason.
-    ``feasible`` : the pieces that hold, in order; () means proven that there are none. The points at their ends have the
-    condition that limits there, and at which frequency. ``undecided`` : the pieces of which nothing is proven.
-    ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a limit that cut the work
-    short, None if none did.
+    ``free`` : the parameter, its path, unit and the value that the scene gives. ``domain`` : the
+    values that were asked about, SI.
+    ``values`` : all that were searched, SI, as a ``ValueSet``: its pieces hold, fail or are
+    undecided, with a reason.
+    ``feasible`` : the pieces that hold, in order; () means proven that there are none. The points
+    at their ends have the condition that limits there, and at which frequency. ``undecided`` : the
+    pieces of which nothing is proven.
+    ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a
+    limit that cut the work short, None if none did.
 
-    Guaranteed: every value inside ``feasible`` will do, and none outside of ``feasible`` and ``undecided`` does.
+    Guaranteed: every value inside ``feasible`` will do, and none outside of ``feasible`` and
+    ``undecided`` does.
 
     >>> import haptisym as hs
     >>> found = hs.require("fu2019", "omega_n")
@@ -236,7 +270,8 @@ class Requirement(Answer):
 
     @cached_property
     def nearest(self) -> Nearest | None:
-        """Where no value will do, the one that comes nearest; found in five seconds or not at all."""
+        """Where no value will do, the one that comes nearest; found in five seconds or not at
+        all."""
         if self.feasible or self.undecided or not has_arrays():  # without NumPy nobody guesses
             return None
         from haptisym.verbs.require.nearest import Question, nearest
@@ -245,7 +280,8 @@ class Requirement(Answer):
 
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
-        """Where no value will do and several things are asked: the answer for each by itself; in five seconds or not at all."""
+        """Where no value will do and several things are asked: the answer for each by itself; in
+        five seconds or not at all."""
         judged = tuple(x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL))
         others = [(x,) for x in self.criteria if x not in judged]
         asked = [judged, *others] if judged else others
@@ -260,7 +296,8 @@ class Requirement(Answer):
         return replace(self, values=found, criteria=criteria, that=())
 
     def form(self, end: Point) -> Expr | None:
-        """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None where none is readable."""
+        """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None
+        where none is readable."""
         if isinstance(end.value, Sliver) or float(end.value) <= 0:
             return None
         for binding in end.bindings:
@@ -269,7 +306,9 @@ class Requirement(Answer):
                 condition = self._symbolic(binding.criterion)
                 if condition is None:
                     return None
-                known = self._known(binding.criterion) | {place: self.scene.band[binding.kind is Kind.EDGE]}
+                known = self._known(binding.criterion) | {
+                    place: self.scene.band[binding.kind is Kind.EDGE]
+                }
                 found = closed_form(condition, self.free.symbol, place, known, end.value.digits(60))
                 if found is not None:
                     return found
@@ -281,11 +320,15 @@ class Requirement(Answer):
         return tuple(self.form(end) for end in self.ends)
 
     def _symbolic(self, criterion: Criterion) -> RealFunction | None:
-        """The condition with symbols for all parameters; None where it would fill a book, or is that of a region."""
+        """The condition with symbols for all parameters; None where it would fill a book, or is
+        that of a region."""
         if criterion.region is not None or criterion.threshold.has(omega):
             return None
         d = self.scene.symbolic_distortion()
-        if len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms()) > _MOST_PRODUCTS:
+        if (
+            len(d.difference.numerator.monoms()) * len(d.difference.denominator.monoms())
+            > _MOST_PRODUCTS
+        ):
             return None
         [found] = (x.function(d) for x in opened([criterion], tuple(Part)))
         assert isinstance(found, RealFunction)
@@ -320,7 +363,11 @@ class Requirement(Answer):
 
     def _left(self) -> dict[str, Any]:
         found = {} if self.nearest is None else {"nearest": _nearest(self.nearest)}
-        return found | ({"limit": self.limit} if self.undecided and self.limit is not None else {}) | self._why
+        return (
+            found
+            | ({"limit": self.limit} if self.undecided and self.limit is not None else {})
+            | self._why
+        )
 
     def spans(self) -> list[list[float | None]]:
         """The values as a document has them, None where there is no end."""
@@ -332,7 +379,11 @@ class Requirement(Answer):
         return {
             "feasible": self.spans(),
             "binding": [
-                {"at": float(end.value), **_binding(b), "closed_form": None if forms[end] is None else str(forms[end])}
+                {
+                    "at": float(end.value),
+                    **_binding(b),
+                    "closed_form": None if forms[end] is None else str(forms[end]),
+                }
                 for end in self.ends
                 for b in end.bindings
             ],
@@ -347,11 +398,14 @@ class Requirement(Answer):
 
     @property
     def closed_form(self) -> str | None:
-        """The requirement as a formula where each end has one, such as ``tau <= asin(c)/omega_max``."""
+        """The requirement as a formula where each end has one, such as ``tau <=
+        asin(c)/omega_max``."""
         forms = dict(zip(self.ends, self.forms, strict=True))
         if not forms or any(form is None for form in forms.values()):
             return None
-        return " or ".join(x for x in (self._inequality(span, forms) for span in self.feasible) if x)
+        return " or ".join(
+            x for x in (self._inequality(span, forms) for span in self.feasible) if x
+        )
 
     def _inequality(self, piece: Piece, forms: dict[Point, Expr | None]) -> str:
         name = self.free.symbol.name
@@ -366,7 +420,11 @@ class Requirement(Answer):
         if value is None:
             return None
         enclosure = list(value.enclosure(self.digits))
-        return {"digits": value.digits(self.digits), "enclosure": enclosure, "closed": piece.closed[side]}
+        return {
+            "digits": value.digits(self.digits),
+            "enclosure": enclosure,
+            "closed": piece.closed[side],
+        }
 
 
 def _float(x: RealNumber | None) -> float | None:
@@ -377,7 +435,12 @@ def _binding(b: Binding) -> dict[str, Any]:
     omega = None if b.omega is None else float(b.omega)
     part = None if b.criterion.name == ANY_ENVIRONMENT.name else b.criterion.name
     name = b.criterion.name if b.criterion.name in WISHES else "transparent"
-    return {"part": part if name == "transparent" else None, "criterion": name, "omega": omega, "kind": b.kind.value}
+    return {
+        "part": part if name == "transparent" else None,
+        "criterion": name,
+        "omega": omega,
+        "kind": b.kind.value,
+    }
 
 
 def _nearest(x: Nearest) -> dict[str, Any]:
@@ -398,23 +461,27 @@ def require(
     limit: float | None = SECONDS,
     told: Told | None = None,
 ) -> Requirement:
-    """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all of them, exactly.
+    """The values of one parameter for which r_r <= c_real and r_i <= c_imag on the whole band: all
+    of them, exactly.
 
-    ``path`` : of the parameter, as ``effects.filter.omega_n``, ``environment.m``, ``evaluation.jnd``, or its symbol.
-    ``range`` : the values asked about, numbers in SI or strings with a unit; if not given all that the model
-    allows, of which those from a millionth to a million times the scene's are searched, and 0.
-    ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c instead, which series effects G
-    must keep to go unnoticed with every environment.
-    ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of the scene or one that the
-    package ships; in all hands of the scene if not given), "steady" (so but for a drift, as in free air),
-    "passive" (stable with any passive operator).
+    ``path`` : of the parameter, as ``effects.filter.omega_n``, ``environment.m``,
+    ``evaluation.jnd``, or its symbol.
+    ``range`` : the values asked about, numbers in SI or strings with a unit; if not given all that
+    the model allows, of which those from a millionth to a million times the scene's are searched,
+    and 0.
+    ``part`` : ask for one part's condition only. ``any_environment`` : ask for |G - 1| <= c
+    instead, which series effects G must keep to go unnoticed with every environment.
+    ``that`` : what is asked of the display, together: "transparent", "stable" (in ``hand``, one of
+    the scene or one that the package ships; in all hands of the scene if not given), "steady" (so
+    but for a drift, as in free air), "passive" (stable with any passive operator).
 
-    ``limit`` : seconds of processor time after which what is proven so far is answered, all other values being undecided; None
-    for no limit.
+    ``limit`` : seconds of processor time after which what is proven so far is answered, all other
+    values being undecided; None for no limit.
     ``told`` : is called now and then with how much is done, of how much, and what it is.
 
-    The answer is certified, by floats with bounds and by balls; values at which a ratio only touches its threshold, and what
-    else these leave open, are in ``undecided``. SceneError where the path, the range or the scene is not fit.
+    The answer is certified, by floats with bounds and by balls; values at which a ratio only
+    touches its threshold, and what else these leave open, are in ``undecided``. SceneError where
+    the path, the range or the scene is not fit.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = require(load_scene("fu2019"), "effects.filter.omega_n")
@@ -430,7 +497,11 @@ def require(
         scene = with_hands(scene, hand)
     free = scene.knobs[path]
     asked = domain(free, range)
-    judged = asked_of(scene, [free], part, any_environment=any_environment) if TRANSPARENT in wanted else ()
+    judged = (
+        asked_of(scene, [free], part, any_environment=any_environment)
+        if TRANSPARENT in wanted
+        else ()
+    )
     criteria = (*judged, *further(scene, wanted))
     with limited(limit, told) as budget:
         found = solve_all(scene, free, asked, criteria)

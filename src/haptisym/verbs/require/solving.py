@@ -1,18 +1,23 @@
-"""The values of one parameter with which conditions hold on a whole band, by the way that fits the conditions.
+"""The values of one parameter with which conditions hold on a whole band, by the way that fits the
+conditions.
 
-**Cells.** Floats with proven bounds cut the values into cells (``floatcells``): a cell is *broken* if at one frequency the
-condition is broken for all its values, *kept* if it holds for all its values on all of the band. In a cell that is left between
-a kept and a broken one there is one end if what is broken stays broken along the values, which bounds on slopes show; then it is
-closed in on by exact verdicts, to any number of digits, and what binds there is what is broken just beyond it. It is exact where
-it is rational. Where that does not show, an end is known by its cell alone, if that is narrow: ten digits.
+**Cells.** Floats with proven bounds cut the values into cells (``floatcells``): a cell is *broken*
+if at one frequency the condition is broken for all its values, *kept* if it holds for all its
+values on all of the band. In a cell that is left between a kept and a broken one there is one end
+if what is broken stays broken along the values, which bounds on slopes show; then it is closed in
+on by exact verdicts, to any number of digits, and what binds there is what is broken just beyond
+it. It is exact where it is rational. Where that does not show, an end is known by its cell alone,
+if that is narrow: ten digits.
 
-**Balls** tell the same of cells where NumPy is missing (``ballcells``), as in a page in a browser: ten times as slow.
+**Balls** tell the same of cells where NumPy is missing (``ballcells``), as in a page in a browser:
+ten times as slow.
 
-**Thresholds.** r <= c holds on the whole band for c at least as large as the supremum of r there. That is the value at an end of
-the band or at one of its local maxima, which are certified zeros of the slope: no value of c needs to be tried.
+**Thresholds.** r <= c holds on the whole band for c at least as large as the supremum of r there.
+That is the value at an end of the band or at one of its local maxima, which are certified zeros of
+the slope: no value of c needs to be tried.
 
-**Signs alone.** Where omega is in no factor of a condition that changes its sign, roots of polynomials in the parameter and the
-signs between them tell all: exact.
+**Signs alone.** Where omega is in no factor of a condition that changes its sign, roots of
+polynomials in the parameter and the signs between them tell all: exact.
 """
 
 from __future__ import annotations
@@ -50,7 +55,17 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.rings import Polynomial, monomials, omega
 from haptisym.kernel.roots import Chart, Interval, Signed, chart, each_once, ordered
-from haptisym.kernel.sets import STOPPED, Bisected, Cell, Domain, Point, Question, Stretch, ValueSet, combined
+from haptisym.kernel.sets import (
+    STOPPED,
+    Bisected,
+    Cell,
+    Domain,
+    Point,
+    Question,
+    Stretch,
+    ValueSet,
+    combined,
+)
 from haptisym.kernel.sets import solve as solve_question
 from haptisym.kernel.zeros import sign_of
 from haptisym.model.distortion import Distortion
@@ -72,16 +87,21 @@ from haptisym.verbs.require.freeparameter import (
 )
 
 _BITS = 128
-_UNSETTLED = "bounds for all of these values show neither that a condition is kept nor that it is broken"
+_UNSETTLED = (
+    "bounds for all of these values show neither that a condition is kept nor that it is broken"
+)
 _ROUGH, _CLOSE, _CLOSEST = 24, 64, 128
-"""Relative accuracy of an end, in bits, with which what binds there is looked for: more where several may, or one at an edge."""
+"""Relative accuracy of an end, in bits, with which what binds there is looked for: more where
+several may, or one at an edge."""
 _SIMPLE = 40
-"""Bits of numerator and denominator of a rational number that is tried for an end; of others it takes its own polynomial."""
+"""Bits of numerator and denominator of a rational number that is tried for an end; of others it
+takes its own polynomial."""
 
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """Whether a scene exists at a value of a parameter, and keeps criteria there on all of the band: a verdict."""
+    """Whether a scene exists at a value of a parameter, and keeps criteria there on all of the
+    band: a verdict."""
 
     scene: Scene
     free: Knob
@@ -117,15 +137,18 @@ class Kept:
         ]
 
     def excess(self, value: Expr) -> Ball:
-        """How much of the band is broken at a value: at its ends, and inside, where it grows as a root does, in square."""
+        """How much of the band is broken at a value: at its ends, and inside, where it grows as a
+        root does, in square."""
         bits = int(flint.ctx.prec)
         widths = (
-            (x, x.piece.high.omega.tight_ball(bits) - x.piece.low.omega.tight_ball(bits)) for x in self.broken(value)
+            (x, x.piece.high.omega.tight_ball(bits) - x.piece.low.omega.tight_ball(bits))
+            for x in self.broken(value)
         )
         return sum((width**2 if x.kind is Kind.TOUCH else width for x, width in widths), arb(0))
 
     def meets(self, value: Expr) -> list[tuple[Criterion, RealNumber]]:
-        """Where on the band criteria hold with equality at a value that keeps them all; nothing where it does not."""
+        """Where on the band criteria hold with equality at a value that keeps them all; nothing
+        where it does not."""
         table = self._chart(value)
         if table.undecided or table.where(lambda signs: max(signs.values()) > 0):
             return []
@@ -134,7 +157,8 @@ class Kept:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A piece of the band on which a criterion is broken just beyond an end, and whether it is at an end of the band."""
+    """A piece of the band on which a criterion is broken just beyond an end, and whether it is at
+    an end of the band."""
 
     criterion: Criterion
     piece: Interval
@@ -157,10 +181,12 @@ class Place:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TouchAt(RealNumber):
-    """The frequency at which a criterion binds inside of the band, at the one end between two values.
+    """The frequency at which a criterion binds inside of the band, at the one end between two
+    values.
 
-    It lies where the criterion is broken beyond the end, as what is broken stays so, or moves by ``slant`` per unit of the value
-    at most; that piece is as short as one likes. ``place`` : the piece at an end that was known to within ``width``.
+    It lies where the criterion is broken beyond the end, as what is broken stays so, or moves by
+    ``slant`` per unit of the value at most; that piece is as short as one likes. ``place`` : the
+    piece at an end that was known to within ``width``.
     """
 
     end: Bisected
@@ -172,7 +198,9 @@ class TouchAt(RealNumber):
     def ball(self, bits: int) -> Ball:
         low, high = self.end.between(2 * bits)
         with flint.ctx.workprec(2 * bits + 32):
-            moved = [arb(0, self.slant * fraction_ball(x).upper()) for x in (self.width, high - low)]
+            moved = [
+                arb(0, self.slant * fraction_ball(x).upper()) for x in (self.width, high - low)
+            ]
             near = self.place.ball(2 * bits) + moved[0]
             balls = [
                 x.ball(2 * bits)
@@ -184,7 +212,8 @@ class TouchAt(RealNumber):
 
 @dataclass(frozen=True)
 class Ends:
-    """Cells of the values of a range, and ends in them; ``found`` : the conditions with the parameter as a symbol."""
+    """Cells of the values of a range, and ends in them; ``found`` : the conditions with the
+    parameter as a symbol."""
 
     kept: Kept
     found: Conditions
@@ -196,13 +225,15 @@ class Ends:
         return _told(self.kept, self.found, *self.range)
 
     def cells(self, low: RealNumber | None, high: RealNumber | None) -> list[Cell]:
-        """The same of all values that are asked about: what is beyond the range is as next to it."""
+        """The same of all values that are asked about: what is beyond the range is as next to
+        it."""
         inner = [ExactNumber(_rational(x.low)) for x in self.told[1:]]
         pairs = zip(self.told, pairwise([low, *inner, high]), strict=True)
         return [Cell(a, b, x.kept, "" if x.kept is not None else _UNSETTLED) for x, (a, b) in pairs]
 
     def end(self, low: RealNumber, _: RealNumber, low_holds: bool) -> Point | None:  # noqa: FBT001
-        """The one end in what is open between two values; known by its enclosure alone where there may be several."""
+        """The one end in what is open between two values; known by its enclosure alone where there
+        may be several."""
         [told] = (x for x in self.told[1:] if not ordered(low, ExactNumber(_rational(x.low))))
         if told.slant is None:
             return Point(Sliver(told.low, told.high)) if told.is_narrow else None
@@ -220,7 +251,8 @@ class Ends:
         return Point(end, None, _listed([*zip(places, omegas, strict=True)]))
 
     def _places(self, end: Bisected) -> tuple[list[Place], Fraction]:
-        """Where what binds is broken just beyond an end, and how near: nearer where there are several, or one at an edge."""
+        """Where what binds is broken just beyond an end, and how near: nearer where there are
+        several, or one at an edge."""
         places, width = list[Place](), Fraction(0)
         for bits, settles in ((_ROUGH, {Kind.TOUCH}), (_CLOSE, {*Kind}), (_CLOSEST, {*Kind})):
             low, high = end.between(bits)
@@ -230,14 +262,19 @@ class Ends:
         return places, width
 
     def _exact(self, end: Bisected, places: Sequence[Place]) -> Point | None:
-        """The end where it is rational, or rational in pi, if it shows to be that: there a criterion holds with equality."""
+        """The end where it is rational, or rational in pi, if it shows to be that: there a
+        criterion holds with equality."""
         low, high = (ExactNumber(_rational(x)) for x in end.between(_CLOSE))
-        tried = [low if end.low_holds else high]  # what holds last was asked, and may be the very end
+        tried = [
+            low if end.low_holds else high
+        ]  # what holds last was asked, and may be the very end
         near = rational_between(low, high)
         if max(int(near.p).bit_length(), int(near.q).bit_length()) <= _SIMPLE:
             tried.append(ExactNumber(near))
         for kind in {*(x.kind for x in places)} - {Kind.TOUCH}:
-            tried += _linear_roots(self.found, self.kept.free.symbol, self.kept.scene.band[kind is Kind.EDGE])
+            tried += _linear_roots(
+                self.found, self.kept.free.symbol, self.kept.scene.band[kind is Kind.EDGE]
+            )
         for x in (x for x in tried if x in (low, high) or _between(low, x, high)):
             met = self.kept.meets(x.value)
             own = [
@@ -258,17 +295,25 @@ def _listed(found: Sequence[tuple[Place, RealNumber]]) -> tuple[Binding, ...]:
 
 
 def _linear_roots(found: Conditions, free: Symbol, place: Expr) -> Iterator[ExactNumber]:
-    """Of what rational conditions are at a frequency, the zeros that are rational, or rational in pi."""
+    """Of what rational conditions are at a frequency, the zeros that are rational, or rational in
+    pi."""
     for f in (f for own in found.values() for f in pieces(own) if not f.axis.functions):
         top, axis = f.function.numerator, f.axis
         if place == 0:  # as it begins there
             least = min(int(e[0]) for e in top.monoms())
-            top = top.context().from_dict({(0, *e[1:]): x for e, x in monomials(top) if int(e[0]) == least})
+            top = top.context().from_dict(
+                {(0, *e[1:]): x for e, x in monomials(top) if int(e[0]) == least}
+            )
         else:
             top = substituted(top, 0, axis.convert(place))
         index = axis.meanings.index(free)
         linear = (own for own, _ in (top.factor()[1] if top else ()) if own.degrees()[index] == 1)
-        yield from (x for own in linear for x in real_roots(own, index, negative=True) if isinstance(x, ExactNumber))
+        yield from (
+            x
+            for own in linear
+            for x in real_roots(own, index, negative=True)
+            if isinstance(x, ExactNumber)
+        )
 
 
 def _rational(x: Fraction) -> Rational:
@@ -276,12 +321,14 @@ def _rational(x: Fraction) -> Rational:
 
 
 _TOLD_APART = (64, 256, 1024)
-"""Bits with which the values of two local maxima are compared; what is alike to the last of them binds with the other."""
+"""Bits with which the values of two local maxima are compared; what is alike to the last of them
+binds with the other."""
 
 
 @dataclass(frozen=True)
 class ThresholdProblem:
-    """Squared ratios that one threshold judges on a band; ``kept``: what must not be positive besides, as it is."""
+    """Squared ratios that one threshold judges on a band; ``kept``: what must not be positive
+    besides, as it is."""
 
     squares: Mapping[Criterion, RealFunction]
     kept: Mapping[Criterion, Signed]
@@ -289,7 +336,8 @@ class ThresholdProblem:
     domain: Domain
 
     def solve(self) -> ValueSet:
-        """All thresholds of the domain with which every ratio is kept on the whole band: one interval, or none."""
+        """All thresholds of the domain with which every ratio is kept on the whole band: one
+        interval, or none."""
         low, high = self.domain.low, self.domain.high
         assert low is not None
         none, every = (ValueSet.all_of(self.domain, holds=x) for x in (False, True))
@@ -305,12 +353,16 @@ class ThresholdProblem:
         if high is not None and self._touches(high):
             last = replace(bottom, holds=self.domain.holds_high)
             return ValueSet(
-                (Point(ExactNumber(low), holds=False), last), (None, Stretch(holds=False), None), self.domain
+                (Point(ExactNumber(low), holds=False), last),
+                (None, Stretch(holds=False), None),
+                self.domain,
             )
         return every & ValueSet((bottom,), (Stretch(holds=False), Stretch(holds=True)))
 
     def _excess(self, limit: Expr) -> dict[Criterion, Signed]:
-        return {x: replace(x, threshold=limit).exceeded(square) for x, square in self.squares.items()}
+        return {
+            x: replace(x, threshold=limit).exceeded(square) for x, square in self.squares.items()
+        }
 
     def _exceeds(self, conditions: Mapping[Criterion, Signed]) -> bool:
         table = chart(conditions, *self.band)
@@ -352,7 +404,8 @@ _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
 @dataclass(frozen=True)
 class SignsAlone:
-    """Conditions that are kept or broken at all frequencies at once: of each the polynomials that must not all be positive."""
+    """Conditions that are kept or broken at all frequencies at once: of each the polynomials that
+    must not all be positive."""
 
     conditions: Mapping[Criterion, Sequence[Polynomial]]
     axis: Axis
@@ -372,7 +425,9 @@ class SignsAlone:
         inside = [x for x in self._turns if _between(low, x, high)]
         points = [Point(x, self._kept(x), self._bindings(x)) for x in inside]
         gaps = pairwise([low, *inside, high])
-        cells: list[Stretch | None] = [Stretch(self._kept(ExactNumber(rational_between(a, b)))) for a, b in gaps]
+        cells: list[Stretch | None] = [
+            Stretch(self._kept(ExactNumber(rational_between(a, b)))) for a, b in gaps
+        ]
         if low is not None:
             points, cells = [self._end(low, asked, exists), *points], [None, *cells]
         if high is not None:
@@ -391,7 +446,9 @@ class SignsAlone:
     @cached_property
     def _turns(self) -> list[RealNumber]:
         """Where one of them may change its sign, in order."""
-        factors = {str(f): f for row in self.conditions.values() for p in row for f, _ in p.factor()[1]}
+        factors = {
+            str(f): f for row in self.conditions.values() for p in row for f, _ in p.factor()[1]
+        }
         found = [x for f in factors.values() for x in real_roots(f, self._index, negative=True)]
         return each_once(found, lambda x: x)
 
@@ -406,7 +463,10 @@ class SignsAlone:
         if any(not ordered(x, value) for x in zeros):
             return 0
         sign = at_rising_precision(
-            lambda bits: sign_of(self.axis.ball(polynomial, {pi: arb.pi(), self.free: value.ball(bits)})) or None,
+            lambda bits: (
+                sign_of(self.axis.ball(polynomial, {pi: arb.pi(), self.free: value.ball(bits)}))
+                or None
+            ),
             most=SURE_BITS,
         )
         assert sign is not None
@@ -414,7 +474,11 @@ class SignsAlone:
 
     def _bindings(self, value: RealNumber) -> tuple[Binding, ...]:
         """What is 0 at a value is so at both ends of the band."""
-        zero = [x for x, row in self.conditions.items() if all(row) and min(self._sign(p, value) for p in row) == 0]
+        zero = [
+            x
+            for x, row in self.conditions.items()
+            if all(row) and min(self._sign(p, value) for p in row) == 0
+        ]
         ends = (Kind.EDGE, self.band[1]), (Kind.START, self.band[0])
         return tuple(Binding(x, ExactNumber(end), kind) for x in zero for kind, end in ends)
 
@@ -424,7 +488,8 @@ def _between(low: RealNumber | None, x: RealNumber, high: RealNumber | None) -> 
 
 
 def _without_omega(piece: RealFunction) -> Polynomial | None:
-    """A polynomial in the parameter that has its sign at all frequencies but those at which it is 0; None where there is none."""
+    """A polynomial in the parameter that has its sign at all frequencies but those at which it is
+    0; None where there is none."""
     if piece.axis.functions:
         return None
     constant, factors = piece.function.numerator.factor()
@@ -438,9 +503,12 @@ def _without_omega(piece: RealFunction) -> Polynomial | None:
 
 
 def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ValueSet:
-    """All values of the domain that keep the conditions; those about which the time did not last are undecided."""
+    """All values of the domain that keep the conditions; those about which the time did not last
+    are undecided."""
     has_floor = (
-        isinstance(x.region, Sided) and x.region.floor is not None for x in criteria if x.depends_on(free.parts)
+        isinstance(x.region, Sided) and x.region.floor is not None
+        for x in criteria
+        if x.depends_on(free.parts)
     )
     try:
         if free.parts and not any(has_floor):
@@ -460,16 +528,21 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
 
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> ValueSet:
-    """Of a parameter that has left the conditions: all values at which the scene exists, or none."""
+    """Of a parameter that has left the conditions: all values at which the scene exists, or
+    none."""
     for own in found.values():
         tops = [RealFunction(f.axis.function(f.function.numerator)) for f in pieces(own)]
         if chart(dict(enumerate(tops)), *scene.band).where(lambda signs: min(signs.values()) > 0):
             return ValueSet.all_of(asked, holds=False)
     ends = (x for x in (asked.low, asked.high) if x is not None)
-    return ValueSet.all_of(asked, holds=True).without([ExactNumber(x) for x in ends if not allowed(scene, free, x)])
+    return ValueSet.all_of(asked, holds=True).without(
+        [ExactNumber(x) for x in ends if not allowed(scene, free, x)]
+    )
 
 
-def _threshold_problem(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ThresholdProblem:
+def _threshold_problem(
+    scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
+) -> ThresholdProblem:
     """The question for a threshold: the conditions that it is not part of stay as they are."""
     d = scene.distortion()
     own: dict[Criterion, RealFunction] = {}
@@ -482,20 +555,27 @@ def _threshold_problem(scene: Scene, free: Knob, asked: Domain, criteria: Sequen
 
 
 def _squares(x: Criterion, d: Distortion, free: Knob) -> dict[Criterion, RealFunction]:
-    """What a free threshold c judges, squares to be at most c^2: of a region about both parts where both limits are c."""
+    """What a free threshold c judges, squares to be at most c^2: of a region about both parts where
+    both limits are c."""
     if x.region is None:
         return {x: x.measure(d)}
     if x.joint and len(free.parts) < len(Part):
-        raise SceneError(f"{free.path}: the {x.joint.kind} judges both parts at once: leave {THRESHOLD} free")
+        raise SceneError(
+            f"{free.path}: the {x.joint.kind} judges both parts at once: leave {THRESHOLD} free"
+        )
     squares = x.region.opened(dict.fromkeys(free.parts, S.One)).squares(d)
     return {each(x, i) if len(squares) > 1 else x: f for i, f in enumerate(squares, 1)}
 
 
-def _by_cells(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions) -> ValueSet:
+def _by_cells(
+    scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion], found: Conditions
+) -> ValueSet:
     low, high = searched(free, asked)
     ends = Ends(Kept(scene, free, tuple(criteria)), found, _outward(low, high))
     own = None if free.value.free_symbols else free.value  # a limit may be a formula
-    bounds = Domain(low if asked.low is None else asked.low, high if asked.high is None else asked.high)
+    bounds = Domain(
+        low if asked.low is None else asked.low, high if asked.high is None else asked.high
+    )
     return solve_question(Question(ends.kept, own, cells=ends.cells, end=ends.end), asked, bounds)
 
 
@@ -531,7 +611,8 @@ def _numerator(f: RealFunction, known: Mapping[Expr, Ball]) -> Ball:
     """What has the sign of a condition, for balls of the frequency and the parameter."""
     ring = f.half_angled.ring
     return ring.ball(
-        f.half_angled.numerator, {x: expression_ball(x, known) for x in ring.meanings if x.free_symbols <= known.keys()}
+        f.half_angled.numerator,
+        {x: expression_ball(x, known) for x in ring.meanings if x.free_symbols <= known.keys()},
     )
 
 
@@ -543,4 +624,6 @@ def _usual(free: Knob) -> float:
 def _outward(low: Expr, high: Expr) -> tuple[Fraction, Fraction]:
     """Doubles that enclose the values that are asked about."""
     with flint.ctx.workprec(53):
-        return Fraction(float(expression_ball(low).lower())), Fraction(float(expression_ball(high).upper()))
+        return Fraction(float(expression_ball(low).lower())), Fraction(
+            float(expression_ball(high).upper())
+        )

@@ -1,10 +1,13 @@
-"""How crossings, changeovers and the bandwidth move with each parameter: derivatives and elasticities, exact and certified.
+"""How crossings, changeovers and the bandwidth move with each parameter: derivatives and
+elasticities, exact and certified.
 
-A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega) there (implicit
-differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated in ball arithmetic at the certified
-frequency. Where the display touches its threshold dF/d omega is 0 and the derivative does not exist, nor at a triple zero, which
-moves as the cube root of what p moves by. Where a parameter has the least value that it may have, and at the ends of the band, it
-may exist from one side. Where several zeros and poles meet, as at a pole without damping, it is left undecided.
+A crossing is a simple zero of F(omega, p) = r^2 - c^2, so that d omega/dp = -(dF/dp)/(dF/d omega)
+there (implicit differentiation). ``Derivation.sensitivity`` has the formula; here it is evaluated
+in ball arithmetic at the certified frequency. Where the display touches its threshold dF/d omega is
+0 and the derivative does not exist, nor at a triple zero, which moves as the cube root of what p
+moves by. Where a parameter has the least value that it may have, and at the ends of the band, it
+may exist from one side. Where several zeros and poles meet, as at a pole without damping, it is
+left undecided.
 Derivation: 14_sensitivity.
 """
 
@@ -51,7 +54,9 @@ def not_clear(factors: Factors, values: SymbolValues) -> Factors:
     def alone(bits: int) -> Factors | None:
         nonlocal factors
         known = balls(values, bits)
-        factors = tuple((factor, order) for factor, order in factors if not is_clear(factor.ball(known)))
+        factors = tuple(
+            (factor, order) for factor, order in factors if not is_clear(factor.ball(known))
+        )
         return factors if len(factors) <= 1 else None
 
     if len(factors) > 1:
@@ -77,7 +82,8 @@ class Slope(RealNumber):
             return -above / below
 
     def _parts(self, bits: int) -> tuple[Ball, Ball]:
-        """Balls around what stands above and below; a float, five digits and a sign are read off one and the same."""
+        """Balls around what stands above and below; a float, five digits and a sign are read off
+        one and the same."""
         enough = max(bits, _USUAL_BITS)
         if enough not in self._known:
             with flint.ctx.workprec(enough):
@@ -90,11 +96,17 @@ class Slope(RealNumber):
 
     def changes(self) -> bool:
         """Whether dF/dp is not 0: proven."""
-        return bool(at_rising_precision(lambda bits: is_clear(self._parts(bits)[0]) or None, _USUAL_BITS))
+        return bool(
+            at_rising_precision(lambda bits: is_clear(self._parts(bits)[0]) or None, _USUAL_BITS)
+        )
 
     def is_clear(self) -> bool:
         """Whether neither dF/dp nor dF/d omega is 0: proven."""
-        return bool(at_rising_precision(lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS))
+        return bool(
+            at_rising_precision(
+                lambda bits: all(map(is_clear, self._parts(bits))) or None, _USUAL_BITS
+            )
+        )
 
 
 TOUCH = "undefined: the display touches its threshold here"
@@ -107,10 +119,12 @@ _LEAST = "from above; below there is no scene"
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """How a frequency moves with one parameter p: ``derivative`` = d omega/dp in rad/s per ``unit``, ``elasticity`` =
-    (p/omega) d omega/dp (1). Certified; None where the derivative does not exist.
+    """How a frequency moves with one parameter p: ``derivative`` = d omega/dp in rad/s per
+    ``unit``, ``elasticity`` = (p/omega) d omega/dp (1). Certified; None where the derivative does
+    not exist.
 
-    ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of the parameter.
+    ``side``: "above" or "below" where the derivative holds only for larger or for smaller values of
+    the parameter.
     """
 
     knob: Knob
@@ -138,7 +152,8 @@ class Sensitivity:
 
 @dataclass(frozen=True, repr=False)
 class Sensitive(Shown):
-    """A frequency, rad/s, and how it moves with each parameter; ``criterion``: of a crossing, whose it is."""
+    """A frequency, rad/s, and how it moves with each parameter; ``criterion``: of a crossing, whose
+    it is."""
 
     omega: RealNumber
     parameters: tuple[Sensitivity, ...]
@@ -178,7 +193,8 @@ class VariedParameter:
         return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
     def factors(self, of: Criterion | Piece | str) -> Factors:
-        """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and below the line."""
+        """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and
+        below the line."""
         if of not in self._known:
             self._known[of] = self.derivation.factors(of)
         return self._known[of]
@@ -208,7 +224,8 @@ def at(
 ) -> Sensitivity:
     """The sensitivity of a frequency at which one or more of these factors vanish.
 
-    ``flat``: why nothing that depends on the parameter has a derivative; ``multiplicity``: of the zero or pole.
+    ``flat``: why nothing that depends on the parameter has a derivative; ``multiplicity``: of the
+    zero or pole.
     """
     values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
     meeting = not_clear(factors, values)
@@ -224,7 +241,9 @@ def at(
     if is_simple and slope.slope.vanishes({p.knob.symbol: p.knob.value}):
         return _one_sided(p, ZERO, where)
     if not slope.is_clear():
-        return Sensitivity(p.knob, None, None, _NOT_CLEAR if is_simple or not slope.changes() else STEEP)
+        return Sensitivity(
+            p.knob, None, None, _NOT_CLEAR if is_simple or not slope.changes() else STEEP
+        )
     return _one_sided(p, slope, where)
 
 
@@ -242,7 +261,9 @@ def _depends(equation: Equation, x: Symbol) -> bool:
 
 def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) -> Sensitivity:
     """A derivative that holds on both sides, as far as there are two."""
-    elasticity = ZERO if p.knob.value == 0 or derivative is ZERO else _Elasticity(derivative, p.value, where)
+    elasticity = (
+        ZERO if p.knob.value == 0 or derivative is ZERO else _Elasticity(derivative, p.value, where)
+    )
     least = p.least and derivative is not ZERO
     side, reason = ("above", _LEAST) if least else ("", "")
     return Sensitivity(p.knob, derivative, elasticity, reason, side)
@@ -268,12 +289,16 @@ _SEVERAL = "undefined: several limits of the region meet here"
 
 @dataclass(frozen=True, repr=False)
 class Sensitivities(Answer):
-    """How each crossing, changeover and the bandwidth moves with each parameter p and with the threshold.
+    """How each crossing, changeover and the bandwidth moves with each parameter p and with the
+    threshold.
 
-    With F(omega, p) = 0, which defines the frequency, ``d omega/dp = -F_p/F_omega``. ``crossings``, ``changeovers_environment``,
-    ``changeovers_perceived`` : in ascending order; ``bandwidth`` : None where there is none. Each has for every parameter
-    ``derivative``, rad/s per SI unit of p, and ``elasticity``, (p/omega) d omega/dp: proven enclosures; None, with the reason,
-    where there is no derivative, as at a tangency. Derivation: 14_sensitivity. Made by ``sensitivity``.
+    With F(omega, p) = 0, which defines the frequency, ``d omega/dp = -F_p/F_omega``. ``crossings``,
+    ``changeovers_environment``,
+    ``changeovers_perceived`` : in ascending order; ``bandwidth`` : None where there is none. Each
+    has for every parameter
+    ``derivative``, rad/s per SI unit of p, and ``elasticity``, (p/omega) d omega/dp: proven
+    enclosures; None, with the reason, where there is no derivative, as at a tangency. Derivation:
+    14_sensitivity. Made by ``sensitivity``.
     """
 
     _schema: ClassVar[str] = "haptisym.sensitivity/1"
@@ -304,12 +329,18 @@ class Sensitivities(Answer):
     @cached_property
     def changeovers_environment(self) -> tuple[Sensitive, ...]:
         """Where Re H_env changes its sign."""
-        return tuple(self._changeover("env", Curve.ENVIRONMENT, x) for x in self.evaluation.changeovers_environment)
+        return tuple(
+            self._changeover("env", Curve.ENVIRONMENT, x)
+            for x in self.evaluation.changeovers_environment
+        )
 
     @cached_property
     def changeovers_perceived(self) -> tuple[Sensitive, ...]:
         """Where Re H_perc changes its sign."""
-        return tuple(self._changeover("perc", Curve.PERCEIVED, x) for x in self.evaluation.changeovers_perceived)
+        return tuple(
+            self._changeover("perc", Curve.PERCEIVED, x)
+            for x in self.evaluation.changeovers_perceived
+        )
 
     @cached_property
     def bandwidth(self) -> Sensitive | None:
@@ -334,7 +365,8 @@ class Sensitivities(Answer):
     @cached_property
     def _parameters(self) -> tuple[VariedParameter, ...]:
         return tuple(
-            VariedParameter(x, ExactNumber(x.value), derive(self.scene, [x.path])) for x in self.scene.parameters
+            VariedParameter(x, ExactNumber(x.value), derive(self.scene, [x.path]))
+            for x in self.scene.parameters
         )
 
     @cached_property
@@ -351,20 +383,31 @@ class Sensitivities(Answer):
         own = self._thresholds.get(x.criterion)
         places = (*self._parameters, *([own] if own else []))
         known = {c: own.value} if own else {}
-        flat = TOUCH if x.kind is CrossingKind.TOUCHES else FLAT if x.multiplicity > 1 and not float(x.omega) else ""
+        flat = (
+            TOUCH
+            if x.kind is CrossingKind.TOUCHES
+            else FLAT
+            if x.multiplicity > 1 and not float(x.omega)
+            else ""
+        )
         of = self._deciding(x)
         if of is None:
             return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
         rows = (_in_time(p, of, x.omega, known, flat, x.multiplicity) for p in places)
-        return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind)
+        return Sensitive(
+            x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind
+        )
 
     def _deciding(self, x: Crossing) -> Criterion | Piece | None:
-        """What vanishes at a crossing: of a region one of its functions; None where it is not one alone."""
+        """What vanishes at a crossing: of a region one of its functions; None where it is not one
+        alone."""
         lattice = x.criterion.function(self.evaluation.distortion)
         if not isinstance(lattice, Lattice):
             return x.criterion
         pieces = lattice.pieces(x.criterion)
-        here = next((p for p in self._points(x.criterion, lattice) if _same(p.omega, x.omega)), None)
+        here = next(
+            (p for p in self._points(x.criterion, lattice) if _same(p.omega, x.omega)), None
+        )
         if here is None:
             return None
         zeros = [piece for piece in pieces if here.orders.get(piece, 0) > 0]
@@ -388,20 +431,37 @@ class Sensitivities(Answer):
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
         """At an end of the band the frequency leaves it on one side of the parameter's value."""
-        ends = [point.omega for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])]
-        if row.derivative is None or all(where is not end for end in ends) or float(row.derivative) == 0:
+        ends = [
+            point.omega
+            for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])
+        ]
+        if (
+            row.derivative is None
+            or all(where is not end for end in ends)
+            or float(row.derivative) == 0
+        ):
             return row
         inward = 1 if where is ends[0] else -1
         side = "above" if (float(row.derivative) > 0) == (inward > 0) else "below"
         other = {"above": "below", "below": "above"}[side]
         if row.side and row.side != side:
-            return replace(row, derivative=None, elasticity=None, side="", reason="undefined: it leaves the band")
-        return replace(row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band")
+            return replace(
+                row,
+                derivative=None,
+                elasticity=None,
+                side="",
+                reason="undefined: it leaves the band",
+            )
+        return replace(
+            row, side=side, reason=row.reason or f"from {side}; {other} it lies beyond the band"
+        )
 
     def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
         """Why the bandwidth has no derivative; empty where it has."""
         e = self.evaluation
-        below = self.crossings[: max((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), default=None)]
+        below = self.crossings[
+            : max((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), default=None)
+        ]
         if e.undecided:
             return "undecided: whether a ratio touches its threshold on the band"
         if any(x.kind is CrossingKind.TOUCHES for x in below):
@@ -444,9 +504,19 @@ class Sensitivities(Answer):
     def _parameter(self, p: Sensitivity) -> dict[str, Any]:
         values = {"derivative": p.derivative, "elasticity": p.elasticity}
         floats = {key: None if x is None else float(x) for key, x in values.items()}
-        digits = {key: None if x is None else x.digits(self.evaluation.digits) for key, x in values.items()}
+        digits = {
+            key: None if x is None else x.digits(self.evaluation.digits)
+            for key, x in values.items()
+        }
         reason = ({"reason": p.reason} if p.reason else {}) | ({"side": p.side} if p.side else {})
-        return {"path": p.path, "name": p.name, "unit": p.unit, **floats, "digits": digits, **reason}
+        return {
+            "path": p.path,
+            "name": p.name,
+            "unit": p.unit,
+            **floats,
+            "digits": digits,
+            **reason,
+        }
 
 
 def _same(x: RealNumber, y: RealNumber) -> bool:
@@ -461,13 +531,17 @@ def _alike(f: Signed, g: Signed) -> bool:
     return f.function.equals(g.function) or f.function.equals(-g.function)
 
 
-def sensitivity(scene: Scene | str | Path, digits: int = 15, *, limit: float | None = SECONDS) -> Sensitivities:
-    """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the threshold.
+def sensitivity(
+    scene: Scene | str | Path, digits: int = 15, *, limit: float | None = SECONDS
+) -> Sensitivities:
+    """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the
+    threshold.
 
-    Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits`` as wanted; None, with the
-    reason, where there is no derivative. Works for every scene that can be evaluated. ``limit`` : seconds of
-    processor time after which all further derivatives are undecided; None for none. LimitError where the crossings are. Raises
-    SceneError if a parameter is still a symbol.
+    Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits``
+    as wanted; None, with the reason, where there is no derivative. Works for every scene that can
+    be evaluated. ``limit`` : seconds of processor time after which all further derivatives are
+    undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter
+    is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> first = sensitivity(load_scene("fu2019")).crossings[0]
@@ -477,5 +551,9 @@ def sensitivity(scene: Scene | str | Path, digits: int = 15, *, limit: float | N
     scene = as_scene(scene)
     with limited(limit):
         found = Sensitivities(evaluate(scene, digits))
-        _ = found.bandwidth, found.changeovers_environment, found.changeovers_perceived  # all that takes long
+        _ = (
+            found.bandwidth,
+            found.changeovers_environment,
+            found.changeovers_perceived,
+        )  # all that takes long
     return found

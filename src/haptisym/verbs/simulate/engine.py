@@ -1,9 +1,10 @@
-"""A network that is simulated: steps from event to event, with clocks, delay lines, friction, saturation and quantisers.
+"""A network that is simulated: steps from event to event, with clocks, delay lines, friction,
+saturation and quantisers.
 
-Between events the equations are linear, and each step is exact for them. Sampling instants, and what jumps become behind
-delays, are known beforehand; reversals of a sliding velocity, break-away, saturation and encoder steps are roots of a step's
-polynomials, and are hit exactly. While friction sticks, "v = 0" takes the place of its law, and the force that holds it is
-watched.
+Between events the equations are linear, and each step is exact for them. Sampling instants, and
+what jumps become behind delays, are known beforehand; reversals of a sliding velocity, break-away,
+saturation and encoder steps are roots of a step's polynomials, and are hit exactly. While friction
+sticks, "v = 0" takes the place of its law, and the force that holds it is watched.
 """
 
 from __future__ import annotations
@@ -23,7 +24,16 @@ from haptisym.kernel.errors import SceneError
 from haptisym.model.motions import Motion
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.network import MOTION, Exact, Network, Step, Switch, at_rest, float_of
-from haptisym.verbs.simulate.statespace import NODES, Drive, Linear, Reading, Record, at_end, linear_systems, series
+from haptisym.verbs.simulate.statespace import (
+    NODES,
+    Drive,
+    Linear,
+    Reading,
+    Record,
+    at_end,
+    linear_systems,
+    series,
+)
 
 _GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
 Systems: TypeAlias = dict[frozenset[int], Linear | None]
@@ -31,7 +41,8 @@ Systems: TypeAlias = dict[frozenset[int], Linear | None]
 
 @dataclass(frozen=True)
 class Guard:
-    """A function of time that is >= 0 as long as an element stays as it is: sign * signal - bound."""
+    """A function of time that is >= 0 as long as an element stays as it is: sign * signal -
+    bound."""
 
     element: Switch | Step
     reading: Reading
@@ -55,8 +66,11 @@ def falls(course: Array, bad: int) -> float:
     return float(brentq(value, places[start], places[bad + 1], xtol=1e-15))
 
 
-def guards(net: Network, modes: Sequence[int], held: Mapping[str, float], resting: Container[int] = ()) -> list[Guard]:
-    """What ends the present state of each element: ``modes`` of the switches, and the values that are ``held``.
+def guards(
+    net: Network, modes: Sequence[int], held: Mapping[str, float], resting: Container[int] = ()
+) -> list[Guard]:
+    """What ends the present state of each element: ``modes`` of the switches, and the values that
+    are ``held``.
 
     Nothing does of those that are ``resting``, before the motion goes on.
     """
@@ -77,7 +91,8 @@ def guards(net: Network, modes: Sequence[int], held: Mapping[str, float], restin
 def first_event(
     watched: Sequence[Guard], values: Array, column: Callable[[str, int], int], motion: Motion
 ) -> tuple[int, float, Guard] | None:
-    """The first guard that falls below zero in a chunk of steps: in which of them, and where on it, from 0 to 1.
+    """The first guard that falls below zero in a chunk of steps: in which of them, and where on it,
+    from 0 to 1.
 
     ``values`` : of all readings at the nodes of each step, in the ``column`` of each.
     """
@@ -124,11 +139,14 @@ class Breaks:
 
 
 def check_frictions(net: Network, systems: Systems) -> None:
-    """Raise SceneError where two frictions act on one velocity: while it is 0 no equation tells what each of them holds."""
+    """Raise SceneError where two frictions act on one velocity: while it is 0 no equation tells
+    what each of them holds."""
     for pair in combinations([i for i, s in enumerate(net.switches) if not s.offset], 2):
         if systems[frozenset(pair)] is None and all(systems[frozenset([i])] for i in pair):
             names = " and ".join(net.switches[i].name for i in pair)
-            raise SceneError(f"{names} act on the same part: give one friction with the force of both")
+            raise SceneError(
+                f"{names} act on the same part: give one friction with the force of both"
+            )
 
 
 def check_jumps(net: Network, systems: Systems) -> None:
@@ -138,10 +156,15 @@ def check_jumps(net: Network, systems: Systems) -> None:
     allowed |= {s.target: int(bool(s.offset) or _moves_itself(s, systems)) for s in net.switches}
     for system in systems.values():
         for drive in system.drives if system else ():
-            if drive[1] > allowed.get(drive[0].name, drive[1]) and system and _acts(system, drive, net):
+            if (
+                drive[1] > allowed.get(drive[0].name, drive[1])
+                and system
+                and _acts(system, drive, net)
+            ):
                 element = next(e for e in net.elements if e.target == drive[0].name)
                 raise SceneError(
-                    f"{element.name}: its output jumps, and the scene differentiates it: add a filter after it, "
+                    f"{element.name}: its output jumps, and the scene differentiates it: add "
+                    f"a filter after it, "
                     "or render a filtered velocity ([rendered])"
                 )
 
@@ -150,11 +173,16 @@ def check_derivatives(motion: Motion, systems: Systems) -> None:
     """Raise SceneError where the scene needs more derivatives of the motion than it has."""
     present = [system for system in systems.values() if system]
     needed = [
-        k for x in present for drive in x.drives for k in [drive[1]] if drive[0].name == MOTION and _acts(x, drive)
+        k
+        for x in present
+        for drive in x.drives
+        for k in [drive[1]]
+        if drive[0].name == MOTION and _acts(x, drive)
     ]
     if max(needed, default=0) > motion.smoothness:
         raise SceneError(
-            f"{motion.name}: the scene needs derivative {max(needed)} of the motion, a recording has {motion.smoothness}"
+            f"{motion.name}: the scene needs derivative {max(needed)} of the motion, a "
+            f"recording has {motion.smoothness}"
         )
 
 
@@ -163,20 +191,29 @@ def _moves_itself(switch: Switch, systems: Systems) -> bool:
     system = systems[frozenset()]
     assert system is not None
     row = system.rows[system.readings.index((switch.driver, 0))]
-    places = [system.exact.size + i for i, (x, k) in enumerate(system.drives) if (x.name, k) == (switch.target, 1)]
+    places = [
+        system.exact.size + i
+        for i, (x, k) in enumerate(system.drives)
+        if (x.name, k) == (switch.target, 1)
+    ]
     return bool(row[places].any())
 
 
 def _acts(system: Linear, drive: Drive, net: Network | None = None) -> bool:
-    """Whether an input's derivative is in anything but the velocities that only switches look at."""
+    """Whether an input's derivative is in anything but the velocities that only switches look
+    at."""
     watched = [(s.driver, k) for s in net.switches for k in (0, 1)] if net else []
     rows = [i for i, reading in enumerate(system.readings) if reading not in watched]
     index = system.drives.index(drive)
-    return bool(system.rows[rows, system.exact.size + index].any() or system.propagator.N[:, index].any())
+    return bool(
+        system.rows[rows, system.exact.size + index].any() or system.propagator.N[:, index].any()
+    )
 
 
 _MOST_AT_ONCE = 256
-_FINEST = 64  # steps to the shortest delay; delays with no such common measure are read between steps
+_FINEST = (
+    64  # steps to the shortest delay; delays with no such common measure are read between steps
+)
 _TINY = 1e-12  # of a step: closer instants are the same one
 _ROUNDING = 1e-14  # of the time
 _UNBOUNDED = 1e15  # m, N: beyond any display
@@ -196,17 +233,28 @@ class Engine:
         rest: Mapping[str, float] | None = None,
     ) -> None:
         if len(net.switches) > 3:
-            raise SceneError(f"{len(net.switches)} elements with friction or saturation: at most 3 can be simulated")
-        monitored = [(s.driver, 0) for s in net.switches] + [(s.driver, 1) for s in net.switches if s.offset == 0]
+            raise SceneError(
+                f"{len(net.switches)} elements with friction or saturation: at most 3 can be "
+                f"simulated"
+            )
+        monitored = [(s.driver, 0) for s in net.switches] + [
+            (s.driver, 1) for s in net.switches if s.offset == 0
+        ]
         targets = [(s.target, 0) for s in net.switches]
-        sources = [(name, 0) for name in (*(h.source for h in net.holds), *(q.source for q in net.steps))]
+        sources = [
+            (name, 0) for name in (*(h.source for h in net.holds), *(q.source for q in net.steps))
+        ]
         self.net, self.motion = net, motion
         self.systems = linear_systems(net, [*readings, *monitored, *targets, *sources])
         self.modes = [
-            0 if s.offset or self.systems[frozenset([i])] is not None else 1 for i, s in enumerate(net.switches)
+            0 if s.offset or self.systems[frozenset([i])] is not None else 1
+            for i, s in enumerate(net.switches)
         ]
-        self.driven = [i for i, mode in enumerate(self.modes) if mode and not net.switches[i].offset]
-        """Frictions whose velocity is prescribed, so that they cannot stick: where it is exactly 0 they give no force."""
+        self.driven = [
+            i for i, mode in enumerate(self.modes) if mode and not net.switches[i].offset
+        ]
+        """Frictions whose velocity is prescribed, so that they cannot stick: where it is exactly 0
+        they give no force."""
         self.resting = set(self.driven)
         check_frictions(net, self.systems)
         check_jumps(net, self.systems)
@@ -216,14 +264,18 @@ class Engine:
         self.z = np.zeros(self.system.exact.size)
         self.record = Record(len(self.system.readings))
         self.t, self.samples = 0.0, [0] * len(net.holds)
-        self.taken, self.given = ([[0.0] * max(len(x.above), len(x.below)) for x in net.holds] for _ in range(2))
+        self.taken, self.given = (
+            [[0.0] * max(len(x.above), len(x.below)) for x in net.holds] for _ in range(2)
+        )
         """What each clock has sampled, and what it gave; before the start, too."""
         self._lags = [float_of(lag) for lag in self._late]
         self.breaks = Breaks(self._lags, motion.breaks)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
         position = float(motion.derivatives(np.zeros(1), 0)[0, 0])
-        if rest or position:  # the hand has rested at its first position for so long that everything else rests too
+        if (
+            rest or position
+        ):  # the hand has rested at its first position for so long that everything else rests too
             self._begin(rest or at_rest(self.net, position))
 
     def _begin(self, rest: Mapping[str, float]) -> None:
@@ -231,19 +283,29 @@ class Engine:
             if switch.offset and abs(rest[switch.driver]) > switch.limit:
                 self.modes[i] = 1 if rest[switch.driver] > 0 else -1
         self._update_forces()
-        self.record.before = np.array([rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings])
+        self.record.before = np.array(
+            [rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings]
+        )
         for i, hold in enumerate(self.net.holds):
             sample = hold.read(rest[hold.source])
-            self.held[hold.target] = rest[hold.target] * (sample / rest[hold.source] if sample else 0.0)
+            self.held[hold.target] = rest[hold.target] * (
+                sample / rest[hold.source] if sample else 0.0
+            )
             self.taken[i] = [sample] * len(self.taken[i])
             self.given[i] = [self.held[hold.target]] * len(self.taken[i])
         for step in self.net.steps:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
-        everything = {(name, k): rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.exact.columns}
+        everything = {
+            (name, k): rest.get(name, 0.0) if k == 0 else 0.0
+            for name, k in self.system.exact.columns
+        }
         keys = list(self.system.exact.columns)
         known = {**rest, **self.held}
         inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
-        self.z = np.array([everything[keys[i]] for i in self.system.exact.chosen]) - self.system.back @ inputs
+        self.z = (
+            np.array([everything[keys[i]] for i in self.system.exact.chosen])
+            - self.system.back @ inputs
+        )
 
     @cached_property
     def _late(self) -> list[Exact]:
@@ -252,11 +314,15 @@ class Engine:
         return sorted({x.lag for x in inputs if x.lag != 0 and x.name != MOTION})
 
     def _regular(self, longest: float) -> float:
-        """The longest step of a grid on which what is read from delay lines falls on whole steps, if there is one.
+        """The longest step of a grid on which what is read from delay lines falls on whole steps,
+        if there is one.
 
-        Reading between steps would amplify the highest frequencies a little, again and again where they come back.
+        Reading between steps would amplify the highest frequencies a little, again and again where
+        they come back.
         """
-        unit = float_of(reduce(fmpq.gcd, self._late, fmpq(0)))  # the longest time that all are whole multiples of
+        unit = float_of(
+            reduce(fmpq.gcd, self._late, fmpq(0))
+        )  # the longest time that all are whole multiples of
         usual = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
         base = unit if unit and usual / unit <= _FINEST else usual
         return base / float(np.ceil(base / longest - 1e-9))
@@ -271,7 +337,8 @@ class Engine:
 
     @property
     def _tiny(self) -> float:
-        """What two instants may be apart that are one, s: a part of a step, and more than the rounding of sums of such."""
+        """What two instants may be apart that are one, s: a part of a step, and more than the
+        rounding of sums of such."""
         return max(_TINY * self.longest, _ROUNDING * self.t)
 
     # Going on
@@ -286,24 +353,36 @@ class Engine:
             h = self.longest
             ends = [until, *self.breaks.next(self.t + self._tiny), *self._next_on_grid()]
             ticks = [n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True)]
-            in_steps = [*((x - self.t) / h for x in ticks), *(hold.period / h for hold in self.net.holds)]
+            in_steps = [
+                *((x - self.t) / h for x in ticks),
+                *(hold.period / h for hold in self.net.holds),
+            ]
             if any(abs(x - round(x)) > 1e-9 for x in in_steps):
                 ends += ticks
             end = min(ends)
             whole = int((end - self.t) / h + 1e-9)
             h = h if whole else float(f"{end - self.t:.13e}")  # equal steps are recognised as equal
             # no step may read a delay line where it has not been written yet
-            chunk = max(1, min(whole, self.calm, int(self._lags[0] / h + 1e-9) if self._lags else whole))
+            chunk = max(
+                1, min(whole, self.calm, int(self._lags[0] / h + 1e-9) if self._lags else whole)
+            )
             arrived = self.t + chunk * h
-            instants = [end, *(round(arrived / hold.period) * hold.period for hold in self.net.holds)]
-            self._take(chunk, h, next((x for x in instants if abs(arrived - x) < 1e-9 * h), arrived))
+            instants = [
+                end,
+                *(round(arrived / hold.period) * hold.period for hold in self.net.holds),
+            ]
+            self._take(
+                chunk, h, next((x for x in instants if abs(arrived - x) < 1e-9 * h), arrived)
+            )
 
     def _take(self, chunk: int, h: float, end: float) -> None:
         states, values = self._attempt(chunk, h)
         if self._moves_or_rests(values[0, 0]):
             self._undo(0)
             states, values = self._attempt(chunk, h)
-        event = first_event(guards(self.net, self.modes, self.held, self.resting), values, self.column, self.motion)
+        event = first_event(
+            guards(self.net, self.modes, self.held, self.resting), values, self.column, self.motion
+        )
         if event is None:
             self._accept(h, values, states[-1], end)
             self.calm = min(2 * self.calm, _MOST_AT_ONCE)
@@ -320,7 +399,8 @@ class Engine:
         self._react(guard)
 
     def _moves_or_rests(self, now: Array) -> bool:
-        """Whether a driven friction begins to slip, or comes to rest, with these readings: by the sign of its velocity."""
+        """Whether a driven friction begins to slip, or comes to rest, with these readings: by the
+        sign of its velocity."""
         before = set(self.resting), tuple(self.modes)
         for i in self.driven:
             velocity = now[self.column(self.net.switches[i].driver)]
@@ -338,10 +418,14 @@ class Engine:
         w = self._inputs(self.t + h * (np.arange(chunk)[:, None] + NODES))
         ends = at_end(w)
         self.due = [
-            range(max(1, round((m * hold.period - self.t) / h)), chunk, max(1, round(hold.period / h)))
+            range(
+                max(1, round((m * hold.period - self.t) / h)), chunk, max(1, round(hold.period / h))
+            )
             for m, hold in zip(self.samples, self.net.holds, strict=True)
         ]
-        places = [(system.columns[hold.source, 0], system.steady[hold.target]) for hold in self.net.holds]
+        places = [
+            (system.columns[hold.source, 0], system.steady[hold.target]) for hold in self.net.holds
+        ]
 
         def change(step: int, z: Array) -> None:
             for i, (due, (source, target)) in enumerate(zip(self.due, places, strict=True)):
@@ -351,7 +435,9 @@ class Engine:
                     w[step:, :, target] = ends[step:, target] = self._sampled(i, float(value))
 
         with np.errstate(over="ignore", invalid="ignore"):  # a loop may grow without bound
-            inside, states = system.propagator.march(self.z, w, h, change if any(self.due) else None)
+            inside, states = system.propagator.march(
+                self.z, w, h, change if any(self.due) else None
+            )
             return states, system.outputs(inside, w)
 
     def _undo(self, step: int) -> None:
@@ -368,7 +454,9 @@ class Engine:
             known = int(bounded.argmin())
             self.record.append(self.t, h, values[:known])
             where = f"overflow at {self.t + (known + 1) * h:.4g} s"
-            raise SceneError(f"the simulated force grows without bound ({where}): the scene is not stable")
+            raise SceneError(
+                f"the simulated force grows without bound ({where}): the scene is not stable"
+            )
         self.record.append(self.t, h, values)
         for k in (k for due in self.due for k in due if k <= len(values)) if self._lags else ():
             self.breaks.after(self.t + k * h)
@@ -386,7 +474,9 @@ class Engine:
             if x.others and x.lag:
                 w[..., x.others] = self.record.at(times - x.lag, x.columns)
             elif x.others:
-                w[..., x.others] = [0.0 if drives[i][1] else self.held[drives[i][0].name] for i in x.others]
+                w[..., x.others] = [
+                    0.0 if drives[i][1] else self.held[drives[i][0].name] for i in x.others
+                ]
         return w
 
     def _hand(self, times: Array, order: int) -> Array:
@@ -398,7 +488,8 @@ class Engine:
     # Clocks
 
     def _sample(self) -> None:
-        """Let every clock whose time has come read its source, and hold what it computes of that."""
+        """Let every clock whose time has come read its source, and hold what it computes of
+        that."""
         for i, hold in enumerate(self.net.holds):
             if self.samples[i] * hold.period <= self.t + self._tiny:
                 self._sampled(i, self._now(hold.source))
@@ -421,7 +512,11 @@ class Engine:
     def _next_on_grid(self) -> list[float]:
         """Back to the grid of the delay lines, after a step that ended beside it."""
         place = self.t / self.longest
-        return [float(np.ceil(place) * self.longest)] if self._lags and abs(place - round(place)) > 1e-9 else []
+        return (
+            [float(np.ceil(place) * self.longest)]
+            if self._lags and abs(place - round(place)) > 1e-9
+            else []
+        )
 
     # Switches and quantisers
 
@@ -429,8 +524,10 @@ class Engine:
         self.events += 1
         if self.events > _MOST_EVENTS:
             raise SceneError(
-                f"{guard.element.name}: more than {_MOST_EVENTS} switches before {self.t:.4g} s: noise that crosses its "
-                "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate a shorter time"
+                f"{guard.element.name}: more than {_MOST_EVENTS} switches before "
+                f"{self.t:.4g} s: noise that crosses its "
+                "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate "
+                "a shorter time"
             )
         at, count = self.stalled
         self.stalled = (self.t, count + 1 if self.t - at < self._tiny else 0)
@@ -449,15 +546,23 @@ class Engine:
         everything = dict(zip(before.exact.columns, map(float, now), strict=True))
         force = everything.get((switch.target, 0), self.held[switch.target])
         after_closed = 1 if force > 0 else -1
-        self.modes[index] = after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
+        self.modes[index] = (
+            after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
+        )
         self._update_forces()
         if self.system is not before:
             self.z = self._state_from(everything)
 
     def _after_slip(self, index: int) -> int:
-        """What follows when the sliding velocity reaches zero: slip the other way, if that force would let it; else stick."""
+        """What follows when the sliding velocity reaches zero: slip the other way, if that force
+        would let it; else stick."""
         switch, old = self.net.switches[index], self.modes[index]
-        if self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)] is None:
+        if (
+            self.systems[
+                frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)
+            ]
+            is None
+        ):
             return -old
         for order in (0, 1):
             row = self.system.rows[self.column(switch.driver, order)]
@@ -466,7 +571,9 @@ class Engine:
                 return 0  # the force cannot jump: it moves what it acts on
             if found[1]:
                 now = float(
-                    self.system.outputs(self.z, self._inputs(np.array(self.t)))[self.column(switch.driver, order)]
+                    self.system.outputs(self.z, self._inputs(np.array(self.t)))[
+                        self.column(switch.driver, order)
+                    ]
                 )
                 other = now - 2 * old * switch.limit * found[1]
                 return -old if other * old < 0 else 0
@@ -475,15 +582,21 @@ class Engine:
     def _state_from(self, everything: dict[Reading, float]) -> Array:
         """The state of the present equations when these variables go on without a jump."""
         keys = list(self.system.exact.columns)
-        chosen = [everything.get(keys[i], self.held.get(keys[i][0], 0.0)) for i in self.system.exact.chosen]
+        chosen = [
+            everything.get(keys[i], self.held.get(keys[i][0], 0.0))
+            for i in self.system.exact.chosen
+        ]
         result: Array = np.array(chosen) - self.system.back @ self._inputs(np.array(self.t))
         return result
 
     def _update_forces(self) -> None:
-        """Of the switches as they are now, and the linear equations; SceneError where these contradict each other."""
+        """Of the switches as they are now, and the linear equations; SceneError where these
+        contradict each other."""
         found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
         if found is None:
-            names = ", ".join(s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0)
+            names = ", ".join(
+                s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0
+            )
             raise SceneError(f"{names}: they cannot all stick at once")
         self.system = found
         for i, (switch, mode) in enumerate(zip(self.net.switches, self.modes, strict=True)):

@@ -1,10 +1,12 @@
 """Simulation in time as an independent check: the force at the hand, and from it back to H_perc.
 
-The hand's motion is prescribed. Each element of the scene adds its equations of motion (``network``); their algebraic part is
-solved exactly (``statespace``), and between events they are integrated exactly (``engine``). The closed form of H_perc is used
-nowhere. Once the transient is over, a lock-in recovers Re and Im of H_perc: least squares with sines and cosines of the excited
-frequencies, under a taper that fades a window in and out, so that what is not fitted (images of a clock, harmonics, the last of
-a transient) leaks into the fit by orders of magnitude less than through a plain window. These are held against the closed form.
+The hand's motion is prescribed. Each element of the scene adds its equations of motion
+(``network``); their algebraic part is solved exactly (``statespace``), and between events they are
+integrated exactly (``engine``). The closed form of H_perc is used nowhere. Once the transient is
+over, a lock-in recovers Re and Im of H_perc: least squares with sines and cosines of the excited
+frequencies, under a taper that fades a window in and out, so that what is not fitted (images of a
+clock, harmonics, the last of a transient) leaks into the fit by orders of magnitude less than
+through a plain window. These are held against the closed form.
 """
 
 from __future__ import annotations
@@ -51,7 +53,8 @@ from haptisym.verbs.simulate.statespace import Reading, Record, StateSpace
 
 @dataclass(frozen=True)
 class EncoderQuantisation:
-    """The display measures the hand's motion only in whole multiples of ``resolution``, m or rad (or with a unit)."""
+    """The display measures the hand's motion only in whole multiples of ``resolution``, m or rad
+    (or with a unit)."""
 
     resolution: Number
 
@@ -64,15 +67,19 @@ class ForceSaturation:
 
 
 Extra = EncoderQuantisation | ForceSaturation
-"""What only simulation knows: neither has a describing function here, and no closed form holds it."""
+"""What only simulation knows: neither has a describing function here, and no closed form holds
+it."""
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """H_perc at one excited frequency, rad/s: recovered from the simulated force, and by its closed form. N/m or N m/rad.
+    """H_perc at one excited frequency, rad/s: recovered from the simulated force, and by its closed
+    form. N/m or N m/rad.
 
-    ``error`` bounds the numerical error of ``simulated`` (steps, transient, images; an estimate, not a proof).
-    ``agrees`` is None where the closed form itself is an approximation; ``approximate`` then says why.
+    ``error`` bounds the numerical error of ``simulated`` (steps, transient, images; an estimate,
+    not a proof).
+    ``agrees`` is None where the closed form itself is an approximation; ``approximate`` then says
+    why.
     """
 
     omega: float
@@ -88,16 +95,19 @@ class Estimate:
 
     @property
     def agrees(self) -> bool | None:
-        """Whether it is within the error of the estimate; None where the simulation approximates."""
+        """Whether it is within the error of the estimate; None where the simulation
+        approximates."""
         return None if self.approximate else self.difference <= self.error
 
 
 @dataclass(frozen=True)
 class ForceError:
-    """What encoder and limit make of the force at the hand, N or N m: that of the same motion without them is subtracted.
+    """What encoder and limit make of the force at the hand, N or N m: that of the same motion
+    without them is subtracted.
 
-    ``largest``, ``rms`` : of all of it. ``quantised_largest``, ``quantised_rms`` : the part that the encoder makes, against the
-    same with the limit alone; 0 without an encoder. ``at_limit`` : the share of the time at which the force is at its limit.
+    ``largest``, ``rms`` : of all of it. ``quantised_largest``, ``quantised_rms`` : the part that
+    the encoder makes, against the same with the limit alone; 0 without an encoder. ``at_limit`` :
+    the share of the time at which the force is at its limit.
     """
 
     largest: float
@@ -109,7 +119,12 @@ class ForceError:
     def row(self) -> dict[str, Any]:
         """As a document has it."""
         parts = {"largest": self.quantised_largest, "rms": self.quantised_rms}
-        return {"largest": self.largest, "rms": self.rms, "quantisation": parts, "at_limit": self.at_limit}
+        return {
+            "largest": self.largest,
+            "rms": self.rms,
+            "quantisation": parts,
+            "at_limit": self.at_limit,
+        }
 
 
 class _Runs(Answer):
@@ -137,7 +152,8 @@ class _Runs(Answer):
 
     @property
     def agrees(self) -> bool | None:
-        """Whether all estimates agree with the closed forms; None where no exact closed form could be compared."""
+        """Whether all estimates agree with the closed forms; None where no exact closed form could
+        be compared."""
         verdicts = [x.agrees for run in self.runs for x in run.estimates if x.agrees is not None]
         return all(verdicts) if verdicts else None
 
@@ -166,14 +182,19 @@ class _Runs(Answer):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Simulation(_Runs):
-    """A run in time: force at the hand for a prescribed ``motion`` of ``scene``, from the equations of motion of its elements.
+    """A run in time: force at the hand for a prescribed ``motion`` of ``scene``, from the equations
+    of motion of its elements.
 
-    ``time``, s; ``displacement``, m or rad, and ``force``, N or N m, at the hand; ``environment_displacement`` and
-    ``environment_force``, the same at the environment: arrays of one length. ``estimates`` : for each excited frequency
-    ``omega``, rad/s, ``simulated`` and ``closed`` H_perc (complex, N/m or N m/rad), their ``difference``, an estimated ``error``,
-    and whether they agree; none for a chirp, a recording or a short run. ``built`` : the models that were simulated.
-    ``extras`` : encoder and force limit. ``notes`` : what a reader of the force should know. ``error`` : of a chirp or recording
-    with extras, the force against that of ideal hardware, N or N m; else None.
+    ``time``, s; ``displacement``, m or rad, and ``force``, N or N m, at the hand;
+    ``environment_displacement`` and
+    ``environment_force``, the same at the environment: arrays of one length. ``estimates`` : for
+    each excited frequency
+    ``omega``, rad/s, ``simulated`` and ``closed`` H_perc (complex, N/m or N m/rad), their
+    ``difference``, an estimated ``error``, and whether they agree; none for a chirp, a recording or
+    a short run. ``built`` : the models that were simulated.
+    ``extras`` : encoder and force limit. ``notes`` : what a reader of the force should know.
+    ``error`` : of a chirp or recording with extras, the force against that of ideal hardware, N or
+    N m; else None.
 
     Computed: floating point; errors are estimated from runs of different accuracy, not bounded.
 
@@ -197,7 +218,10 @@ class Simulation(_Runs):
     error: ForceError | None = None
 
     def _line(self) -> str:
-        return f"{titled(self.scene.title)}: {self.motion.name}, {counted(len(self.estimates), 'frequency', 'frequencies')}"
+        return (
+            f"{titled(self.scene.title)}: {self.motion.name}, "
+            f"{counted(len(self.estimates), 'frequency', 'frequencies')}"
+        )
 
     @property
     def runs(self) -> tuple[Simulation, ...]:
@@ -205,13 +229,18 @@ class Simulation(_Runs):
         return (self,)
 
     def to_csv(self) -> str:
-        """The run in time as a table, units in its header; rows are as far apart as the steps of the simulation want them."""
-        hand, environment = (self.displacement, self.force), (self.environment_displacement, self.environment_force)
+        """The run in time as a table, units in its header; rows are as far apart as the steps of
+        the simulation want them."""
+        hand, environment = (
+            (self.displacement, self.force),
+            (self.environment_displacement, self.environment_force),
+        )
         return in_time(self.scene, self.time, {"": hand, "environment ": environment})
 
 
 class Simulations(_Runs, tuple[Simulation, ...]):
-    """Runs of one scene, one for each frequency: as a page and as a document they are one answer."""
+    """Runs of one scene, one for each frequency: as a page and as a document they are one
+    answer."""
 
     def _line(self) -> str:
         return f"{titled(self.scene.title)}: {counted(len(self), 'run')}"
@@ -228,11 +257,16 @@ class Simulations(_Runs, tuple[Simulation, ...]):
 
 
 def in_time(scene: Scene, time: Array, ports: Mapping[str, tuple[Array, Array]]) -> str:
-    """Displacement and force at ports, by the beginning of their headings, over time: CSV with units in the header."""
+    """Displacement and force at ports, by the beginning of their headings, over time: CSV with
+    units in the header."""
     length, force = ("rad", "N m") if scene.motion is Kind.ROTATION else ("m", "N")
     heads = [
         "time [s]",
-        *(head for name in ports for head in (f"{name}displacement [{length}]", f"{name}force [{force}]")),
+        *(
+            head
+            for name in ports
+            for head in (f"{name}displacement [{length}]", f"{name}force [{force}]")
+        ),
     ]
     columns = (time, *(column for port in ports.values() for column in port))
     rows = (",".join(map(repr, map(float, row))) for row in zip(*columns, strict=True))
@@ -248,15 +282,20 @@ def _smoothing(motion: Motion) -> dict[str, Any]:
 
 def _estimate_row(x: Estimate) -> dict[str, Any]:
     return {
-        "omega": x.omega, "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
-        "closed": {"real": x.closed.real, "imag": x.closed.imag}, "difference": x.difference, "error": x.error,
-        "agrees": x.agrees, **({"approximate": x.approximate} if x.approximate else {}),
-    }  # fmt: skip
+        "omega": x.omega,
+        "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
+        "closed": {"real": x.closed.real, "imag": x.closed.imag},
+        "difference": x.difference,
+        "error": x.error,
+        "agrees": x.agrees,
+        **({"approximate": x.approximate} if x.approximate else {}),
+    }
 
 
 @dataclass(frozen=True, eq=False)
 class Lock:
-    """Phasors Y with y(t) = Im(Y exp(j omega t)), one for each frequency, and how much they still drift between windows."""
+    """Phasors Y with y(t) = Im(Y exp(j omega t)), one for each frequency, and how much they still
+    drift between windows."""
 
     values: Any
     drift: Array
@@ -267,11 +306,21 @@ class Lock:
         return float(self.drift.max() / np.abs(self.values).max())
 
 
-def lock(record: Record, signal: Array, motion: Sines, window: float, windows: int, *, drift: bool = False) -> Lock:
-    """The phasors of a recorded signal in the last window of its record, compared with a window a quarter earlier.
+def lock(
+    record: Record,
+    signal: Array,
+    motion: Sines,
+    window: float,
+    windows: int,
+    *,
+    drift: bool = False,
+) -> Lock:
+    """The phasors of a recorded signal in the last window of its record, compared with a window a
+    quarter earlier.
 
-    ``window``: s. With ``windows`` = 1 the two are not compared. ``drift``: fit a parabola along instead of a
-    constant; only a constant is orthogonal to harmonics and images. Raises SceneError where the record is too short.
+    ``window``: s. With ``windows`` = 1 the two are not compared. ``drift``: fit a parabola along
+    instead of a constant; only a constant is orthogonal to harmonics and images. Raises SceneError
+    where the record is too short.
     """
     times = record.instants
     end = float(record.times[record.count - 1] + record.lengths[record.count - 1])
@@ -280,16 +329,21 @@ def lock(record: Record, signal: Array, motion: Sines, window: float, windows: i
         shift = 0.0
     if end - window < motion.fade * (1 - 1e-9):
         raise SceneError(
-            f"duration: {end:g} s are too short to recover H_perc: give at least {motion.fade + window:g} s are needed"
+            f"duration: {end:g} s are too short to recover H_perc: give at least "
+            f"{motion.fade + window:g} s are needed"
         )
     values = _fitted(record, times, signal, motion, (end - window, window, 3 if drift else 1))
     if not shift:
         return Lock(values, np.zeros(len(values)))
-    earlier = _fitted(record, times, signal, motion, (end - window - shift, window, 3 if drift else 1))
+    earlier = _fitted(
+        record, times, signal, motion, (end - window - shift, window, 3 if drift else 1)
+    )
     return Lock(values, np.abs(values - earlier))
 
 
-def _fitted(record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]) -> Any:
+def _fitted(
+    record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]
+) -> Any:
     start, length, terms = window
     place = (times - start) / length
     inside = (place > 0) & (place < 1)
@@ -334,9 +388,15 @@ class Run:
         self.net = Network(motion.span)
         self.ports = build(self.net, scene, self.extras)
         self.net.equal(self.ports[-1].X, SignalSum.of(MOTION))
-        outputs = [(name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port]
+        outputs = [
+            (name_of(signal), 0) for port in (self.ports[0], self.ports[-1]) for signal in port
+        ]
         # between two samples of a recording it is one polynomial
-        longest = step / motion.span[1] if motion.omegas or motion.name == "chirp" else pi / motion.span[1]
+        longest = (
+            step / motion.span[1]
+            if motion.omegas or motion.name == "chirp"
+            else pi / motion.span[1]
+        )
         self.engine = self._engine(outputs, longest)
         _check_poles(scene, self.engine)
         _check_clocks(self.net, motion)
@@ -348,7 +408,8 @@ class Run:
             if not self.net.foreign:
                 raise
             raise SceneError(
-                f"{error}; of {', '.join(self.net.foreign)} only the chain matrix is known: its equations of motion must not "
+                f"{error}; of {', '.join(self.net.foreign)} only the chain matrix is known: "
+                f"its equations of motion must not "
                 "need the future; if they do, build it of the catalogue's effects"
             ) from None
 
@@ -357,12 +418,16 @@ class Run:
         steps, self.until = (until - self.engine.t) / self.engine.longest, max(until, self.until)
         if steps > _MOST_STEPS:
             raise SceneError(
-                f"duration: {until:.4g} s in steps of {self.engine.longest:.3g} s are more than {_MOST_STEPS} steps; "
+                f"duration: {until:.4g} s in steps of {self.engine.longest:.3g} s are more "
+                f"than {_MOST_STEPS} steps; "
                 "simulate a shorter time or higher frequencies"
             )
         grid = self.engine.longest
-        ends = np.linspace(self.engine.t, until, 1 + int(np.ceil(steps / 500)) if steps > 0 else 1)[1:]
-        # steps of odd length cost a matrix exponential each; only jumps need windows that end to the point
+        ends = np.linspace(self.engine.t, until, 1 + int(np.ceil(steps / 500)) if steps > 0 else 1)[
+            1:
+        ]
+        # steps of odd length cost a matrix exponential each; only jumps need windows that end to
+        # the point
         whole = np.ceil(ends / grid - 1e-9) * grid
         to_the_point = self.net.jumps or not isinstance(self.motion, Sines)
         for end in [*whole[:-1], *(ends[-1:] if to_the_point else whole[-1:])]:
@@ -379,25 +444,31 @@ class Run:
         self.to_windows(length or self.motion.fade + self.settling() + (WINDOW + 1) * period)
         found, before, idle, falling = self.lock(2), inf, 0, self._falling(period)
         while (
-            length is None and idle < _IDLE and self.engine.t < self.motion.fade + self.settling() + _PATIENCE * period
+            length is None
+            and idle < _IDLE
+            and self.engine.t < self.motion.fade + self.settling() + _PATIENCE * period
         ):
             worst = found.relative_drift
             if worst < (_ENOUGH_FRACTIONAL if self.net.fractional else _ENOUGH):
                 break
-            # images and quantisation do not fade; what a fractional derivative remembers does, but ever more slowly
+            # images and quantisation do not fade; what a fractional derivative remembers does, but
+            # ever more slowly
             idle = idle + 1 if worst > 0.9 * before and not self.net.fractional else 0
             falling, before = max(self._falling(period), worst / before), worst
             for _ in range(round(self.engine.t / period) if self.net.fractional else 1):
                 self.advance(self.engine.t + period)
             found = self.lock(2)
         if idle and found.relative_drift > _NEVER:
-            raise SceneError("the simulated force does not become periodic: the scene is not, or hardly, stable")
+            raise SceneError(
+                "the simulated force does not become periodic: the scene is not, or hardly, stable"
+            )
         falling = min(falling, 0.95)
         # what a transient that falls by this factor in each period has still to go
         return Lock(found.values, found.drift * max(1.0, falling / (1 - falling)))
 
     def to_windows(self, until: float) -> None:
-        """Simulate up to a time, with steps that end where windows end: half a step would spoil their quadrature."""
+        """Simulate up to a time, with steps that end where windows end: half a step would spoil
+        their quadrature."""
         period, self.until = period_of(self.motion), max(until, self.until)
         for back in range(WINDOW + 1, -1, -1):
             self.advance(max(until - back * period, self.engine.t))
@@ -406,9 +477,17 @@ class Run:
         """Amplitudes and phases of the force, from so many of its last windows."""
         assert isinstance(self.motion, Sines)
         force = self.engine.signal(name_of(self.ports[-1].F))
-        # what a fractional derivative remembers fades as a power of time: too slowly to wait for, but as a parabola
+        # what a fractional derivative remembers fades as a power of time: too slowly to wait for,
+        # but as a parabola
         fading = bool(self.net.fractional)
-        return lock(self.engine.record, force, self.motion, WINDOW * period_of(self.motion), windows, drift=fading)
+        return lock(
+            self.engine.record,
+            force,
+            self.motion,
+            WINDOW * period_of(self.motion),
+            windows,
+            drift=fading,
+        )
 
     def again(self, until: float) -> Lock:
         """The same window as another run's."""
@@ -416,7 +495,8 @@ class Run:
         return self.lock(1)
 
     def settling(self, tolerance: float = 1e-12) -> float:
-        """How long the slowest pole needs to fade to that, s; what loops with delays need shows only as they run."""
+        """How long the slowest pole needs to fade to that, s; what loops with delays need shows
+        only as they run."""
         return -log(tolerance) / self._slowest if self._slowest else 0.0
 
     def _falling(self, period: float) -> float:
@@ -448,8 +528,12 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
     near, sampled, resolution = ports[0], bool(scene.effects) and scene.effects[0].renders, 0.0
     for extra in extras:
-        if sampled and isinstance(extra, EncoderQuantisation):  # its clock reads the encoder: no other instant counts
-            resolution = max(resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene))
+        if sampled and isinstance(
+            extra, EncoderQuantisation
+        ):  # its clock reads the encoder: no other instant counts
+            resolution = max(
+                resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
+            )
             net.built.append("encoder-quantisation")
         else:
             near = _build_extra(net, extra, near, scene)
@@ -464,7 +548,8 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
 
 
 def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
-    """A quantiser or a limit between the environment and the port; the port that is left for the environment."""
+    """A quantiser or a limit between the environment and the port; the port that is left for the
+    environment."""
     if isinstance(extra, EncoderQuantisation):
         measured = net.signal("measured")
         size = _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
@@ -474,7 +559,9 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
     wanted = net.signal("wanted-force")
     limit = _sized("limit of the force", extra.limit, Dimension.FORCE, scene)
     closed = wanted - far.F
-    net.switches.append(Switch(name_of(far.F), closed, name_of(wanted), limit, limit, "force-saturation"))
+    net.switches.append(
+        Switch(name_of(far.F), closed, name_of(wanted), limit, limit, "force-saturation")
+    )
     net.built.append("force-saturation")
     return Port(wanted, far.X)
 
@@ -492,9 +579,14 @@ def same_kind(key: str, kind: Kind | None, scene: Scene) -> None:
 
 
 def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> None:
-    """Raise SceneError for what is no motion, no extra, or has symbols or units that cannot be simulated."""
+    """Raise SceneError for what is no motion, no extra, or has symbols or units that cannot be
+    simulated."""
     if not hasattr(motion, "derivatives"):
-        given = f'recording("{motion}")' if isinstance(motion, str) and motion.lower().endswith(".csv") else ""
+        given = (
+            f'recording("{motion}")'
+            if isinstance(motion, str) and motion.lower().endswith(".csv")
+            else ""
+        )
         makers = given or 'sine("5 cm", "2 Hz"), multisine, chirp or recording("hand.csv")'
         raise SceneError(f"motion: {motion!r:.60} is no motion: make one with {makers}")
     check_extras(extras)
@@ -505,7 +597,9 @@ def check_question(scene: Scene, motion: Motion, extras: Sequence[Extra]) -> Non
 def check_extras(extras: Sequence[Extra]) -> None:
     """Raise SceneError for what is no list of extras."""
     if not isinstance(extras, Sequence) or not all(isinstance(x, Extra) for x in extras):
-        raise SceneError(f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation")
+        raise SceneError(
+            f"extras: {extras!r:.60}: give a list of EncoderQuantisation and ForceSaturation"
+        )
 
 
 def _check_poles(scene: Scene, engine: Engine) -> None:
@@ -524,9 +618,13 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
         pole = rightmost_pole(scene.distortion().perc) if transcendental else worst
         if engine.net.holds and (pole is None or pole.real < 0):
             return  # a clock's factor 1 - exp(-s T) leaves a pole at 0 that is none: whether a loop grows will show
-        raise SceneError(f"the scene is unstable{_named(pole)}: there is no steady motion to simulate")
+        raise SceneError(
+            f"the scene is unstable{_named(pole)}: there is no steady motion to simulate"
+        )
     if not fed_back and worst.real > 1e-9 * max(1.0, float(np.abs(poles).max(initial=0.0))):
-        raise SceneError(f"the scene has an unstable internal motion{_named(worst)} that H_perc does not contain")
+        raise SceneError(
+            f"the scene has an unstable internal motion{_named(worst)} that H_perc does not contain"
+        )
 
 
 def _named(pole: complex | None) -> str:
@@ -558,24 +656,37 @@ def why_approximate(engine: Engine, scene: Scene) -> str:
             return reason
     for hold in engine.net.holds:
         if _jumps_behind(system.exact, engine.net, hold.source):
-            return f"{hold.name} samples what jumps or comes back to it: its images count, the closed form has the base band"
+            return (
+                f"{hold.name} samples what jumps or comes back to it: its images count, the "
+                f"closed form has the base band"
+            )
     return ""
 
 
 def _friction_reason(system: StateSpace, velocity: str, effect: Effect, motion: Motion) -> str:
-    name, amplitude = effect.name, next(float(p.value) for p in effect.parameters if p.key == "amplitude")
+    name, amplitude = (
+        effect.name,
+        next(float(p.value) for p in effect.parameters if p.key == "amplitude"),
+    )
     row, hand = (
         system.signal(velocity),
         system.inputs.index(next(x for x in system.inputs if x.name == MOTION and x.lag == 0)),
     )
     weights = [float_of(c[0, i]) for c in row.inputs for i in range(c.ncols())]
-    prescribed = len(row.inputs) > 1 and float_of(row.inputs[1][0, hand]) == 1.0 and sum(map(abs, weights)) == 1.0
+    prescribed = (
+        len(row.inputs) > 1
+        and float_of(row.inputs[1][0, hand]) == 1.0
+        and sum(map(abs, weights)) == 1.0
+    )
     if not prescribed or any(row.state[0, i] != 0 for i in range(system.size)):
         return f"{name} does not move as the hand does: its describing function is an approximation"
     if len(motion.omegas) > 1:
         return f"{name}: a describing function holds for one sine, not for several"
     if abs(motion.amplitude / amplitude - 1) > 1e-12:
-        return f"{name}: its describing function is for an amplitude of {amplitude:g}, the hand moves by {motion.amplitude:g}"
+        return (
+            f"{name}: its describing function is for an amplitude of {amplitude:g}, the hand "
+            f"moves by {motion.amplitude:g}"
+        )
     return ""
 
 
@@ -599,7 +710,8 @@ _MUCH = 10.0  # times the largest |H_perc| of the band: noise then matters befor
 
 
 def noise_notes(scene: Scene, motion: Motion) -> tuple[str, ...]:
-    """A sentence for a recording where |H_perc| is far larger at its highest frequency than on the band; none otherwise.
+    """A sentence for a recording where |H_perc| is far larger at its highest frequency than on the
+    band; none otherwise.
 
     A mass differentiates a motion twice: what is a micrometre of noise grows with omega^2.
     """
@@ -615,16 +727,22 @@ def noise_notes(scene: Scene, motion: Motion) -> tuple[str, ...]:
         return ()
     length, force = ("µrad", "N m") if scene.motion is Kind.ROTATION else ("µm", "N")
     where = "the cutoff of its low-pass" if lowpass else "its Nyquist frequency"
-    helps = "A lower cutoff removes more." if lowpass else "--lowpass FREQUENCY (zero phase) removes what is above it."
+    helps = (
+        "A lower cutoff removes more."
+        if lowpass
+        else "--lowpass FREQUENCY (zero phase) removes what is above it."
+    )
     note = (
-        f"Noise of the recording is amplified: 1 {length} at {top / (2 * pi):.4g} Hz, {where}, is {_NOISE * most:.3g} {force} "
+        f"Noise of the recording is amplified: 1 {length} at {top / (2 * pi):.4g} Hz, "
+        f"{where}, is {_NOISE * most:.3g} {force} "
         f"at the hand, {most / usual:.3g} times what it is on the band. {helps}"
     )
     return (note,)
 
 
 STEP = 0.9
-"""Radians of the highest frequency on a step; the error estimate compares with steps that are half as long again."""
+"""Radians of the highest frequency on a step; the error estimate compares with steps that are half
+as long again."""
 _COARSER = 1.5
 _FLOOR = 2e-11  # relative: what rounding leaves of a force that is a sum of larger ones
 
@@ -638,16 +756,20 @@ def simulate(
     progress: Callable[[float, float], None] | None = None,
     limit: float | None = SECONDS,
 ) -> Simulation:
-    """The force at the hand for a prescribed motion, and H_perc recovered from it at the frequencies of the motion.
+    """The force at the hand for a prescribed motion, and H_perc recovered from it at the
+    frequencies of the motion.
 
-    ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need if not given. ``extras``:
-    encoder quantisation or force saturation; of a recording or a chirp ``error`` then gives what they make of the force, by
-    further runs. ``progress`` is called with the simulated time and, as far as it is known, the
-    time to simulate, s. ``limit`` : seconds of processor time that it may take, LimitError after them; None for none.
-    Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit; the error of each estimate is
-    estimated, not proven.
-    Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose derivatives do not exist or
-    whose unit does not fit, and at and beyond the Nyquist frequency of a clock.
+    ``duration``: s, or with a unit (a step is not cut short); as long as transient and lock-in need
+    if not given. ``extras``:
+    encoder quantisation or force saturation; of a recording or a chirp ``error`` then gives what
+    they make of the force, by further runs. ``progress`` is called with the simulated time and, as
+    far as it is known, the time to simulate, s. ``limit`` : seconds of processor time that it may
+    take, LimitError after them; None for none.
+    Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit;
+    the error of each estimate is estimated, not proven.
+    Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose
+    derivatives do not exist or whose unit does not fit, and at and beyond the Nyquist frequency of
+    a clock.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> run = simulate(load_scene("fu2019"), sine("5 cm", 10))
@@ -674,15 +796,22 @@ def _simulated(
         late = [
             x.name
             for x in scene.effects
-            if x.model == "admittance-display" and any(p.key == "tau" and p.value for p in x.parameters)
+            if x.model == "admittance-display"
+            and any(p.key == "tau" and p.value for p in x.parameters)
         ]
         if not late:
             raise
-        why = "with tau the force would precede a prescribed motion: let go of the hand (--release), which is causal"
+        why = (
+            "with tau the force would precede a prescribed motion: let go of the hand "
+            "(--release), which is causal"
+        )
         raise SceneError(f"effects.{late[0]}: {why}") from error
     if not isinstance(motion, Sines) or (length is not None and length < least_duration(motion)):
         fine.advance(length or 0.0)
-        return replace(_result(fine, ()), error=None if isinstance(motion, Sines) or not extras else _error(fine))
+        return replace(
+            _result(fine, ()),
+            error=None if isinstance(motion, Sines) or not extras else _error(fine),
+        )
     found = fine.locked(length)
     coarse = Run(scene, motion, extras, STEP * _COARSER, progress)
     other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
@@ -697,7 +826,8 @@ def check(
     progress: Callable[[float, float], None] | None = None,
     limit: float | None = SECONDS,
 ) -> Simulations:
-    """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction, one after the other.
+    """Simulate along the band of a scene, at ``count`` frequencies: all at once, or, with friction,
+    one after the other.
 
     ``limit`` : seconds of processor time that all may take, LimitError after them; None for none.
 
@@ -722,7 +852,9 @@ def band_frequencies(scene: Scene, count: int) -> list[float]:
     low, high = (float(end) for end in scene.band)
     base = high / (2 * count)
     multiples = [n for n in range(1, 2 * count + 1) if n * base >= low]
-    chosen = np.unique(np.round(np.linspace(multiples[0], multiples[-1], min(count, len(multiples)))).astype(int))
+    chosen = np.unique(
+        np.round(np.linspace(multiples[0], multiples[-1], min(count, len(multiples)))).astype(int)
+    )
     return [float(n * base) for n in chosen]
 
 
@@ -744,16 +876,28 @@ def default_amplitude(scene: Scene) -> float:
 def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
     engine = run.engine
     time = engine.record.instants.ravel()
-    columns = [engine.signal(name_of(s)).ravel() for s in (run.ports[-1].F, run.ports[0].X, run.ports[0].F)]
+    columns = [
+        engine.signal(name_of(s)).ravel() for s in (run.ports[-1].F, run.ports[0].X, run.ports[0].F)
+    ]
     hand = run.motion.derivatives(time, 0)[0]
     return Simulation(
-        run.scene, run.motion, time, hand, columns[0], columns[1], columns[2], estimates, tuple(run.net.built), run.extras,
+        run.scene,
+        run.motion,
+        time,
+        hand,
+        columns[0],
+        columns[1],
+        columns[2],
+        estimates,
+        tuple(run.net.built),
+        run.extras,
         noise_notes(run.scene, run.motion),
-    )  # fmt: skip
+    )
 
 
 def _error(run: Run) -> ForceError:
-    """Further runs of the same motion: without extras, and without the encoder where there is a limit too."""
+    """Further runs of the same motion: without extras, and without the encoder where there is a
+    limit too."""
     limits = [x for x in run.extras if isinstance(x, ForceSaturation)]
     record, weights = run.engine.record, run.engine.record.quadrature.ravel()
     weights = weights / weights.sum()
@@ -764,7 +908,10 @@ def _error(run: Run) -> ForceError:
             return 0.0, 0.0
         other = Run(run.scene, run.motion, extras, STEP, run.progress)
         other.advance(run.engine.t)
-        by = force - other.engine.record.at(times, [other.engine.column(name_of(other.ports[-1].F))])[:, 0]
+        by = (
+            force
+            - other.engine.record.at(times, [other.engine.column(name_of(other.ports[-1].F))])[:, 0]
+        )
         return float(np.abs(by).max()), float(np.sqrt(weights @ by**2))
 
     everything = off(())
@@ -807,17 +954,27 @@ def run(
     options: Mapping[str, str | None],
     progress: Callable[[float, float], None] | None = None,
 ) -> Simulations:
-    """The runs of one call: one, or with ``along_band`` those of a check along the band. ``progress`` as in ``simulate``."""
+    """The runs of one call: one, or with ``along_band`` those of a check along the band.
+    ``progress`` as in ``simulate``."""
     refused = [
-        key for key in ("omega", "duration", "quantise", "saturate", "lowpass") if along_band and options.get(key)
+        key
+        for key in ("omega", "duration", "quantise", "saturate", "lowpass")
+        if along_band and options.get(key)
     ]
     if along_band and (refused or options.get("kind") not in (None, "sine")):
-        raise SceneError(f"--check chooses motion and time: leave out --{(refused or ['motion'])[0]}")
+        raise SceneError(
+            f"--check chooses motion and time: leave out --{(refused or ['motion'])[0]}"
+        )
     if along_band:
         return check(scene, amplitude=options.get("amplitude"), progress=progress, limit=None)
     made = motion(scene, options)
     found = simulate(
-        scene, made, duration=options.get("duration"), extras=extras_of(options), progress=progress, limit=None
+        scene,
+        made,
+        duration=options.get("duration"),
+        extras=extras_of(options),
+        progress=progress,
+        limit=None,
     )
     return Simulations([found])
 
@@ -828,7 +985,9 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
     if options.get("lowpass") and not kind.lower().endswith(".csv"):
         raise SceneError("--lowpass smooths a recorded motion: give one with --motion FILE.csv")
     amplitude = options.get("amplitude") or default_amplitude(scene)
-    highest = positive("omega", options["omega"], Dimension.FREQUENCY) if options.get("omega") else None
+    highest = (
+        positive("omega", options["omega"], Dimension.FREQUENCY) if options.get("omega") else None
+    )
     if kind == "sine":
         return sine(amplitude, highest or top / 3)
     if kind == "multisine":
@@ -839,11 +998,14 @@ def motion(scene: Scene, options: Mapping[str, str | None]) -> Motion:
         return chirp(amplitude, high / 20, high, options.get("duration") or 200 * pi / high)
     if not kind.lower().endswith(".csv"):
         raise SceneError(
-            f'--motion: unknown motion "{kind}": valid are sine, multisine, chirp and a file that ends in .csv'
+            f'--motion: unknown motion "{kind}": valid are sine, multisine, chirp and a file '
+            f"that ends in .csv"
         )
     if options.get("amplitude") or options.get("omega"):
         raise SceneError("--motion: leave out --amplitude and --omega, as the recording has them")
-    return recording(kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4))
+    return recording(
+        kind, lowpass=options.get("lowpass"), order=int(options.get("lowpass_order") or 4)
+    )
 
 
 def extras_of(options: Mapping[str, str | None]) -> tuple[Extra, ...]:

@@ -1,21 +1,25 @@
-"""The catalogue once more, from the physics: equations of motion in named signals, with exact coefficients.
+"""The catalogue once more, from the physics: equations of motion in named signals, with exact
+coefficients.
 
-A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a ``SignalSum`` of derivatives and
-delays that equals zero, and the elements that no linear equation describes (``Hold``, ``Switch``, ``Step``). Nothing here is a
-transfer function of the whole: every block adds its own equations, and only those of blocks that the scene names are ever made.
-They are written from springs, masses, delay lines, clocks and sliding friction, not from the chain matrices, which they are
-there to check. ``near`` and ``far`` are the ports towards the environment and towards the hand, each with force ``F`` and
-displacement ``X``.
+A ``Network`` is what a scene becomes before it is simulated: equations between signals, each a
+``SignalSum`` of derivatives and delays that equals zero, and the elements that no linear equation
+describes (``Hold``, ``Switch``, ``Step``). Nothing here is a transfer function of the whole: every
+block adds its own equations, and only those of blocks that the scene names are ever made.
+They are written from springs, masses, delay lines, clocks and sliding friction, not from the chain
+matrices, which they are there to check. ``near`` and ``far`` are the ports towards the environment
+and towards the hand, each with force ``F`` and displacement ``X``.
 
-*Fractional order.* s^alpha is a bank of first-order relaxations: no history to carry along. In s^(alpha-1) = sin(pi alpha)/pi *
-integral of lambda^(alpha-1)/(s + lambda) over lambda > 0, with lambda = e^y, the integrand is analytic in a strip, so that the
-trapezoidal rule converges exponentially (relative error about exp(-pi^2/step) on the imaginary axis). What lies below the
-slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are geometric series and therefore known
-exactly.
+*Fractional order.* s^alpha is a bank of first-order relaxations: no history to carry along. In
+s^(alpha-1) = sin(pi alpha)/pi * integral of lambda^(alpha-1)/(s + lambda) over lambda > 0, with
+lambda = e^y, the integrand is analytic in a strip, so that the trapezoidal rule converges
+exponentially (relative error about exp(-pi^2/step) on the imaginary axis). What lies below the
+slowest and beyond the fastest relaxation is a spring and a damper, whose strengths are geometric
+series and therefore known exactly.
 
-*Rest.* In a stable scene each signal goes, long after a step of the hand, to the step times the limit of its transfer function
-at s -> 0. That limit is taken from the equations of motion with a tiny rational s: s = 0 itself would lose what delay lines
-hold (a line of wave variables keeps its position error as a constant flow, and no equation without derivatives knows of it).
+*Rest.* In a stable scene each signal goes, long after a step of the hand, to the step times the
+limit of its transfer function at s -> 0. That limit is taken from the equations of motion with a
+tiny rational s: s = 0 itself would lose what delay lines hold (a line of wave variables keeps its
+position error as a constant flow, and no equation without derivatives knows of it).
 """
 
 from __future__ import annotations
@@ -34,7 +38,15 @@ from sympy import Expr, I, Rational, exp, pi
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, within
 from haptisym.kernel.rings import Polynomial
-from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model, controller, device
+from haptisym.model.catalogue import (
+    EFFECTS,
+    ENVIRONMENTS,
+    Effect,
+    Environment,
+    Model,
+    controller,
+    device,
+)
 from haptisym.programs.values import Array
 
 Exact: TypeAlias = fmpq
@@ -49,7 +61,8 @@ _ZERO = fmpq(0)
 
 
 def exact(value: Expr | int) -> Exact:
-    """An exact number of a scene as a rational one; pi is cut after 80 digits, everywhere alike, so that it still cancels."""
+    """An exact number of a scene as a rational one; pi is cut after 80 digits, everywhere alike, so
+    that it still cancels."""
     number = Rational(value) if isinstance(value, int) else Rational(value.xreplace({pi: _PI}))
     return fmpq(int(number.p), int(number.q))
 
@@ -88,16 +101,22 @@ class SignalSum:
     def renamed(self, old: tuple[str, Exact], new: tuple[str, Exact]) -> SignalSum:
         """With another signal, late by another time, in the place of one."""
         both = {old: new}
-        each = ((both.get((name, x), (name, x)), k, value) for (name, k, x), value in self.terms.items())
+        each = (
+            (both.get((name, x), (name, x)), k, value) for (name, k, x), value in self.terms.items()
+        )
         return SignalSum({(name, k, x): value for (name, x), k, value in each})
 
     def d(self, times: int = 1) -> SignalSum:
         """The derivative with respect to time, that many times."""
-        return SignalSum({(name, order + times, lag): value for (name, order, lag), value in self.terms.items()})
+        return SignalSum(
+            {(name, order + times, lag): value for (name, order, lag), value in self.terms.items()}
+        )
 
     def late(self, tau: Exact) -> SignalSum:
         """What it was ``tau`` seconds ago."""
-        return SignalSum({(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()})
+        return SignalSum(
+            {(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()}
+        )
 
     def through(self, *coefficients: Exact | int) -> SignalSum:
         """c0 x + c1 dx/dt + c2 d2x/dt2 + ..."""
@@ -109,7 +128,8 @@ class SignalSum:
 
 @dataclass(frozen=True)
 class Hold:
-    """A clock that samples ``source`` every ``T`` seconds, rounded to ``resolution``, and holds on ``target`` what it computes.
+    """A clock that samples ``source`` every ``T`` seconds, rounded to ``resolution``, and holds on
+    ``target`` what it computes.
 
     sum of below_i target(n - i) = sum of above_i source(n - i), for the n-th sample.
     """
@@ -135,7 +155,9 @@ class Hold:
 
     def read(self, value: float) -> float:
         """What is sampled of a value: a whole multiple of the resolution, or the value itself."""
-        return self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
+        return (
+            self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
+        )
 
     def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
         """What is held after these samples, and after what was held before."""
@@ -145,16 +167,20 @@ class Hold:
     def equation(self, source: SignalSum) -> SignalSum:
         """What is zero between two samples where they are taken of a signal all the time."""
         rows = (self.below, SignalSum.of(self.target)), (self.above, -source)
-        return sum((c * x.late(n * self.T) for row, x in rows for n, c in enumerate(row)), SignalSum({}))
+        return sum(
+            (c * x.late(n * self.T) for row, x in rows for n, c in enumerate(row)), SignalSum({})
+        )
 
 
 @dataclass(frozen=True)
 class Switch:
     """A force that is ``+limit`` or ``-limit`` or, in between, whatever keeps ``closed`` zero.
 
-    Coulomb friction: ``closed`` is the velocity, and the force holds it at zero (stick) until it reaches the limit.
-    Saturation: ``closed`` is input minus output, and beyond the limit the output stays there. ``driver`` is the signal
-    whose sign keeps the switch open: the velocity, or the input beyond its limit.
+    Coulomb friction: ``closed`` is the velocity, and the force holds it at zero (stick) until it
+    reaches the limit.
+    Saturation: ``closed`` is input minus output, and beyond the limit the output stays there.
+    ``driver`` is the signal whose sign keeps the switch open: the velocity, or the input beyond its
+    limit.
     """
 
     target: str
@@ -162,7 +188,8 @@ class Switch:
     driver: str
     limit: float
     offset: float
-    """What the magnitude of the driver must exceed to keep the switch open: 0 for friction, the limit for saturation."""
+    """What the magnitude of the driver must exceed to keep the switch open: 0 for friction, the
+    limit for saturation."""
     name: str
 
 
@@ -181,7 +208,8 @@ Element: TypeAlias = Hold | Switch | Step
 
 @dataclass
 class Network:
-    """Equations and elements as the blocks of a scene add them; ``known`` are the signals that elements set."""
+    """Equations and elements as the blocks of a scene add them; ``known`` are the signals that
+    elements set."""
 
     span: tuple[float, float]
     """The frequencies, rad/s, that the motion holds: a fractional derivative is built for them."""
@@ -202,13 +230,25 @@ class Network:
         return SignalSum.of(f"{label}.{self._count}")
 
     def hold_whole_delays(self) -> None:
-        """Let what is held, and late by whole periods, be held by a clock of its own: no delay line keeps it."""
+        """Let what is held, and late by whole periods, be held by a clock of its own: no delay line
+        keeps it."""
         for hold in tuple(self.holds):
-            lags = {x for e in self.equations for name, _, x in e.terms if name == hold.target and x != 0}
+            lags = {
+                x
+                for e in self.equations
+                for name, _, x in e.terms
+                if name == hold.target and x != 0
+            }
             for lag in sorted(x for x in lags if (x / hold.T).q == 1):
                 late = name_of(self.signal("late"))
-                self.holds.append(replace(hold, target=late, above=((_ZERO,) * int((lag / hold.T).p) + hold.above)))
-                self.equations = [e.renamed((hold.target, lag), (late, _ZERO)) for e in self.equations]
+                self.holds.append(
+                    replace(
+                        hold, target=late, above=((_ZERO,) * int((lag / hold.T).p) + hold.above)
+                    )
+                )
+                self.equations = [
+                    e.renamed((hold.target, lag), (late, _ZERO)) for e in self.equations
+                ]
 
     def zero(self, equation: SignalSum) -> None:
         """One more equation of motion: this sum is zero."""
@@ -235,8 +275,11 @@ def name_of(signal: SignalSum) -> str:
     return name
 
 
-def combined(net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum], y: SignalSum) -> None:
-    """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in time, not several."""
+def combined(
+    net: Network, formulas: Sequence[Expr], signals: Sequence[SignalSum], y: SignalSum
+) -> None:
+    """y = G_1 x_1 + G_2 x_2 + ... over one denominator: what the formulas share is one motion in
+    time, not several."""
     ring = Ring.of(formulas)
     quotients = [ring.convert(formula).reduced() for formula in formulas]
     common = reduce(lambda x, y: x * (y // x.gcd(y)), (q.denominator for q in quotients))
@@ -266,7 +309,9 @@ def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> 
     return total
 
 
-def _powers(net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, alpha: Exact, times: int) -> SignalSum:
+def _powers(
+    net: Network, made: dict[tuple[Any, int], SignalSum], x: SignalSum, alpha: Exact, times: int
+) -> SignalSum:
     """The derivative of order alpha, taken that many times; each is built once."""
     for n in range(1, times + 1):
         key = ((tuple(x.terms), alpha), n)
@@ -289,13 +334,16 @@ class Port(NamedTuple):
 def build_environment(net: Network, environment: Environment, port: Port) -> None:
     """Add the equations of an environment that is felt at a port."""
     net.built.append(environment.model)
-    ours = _ENVIRONMENTS.get(environment.model) if _is_ours(ENVIRONMENTS, environment.model) else None
+    ours = (
+        _ENVIRONMENTS.get(environment.model) if _is_ours(ENVIRONMENTS, environment.model) else None
+    )
     with within(environment.model):
         (ours or _written)(net, environment, port)
 
 
 def build_effect(net: Network, effect: Effect, near: Port, far: Port) -> None:
-    """Add the equations of an effect between two ports; those of a user's own model follow from its chain matrix."""
+    """Add the equations of an effect between two ports; those of a user's own model follow from its
+    chain matrix."""
     net.built.append(effect.model)
     ours = _EFFECTS.get(effect.model) if _is_ours(EFFECTS, effect.model) else None
     if ours is None:
@@ -305,8 +353,11 @@ def build_effect(net: Network, effect: Effect, near: Port, far: Port) -> None:
 
 
 def _is_ours(catalogue: Mapping[str, Model], model: str) -> bool:
-    """Whether a model is the package's own, not one that a user has entered, perhaps under the same name."""
-    return model in catalogue and catalogue[model].build.__module__.startswith(__name__.partition(".")[0] + ".")
+    """Whether a model is the package's own, not one that a user has entered, perhaps under the same
+    name."""
+    return model in catalogue and catalogue[model].build.__module__.startswith(
+        __name__.partition(".")[0] + "."
+    )
 
 
 def _values(element: Environment | Effect) -> dict[str, Exact]:
@@ -317,7 +368,8 @@ def _values(element: Environment | Effect) -> dict[str, Exact]:
 
 
 def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
-    """Springs and dampers in a row, whose velocities add up to that of x; perhaps with a spring k0 beside them."""
+    """Springs and dampers in a row, whose velocities add up to that of x; perhaps with a spring k0
+    beside them."""
     p = _values(element)
     total = p.get("k0", fmpq(0)) * port.X
     for key in p.keys() - {"k0"}:
@@ -356,9 +408,11 @@ def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> No
 
 
 def build_controller(net: Network, effect: Effect, port: Port, resolution: float = 0.0) -> None:
-    """Add a sampled controller in the place of the environment that it renders: its difference equation, between samples held.
+    """Add a sampled controller in the place of the environment that it renders: its difference
+    equation, between samples held.
 
-    ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded, without an event for each step.
+    ``resolution`` : of its encoder, m or rad; rounding a sample is sampling what was rounded,
+    without an event for each step.
     """
     D, T = controller(effect), _values(effect)["T"]
     both = (_in_delays(p) for p in (D.numerator, D.denominator))
@@ -400,14 +454,18 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
     net.equal(far.F, near.F + force)
     net.equal(velocity, near.X.d())
     if limit := float_of(_values(element)["force"]):
-        net.switches.append(Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name))
+        net.switches.append(
+            Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name)
+        )
     else:
         net.zero(force)
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
     net.equal(far.X, near.X)
-    combined(net, [1 / element.matrix[0]], [far.F], near.F)  # what the hand's force is to the rendered one
+    combined(
+        net, [1 / element.matrix[0]], [far.F], near.F
+    )  # what the hand's force is to the rendered one
 
 
 def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -459,7 +517,9 @@ _ENVIRONMENTS: dict[str, Callable[[Network, Environment, Port], None]] = {
 _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
     "sampled-loop": _sampled_loop,
     "zero-order-hold": _zero_order_hold,
-    **dict.fromkeys(("series", "first-order-lag", "second-order-lowpass", "delay", "pade-delay"), _series),
+    **dict.fromkeys(
+        ("series", "first-order-lag", "second-order-lowpass", "delay", "pade-delay"), _series
+    ),
     "shunt": _shunt,
     "compliance": _compliance,
     "coulomb-friction": _coulomb_friction,
@@ -476,10 +536,13 @@ _STEP = 0.4  # in ln(lambda): exp(-pi^2/0.4) is 2e-11
 _ACCURACY = 1e-9  # of the two ends
 
 
-def rates_and_weights(alpha: float, span: tuple[float, float]) -> tuple[list[float], list[float], float, float]:
+def rates_and_weights(
+    alpha: float, span: tuple[float, float]
+) -> tuple[list[float], list[float], float, float]:
     """Rates, 1/s, and weights of the bank, and the spring and the damper that stand for the rest.
 
-    s^alpha is about spring + damper s + sum of weight s/(s + rate), for frequencies of ``span``, rad/s.
+    s^alpha is about spring + damper s + sum of weight s/(s + rate), for frequencies of ``span``,
+    rad/s.
 
     >>> rates, weights, spring, damper = rates_and_weights(0.5, (1.0, 10.0))
     >>> value = spring + damper * 3j + sum(w * 3j / (3j + r) for r, w in zip(rates, weights))
@@ -517,7 +580,8 @@ def _rational(number: float) -> Exact:
 
 
 def bank_error(alpha: float, span: tuple[float, float], omegas: Array) -> float:
-    """The largest relative deviation of the bank from (j omega)^alpha at given frequencies, rad/s."""
+    """The largest relative deviation of the bank from (j omega)^alpha at given frequencies,
+    rad/s."""
     rates, weights, spring, damper = rates_and_weights(alpha, span)
     s = 1j * np.asarray(omegas)[:, None]
     value = spring + damper * s[:, 0] + (np.array(weights) * s / (s + np.array(rates))).sum(axis=1)
@@ -525,14 +589,16 @@ def bank_error(alpha: float, span: tuple[float, float], omegas: Array) -> float:
 
 
 _S = fmpq(1, 10**40)
-"""1/s. Numbers of the answer are wrong by about as little, relative to the time constants of the scene in s."""
+"""1/s. Numbers of the answer are wrong by about as little, relative to the time constants of the
+scene in s."""
 
 
 def at_rest(net: Network, position: float) -> dict[str, float]:
     """Every signal of a network while the hand rests at a position, m or rad.
 
-    Clocks let through what they sample, friction gives no force, a limited force is what it is without the limit or the limit,
-    and a quantiser counts as exact. Raises SceneError where something moves on though the hand rests.
+    Clocks let through what they sample, friction gives no force, a limited force is what it is
+    without the limit or the limit, and a quantiser counts as exact. Raises SceneError where
+    something moves on though the hand rests.
 
     >>> net, f, x = Network((1.0, 1.0)), SignalSum.of("f"), SignalSum.of("x")
     >>> net.equal(f, x.through(100, 15)), net.equal(x, SignalSum.of("motion"))
@@ -544,7 +610,9 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
     values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
     beyond = [x for x in net.switches if x.offset and abs(values[x.driver]) > x.limit]
     if beyond:
-        limits = {x.target: _rational(math.copysign(x.limit, values[x.driver]) / position) for x in beyond}
+        limits = {
+            x.target: _rational(math.copysign(x.limit, values[x.driver]) / position) for x in beyond
+        }
         values = {name: position * float_of(ratio) for name, ratio in _ratios(net, limits).items()}
     if not all(abs(value) < 1e15 for value in values.values()):
         raise SceneError("motion: the scene does not rest at the first sample: begin at 0")
@@ -552,13 +620,24 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
 
 
 def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
-    """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that stand at their limit."""
+    """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that
+    stand at their limit."""
     held = [x.equation(SignalSum.of(x.source).late(x.T / 2)) for x in net.holds]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
-    at_limit = {target: SignalSum.of(target) - ratio * SignalSum.of(MOTION) for target, ratio in limits.items()}
-    switched = [at_limit.get(x.target, x.closed if x.offset else SignalSum.of(x.target)) for x in net.switches]
+    at_limit = {
+        target: SignalSum.of(target) - ratio * SignalSum.of(MOTION)
+        for target, ratio in limits.items()
+    }
+    switched = [
+        at_limit.get(x.target, x.closed if x.offset else SignalSum.of(x.target))
+        for x in net.switches
+    ]
     equations = [*net.equations, *passed, *switched]
-    names = list(dict.fromkeys(name for equation in equations for name, _, _ in equation.terms if name != MOTION))
+    names = list(
+        dict.fromkeys(
+            name for equation in equations for name, _, _ in equation.terms if name != MOTION
+        )
+    )
     if len(equations) != len(names):
         raise SceneError("the effects do not determine the motion")
     place = {name: i for i, name in enumerate(names)}
@@ -572,12 +651,15 @@ def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
     try:
         found = left.solve(right)
     except ZeroDivisionError:
-        raise SceneError("motion: the scene has no state of rest at the first sample: begin at 0") from None
+        raise SceneError(
+            "motion: the scene has no state of rest at the first sample: begin at 0"
+        ) from None
     return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
 
 
 def _factor(key: SignalKey) -> Exact:
-    """s^n exp(-s lag) at the tiny s; three terms of the series are exact enough, as s^2 is 1e-80."""
+    """s^n exp(-s lag) at the tiny s; three terms of the series are exact enough, as s^2 is
+    1e-80."""
     _, order, lag = key
     turned = _S * lag
     return _S**order * (1 - turned + turned * turned / 2)

@@ -1,13 +1,16 @@
-"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of motion in time.
+"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of
+motion in time.
 
-The hand has held the display displaced for so long that everything rests; then the force with which it holds fades within a
-moment, and its mass, damping and stiffness alone stay. Clocks, delay lines and friction are real ones; the closed form of
-H_perc is not used. From the motion that follows, rate and frequency of what lasts longest are read by a matrix pencil (Hua and
-Sarkar, 1990) on even samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
+The hand has held the display displaced for so long that everything rests; then the force with which
+it holds fades within a moment, and its mass, damping and stiffness alone stay. Clocks, delay lines
+and friction are real ones; the closed form of H_perc is not used. From the motion that follows,
+rate and frequency of what lasts longest are read by a matrix pencil (Hua and Sarkar, 1990) on even
+samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
 
-With an encoder, friction or a limit of the force the loop is not linear. It comes to rest, grows, or rattles: a motion whose
-size stays as it is while the linear loop's would not. Amplitude and frequency of that are read from the last half of the run;
-what is proven is still the verdict on the linear loop.
+With an encoder, friction or a limit of the force the loop is not linear. It comes to rest, grows,
+or rattles: a motion whose size stays as it is while the linear loop's would not. Amplitude and
+frequency of that are read from the last half of the run; what is proven is still the verdict on the
+linear loop.
 """
 
 from __future__ import annotations
@@ -36,7 +39,15 @@ from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
 from haptisym.verbs.simulate.entry import Extra, build, check_extras, in_time, same_kind
-from haptisym.verbs.simulate.network import MOTION, Network, Port, SignalSum, at_rest, exact, name_of
+from haptisym.verbs.simulate.network import (
+    MOTION,
+    Network,
+    Port,
+    SignalSum,
+    at_rest,
+    exact,
+    name_of,
+)
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
@@ -53,7 +64,8 @@ _SHARE = 1e-3  # of the largest amplitude at the end of the window: less is no m
 
 @dataclass(frozen=True)
 class Mode:
-    """x = a exp(rate t) cos(omega t + phase): 1/s and rad/s; ``samples`` how many it was read from."""
+    """x = a exp(rate t) cos(omega t + phase): 1/s and rad/s; ``samples`` how many it was read
+    from."""
 
     s: complex
     samples: int
@@ -70,12 +82,20 @@ class Mode:
 
 
 def slowest(
-    record: Record, column: int, start: float, period: float, *, waving: bool = False, turn: float = 0.0
+    record: Record,
+    column: int,
+    start: float,
+    period: float,
+    *,
+    waving: bool = False,
+    turn: float = 0.0,
 ) -> Mode | None:
-    """The mode that is left at the end of a record, read from what comes after that share of it; None where nothing moves.
+    """The mode that is left at the end of a record, read from what comes after that share of it;
+    None where nothing moves.
 
-    ``waving`` : among those that oscillate, beside a creep that fades as a power of time. ``period`` : that of a clock, s, so
-    that every sample sees the clock alike; 0 without one. ``turn`` : a frequency, rad/s, that samples must still tell.
+    ``waving`` : among those that oscillate, beside a creep that fades as a power of time.
+    ``period`` : that of a clock, s, so that every sample sees the clock alike; 0 without one.
+    ``turn`` : a frequency, rad/s, that samples must still tell.
     """
     last = record.count - 1
     end = float(record.times[last] + record.lengths[last])
@@ -86,7 +106,9 @@ def slowest(
         first = max(first, end - _MOST * step)
     else:
         step = (end - first) / _COUNT
-    times = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64) * np.float64(step)
+    times = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64) * np.float64(
+        step
+    )
     if len(times) < 8:
         return None
     x = record.at(times, [column])[:, 0]
@@ -98,7 +120,9 @@ def slowest(
     last_sizes = np.abs(weights) * np.exp(s.real * step * (len(x) - 1))
     strong = last_sizes > _SHARE * last_sizes.max()
     if waving:
-        strong = (np.abs(weights) > _SHARE * _SHARE * np.abs(weights).max()) & (np.abs(s.imag) > np.abs(s.real) / 10)
+        strong = (np.abs(weights) > _SHARE * _SHARE * np.abs(weights).max()) & (
+            np.abs(s.imag) > np.abs(s.real) / 10
+        )
     if not strong.any():
         return None
     found = max(s[strong], key=lambda y: y.real)
@@ -106,7 +130,8 @@ def slowest(
 
 
 def envelope(record: Record, column: int, start: float) -> tuple[Mode, float]:
-    """The rate at which the largest values rise or fall after that share of a record, and how far it varies, of many modes."""
+    """The rate at which the largest values rise or fall after that share of a record, and how far
+    it varies, of many modes."""
     values = np.abs(record.values[: record.count, :, column])
     times = record.times[: record.count]
     end = float(times[-1])
@@ -114,7 +139,9 @@ def envelope(record: Record, column: int, start: float) -> tuple[Mode, float]:
     places = np.searchsorted(times, edges)
     sizes = [float(values[a : max(b, a + 1)].max()) for a, b in pairwise(places)]
     steps = np.diff(np.log(np.maximum(sizes, 1e-300))) / (edges[1] - edges[0])
-    return Mode(complex(float(steps.mean()), 0), _WINDOWS), float(np.abs(steps - steps.mean()).max())
+    return Mode(complex(float(steps.mean()), 0), _WINDOWS), float(
+        np.abs(steps - steps.mean()).max()
+    )
 
 
 def modes(x: Array, step: float) -> tuple[Array, Array]:
@@ -141,17 +168,20 @@ def modes(x: Array, step: float) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Rattle:
-    """A motion that neither dies away nor grows: half its peak-to-peak value, m or rad, and its mean frequency, rad/s."""
+    """A motion that neither dies away nor grows: half its peak-to-peak value, m or rad, and its
+    mean frequency, rad/s."""
 
     amplitude: float
     omega: float
 
 
 def rattle(time: Array, x: Array) -> tuple[float, float, float | None]:
-    """Half the peak-to-peak value of a motion, how that changes along it, and the motion's mean frequency, rad/s.
+    """Half the peak-to-peak value of a motion, how that changes along it, and the motion's mean
+    frequency, rad/s.
 
-    The change is the logarithm of the second half's size (mean of three windows) over the first half's. The frequency is that
-    of upward crossings of a level above the middle that each follow one of a level below; None for fewer than twenty of them.
+    The change is the logarithm of the second half's size (mean of three windows) over the first
+    half's. The frequency is that of upward crossings of a level above the middle that each follow
+    one of a level below; None for fewer than twenty of them.
 
     >>> t = np.linspace(0, 10 * np.pi, 15001)
     >>> size, change, omega = rattle(t, 3 + 2 * np.sin(5 * t))
@@ -180,9 +210,11 @@ _NEAR = 1e-6  # relative: how well a mode is read at best
 
 @dataclass(frozen=True)
 class Closed:
-    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven (``root.certified``).
+    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven
+    (``root.certified``).
 
-    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves. Friction is in neither.
+    With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves.
+    Friction is in neither.
     """
 
     root: Rightmost
@@ -209,7 +241,8 @@ class Closed:
 
     @property
     def is_endless(self) -> bool:
-        """Whether infinitely many roots lie, or end, right of all that are not fast: no one of them lasts longest."""
+        """Whether infinitely many roots lie, or end, right of all that are not fast: no one of them
+        lasts longest."""
         chain = self.chain
         slow = [x.real for x in self.root.others if abs(x) < _FAST]
         return chain is not None and chain > max(slow, default=-inf) - _NEAR
@@ -217,12 +250,15 @@ class Closed:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Release(Answer):
-    """A display that a hand held at ``displacement`` and let go. ``hand_motion`` and ``force`` over ``time``, s.
+    """A display that a hand held at ``displacement`` and let go. ``hand_motion`` and ``force`` over
+    ``time``, s.
 
-    ``fitted`` : what lasts longest in the motion, None where nothing is left to read; ``error`` its estimated error, 1/s.
-    ``closed`` : the closed form's, None where it has no root, or that of a loop with a clock is not known. ``stopped`` : why the
-    run ended early.
-    ``approximate`` : why the closed form is not what was simulated; empty where it is. ``held`` : the certified verdict.
+    ``fitted`` : what lasts longest in the motion, None where nothing is left to read; ``error`` its
+    estimated error, 1/s.
+    ``closed`` : the closed form's, None where it has no root, or that of a loop with a clock is not
+    known. ``stopped`` : why the run ended early.
+    ``approximate`` : why the closed form is not what was simulated; empty where it is. ``held`` :
+    the certified verdict.
     """
 
     _schema: ClassVar[str] = "haptisym.release/1"
@@ -247,7 +283,11 @@ class Release(Answer):
     extras: tuple[Extra, ...] = ()
 
     def _line(self) -> str:
-        told = "rattles" if self.rattle else {True: "grows", False: "dies away", None: "is left open"}[self.grows]
+        told = (
+            "rattles"
+            if self.rattle
+            else {True: "grows", False: "dies away", None: "is left open"}[self.grows]
+        )
         return f"{titled(self.scene.title)} in {self.hand.name}, let go: {told}"
 
     @property
@@ -262,14 +302,17 @@ class Release(Answer):
 
     @property
     def sign_agrees(self) -> bool | None:
-        """Whether the motion grows exactly if the display is not stable in this hand; None where either is open."""
+        """Whether the motion grows exactly if the display is not stable in this hand; None where
+        either is open."""
         near = (
             self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
         )  # far beyond what a release moves
         if self.grows is None or self.held.stable is None or near or self.rattle:
             return None
         agrees = self.grows is not self.held.stable
-        return None if self.approximate and not agrees else agrees  # what is not linear may do otherwise
+        return (
+            None if self.approximate and not agrees else agrees
+        )  # what is not linear may do otherwise
 
     @property
     def unit(self) -> str:
@@ -278,38 +321,55 @@ class Release(Answer):
 
     @property
     def grows(self) -> bool | None:
-        """Whether the simulated motion grows; None where it neither grows nor dies away for certain."""
+        """Whether the simulated motion grows; None where it neither grows nor dies away for
+        certain."""
         if self.fitted is None:
             return False if self.stopped == "come to rest" or self.rattle else None
         return None if abs(self.fitted.rate) <= self.error else self.fitted.rate > 0
 
     @property
     def is_envelope(self) -> bool:
-        """Whether what was read is the rate of the largest values: of a chain of infinitely many roots none lasts longest."""
+        """Whether what was read is the rate of the largest values: of a chain of infinitely many
+        roots none lasts longest."""
         return self.closed is not None and self.closed.is_endless
 
     @property
     def agrees(self) -> bool | None:
-        """Whether rate and frequency are the closed form's; None where there is none to compare with, or nothing to read.
+        """Whether rate and frequency are the closed form's; None where there is none to compare
+        with, or nothing to read.
 
-        Of a chain of infinitely many roots it is the sign of the rate that is compared, where it is clear of 0.
+        Of a chain of infinitely many roots it is the sign of the rate that is compared, where it is
+        clear of 0.
         """
         if self.closed is None or self.fitted is None or self.approximate:
             return None
         if self.is_envelope:
             chain = self.closed.chain or 0.0
-            return self.grows == (chain > 0) if abs(chain) > _NEAR and self.grows is not None else None
-        near = _NEAR ** (1 / self.closed.root.order)  # roots that coincide are read off as if each were moved apart
-        return bool(abs(self.closed.s - self.fitted.s) <= 3 * self.error + near * abs(self.closed.s))
+            return (
+                self.grows == (chain > 0) if abs(chain) > _NEAR and self.grows is not None else None
+            )
+        near = _NEAR ** (
+            1 / self.closed.root.order
+        )  # roots that coincide are read off as if each were moved apart
+        return bool(
+            abs(self.closed.s - self.fitted.s) <= 3 * self.error + near * abs(self.closed.s)
+        )
 
     def to_csv(self) -> str:
         """The run in time as a table, units in its header."""
         return in_time(self.scene, self.time, {"": (self.hand_motion, self.force)})
 
     def _body(self) -> dict[str, Any]:
-        fitted = self.fitted and {"rate": self.fitted.rate, "omega": self.fitted.omega, "error": self.error}
+        fitted = self.fitted and {
+            "rate": self.fitted.rate,
+            "omega": self.fitted.omega,
+            "error": self.error,
+        }
         return {
-            "hand": {"name": self.hand.name, **{p.key: float(p.value) for p in self.hand.parameters}},
+            "hand": {
+                "name": self.hand.name,
+                **{p.key: float(p.value) for p in self.hand.parameters},
+            },
             "displacement": self.displacement,
             "time": [0.0, float(self.time[-1])],
             "samples": len(self.time),
@@ -317,7 +377,8 @@ class Release(Answer):
             "stopped": self.stopped or None,
             "grows": self.grows,
             "simulated": fitted,
-            "rattle": self.rattle and {"amplitude": self.rattle.amplitude, "frequency": self.rattle.omega},
+            "rattle": self.rattle
+            and {"amplitude": self.rattle.amplitude, "frequency": self.rattle.omega},
             "closed": self._closed(),
             "held": self.held.stable,
             "agrees": self.agrees,
@@ -341,7 +402,9 @@ _CHUNKS = 60
 _NOTHING = 1e-25  # N: what the limit of statics leaves of no force
 _CLEAR = 0.02  # relative: readings further apart are none
 _HIGHEST = 1e4  # rad/s: what is faster is not what a hand is let go with
-_LONGER = 4  # times that a run may be doubled while a motion that is not linear neither settles nor grows
+_LONGER = (
+    4  # times that a run may be doubled while a motion that is not linear neither settles nor grows
+)
 _STEADY = 0.02  # change of the amplitude, as a logarithm, up to which a motion stays as it is
 _LINEAR = 0.2  # of the change that the linear loop's motion would have
 _BROAD = 10  # times the scale: the frequencies at which a release moves anything
@@ -357,14 +420,17 @@ def release(
     progress: Callable[[float, float], None] | None = None,
     limit: float | None = SECONDS,
 ) -> Release:
-    """Let a display go that a hand has held displaced: at which rate does the motion decay or grow, or does it rattle?
+    """Let a display go that a hand has held displaced: at which rate does the motion decay or grow,
+    or does it rattle?
 
-    ``displacement`` : m or rad, or with a unit. ``hand`` : one of the scene, or one that the package ships, by name, or a
-    ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long as a verdict needs
-    if not given. ``extras`` : encoder quantisation or force saturation. ``limit`` : seconds of processor time that it may take,
-    LimitError after them; None for none. Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion,
-    ``rattle`` with it, is computed. Raises SceneError where nothing holds the display (no static stiffness), and for what cannot
-    be simulated.
+    ``displacement`` : m or rad, or with a unit. ``hand`` : one of the scene, or one that the
+    package ships, by name, or a
+    ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long
+    as a verdict needs if not given. ``extras`` : encoder quantisation or force saturation.
+    ``limit`` : seconds of processor time that it may take, LimitError after them; None for none.
+    Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion,
+    ``rattle`` with it, is computed. Raises SceneError where nothing holds the display (no static
+    stiffness), and for what cannot be simulated.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = release(load_scene("delayed-spring"), "1 cm", Hand("light", m="0.5 kg", b="3.3 N*s/m"))
@@ -388,14 +454,20 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
         return chosen(scene, given)
     if len(scene.hands) == 1:
         return scene.hands[0]
-    several = f"which one of {', '.join(x.name for x in scene.hands)}" if scene.hands else "and the scene has none"
+    several = (
+        f"which one of {', '.join(x.name for x in scene.hands)}"
+        if scene.hands
+        else "and the scene has none"
+    )
     raise SceneError(f"a release test needs a hand, {several}: {how_to_give()}")
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
-    """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None where there is none to find.
+    """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None
+    where there is none to find.
 
-    It is that of the loop without friction, whose describing function has j among its numbers, and no roots in s.
+    It is that of the loop without friction, whose describing function has j among its numbers, and
+    no roots in s.
     """
     scene = replace(scene, effects=tuple(x for x in scene.effects if x.model != FRICTION))
     if clocks(scene):
@@ -414,9 +486,20 @@ class _Run:
     """A release that is being simulated."""
 
     def __init__(
-        self, scene: Scene, hand: Hand, size: float, closed: Closed | None, extras: Sequence[Extra] = ()
+        self,
+        scene: Scene,
+        hand: Hand,
+        size: float,
+        closed: Closed | None,
+        extras: Sequence[Extra] = (),
     ) -> None:
-        self.scene, self.hand, self.size, self.closed, self.extras = scene, hand, size, closed, tuple(extras)
+        self.scene, self.hand, self.size, self.closed, self.extras = (
+            scene,
+            hand,
+            size,
+            closed,
+            tuple(extras),
+        )
         self.periods = [float(x) for x in clocks(scene)]
         found = abs(closed.s) if closed and closed.chain is None else 0.0
         self.scale = max(found if found < _HIGHEST else 0.0, float(scene.band[1]) / 3)
@@ -429,16 +512,21 @@ class _Run:
         rest = self._rest(span)
         force = rest[MOTION]
         if abs(force) < _NOTHING:
-            raise SceneError("a release test needs a static stiffness, of the display or of the hand")
+            raise SceneError(
+                "a release test needs a static stiffness, of the display or of the hand"
+            )
         letting_go = LettingGo(force, 0.5 / self.scale, span)
         outputs = [(name_of(self.port.X), 0), (name_of(self.port.F), 0)]
         try:
             self.engine = Engine(self.net, letting_go, outputs, _STEP / (3 * self.scale), rest)
         except SceneError as error:
-            raise SceneError(f"with the hand {hand.name} there is no motion in time: {error}") from None
+            raise SceneError(
+                f"with the hand {hand.name} there is no motion in time: {error}"
+            ) from None
 
     def _lead(self) -> complex:
-        """What the motion is expected to last as: how long a run takes follows from it, and nothing else."""
+        """What the motion is expected to last as: how long a run takes follows from it, and nothing
+        else."""
         if self.closed is None:
             return complex(0, self.scale)
         low = [x for x in self.closed.root.others if abs(x) < _BROAD * self.scale]
@@ -463,11 +551,18 @@ class _Run:
             until = min(2 * until, most)
         return self._result(stopped)
 
-    def _advanced(self, until: float, may_end: bool, progress: Callable[[float, float], None] | None) -> str:  # noqa: FBT001
+    def _advanced(
+        self,
+        until: float,
+        may_end: bool,  # noqa: FBT001
+        progress: Callable[[float, float], None] | None,
+    ) -> str:
         """Go on until then; why the run ended before."""
         for end in np.linspace(self.engine.t, until, _CHUNKS + 1)[1:]:
             try:
-                self.engine.advance(float(end), None if progress is None else lambda t: progress(t, until))
+                self.engine.advance(
+                    float(end), None if progress is None else lambda t: progress(t, until)
+                )
             except SceneError as error:
                 if "without bound" not in str(error):
                     raise
@@ -477,12 +572,23 @@ class _Run:
         return ""
 
     def _stays(self) -> Rattle | None:
-        """The motion of the run's last half, where it stays as it is though the linear loop's would not."""
-        x, time = (y.ravel() for y in (self.engine.signal(name_of(self.port.X)), self.engine.record.instants))
+        """The motion of the run's last half, where it stays as it is though the linear loop's would
+        not."""
+        x, time = (
+            y.ravel()
+            for y in (self.engine.signal(name_of(self.port.X)), self.engine.record.instants)
+        )
         half = int(np.searchsorted(time, time[-1] / 2))
         size, change, omega = rattle(time[half:], x[half:])
-        linear = abs(self.lead.real) * time[-1] / 4 or inf  # between the middles of the two quarters
-        if self.linear or omega is None or size < _GONE * self.size or abs(change) > min(_STEADY, _LINEAR * linear):
+        linear = (
+            abs(self.lead.real) * time[-1] / 4 or inf
+        )  # between the middles of the two quarters
+        if (
+            self.linear
+            or omega is None
+            or size < _GONE * self.size
+            or abs(change) > min(_STEADY, _LINEAR * linear)
+        ):
             return None
         return Rattle(size, omega)
 
@@ -498,7 +604,9 @@ class _Run:
         last = np.abs(ending).max()
         if last > _GROWN * self.size and end > 0.2 * until:
             return "grown ten million times"
-        resting = last if self.linear else np.ptp(ending)  # an encoder or friction lets it rest elsewhere, too
+        resting = (
+            last if self.linear else np.ptp(ending)
+        )  # an encoder or friction lets it rest elsewhere, too
         return "come to rest" if resting < _GONE * self.size else ""
 
     def _result(self, stopped: str) -> Release:
@@ -512,9 +620,22 @@ class _Run:
         if stays or (stopped == "come to rest" and not self.linear):
             fitted = None
         return Release(
-            self.scene, self.hand, self.size, time, x, force, fitted, error, self.closed, stopped, tuple(self.net.built),
-            self._why(), held(self.scene, self.hand), stays, self.extras,
-        )  # fmt: skip
+            self.scene,
+            self.hand,
+            self.size,
+            time,
+            x,
+            force,
+            fitted,
+            error,
+            self.closed,
+            stopped,
+            tuple(self.net.built),
+            self._why(),
+            held(self.scene, self.hand),
+            stays,
+            self.extras,
+        )
 
     def _read(self, x: Array) -> tuple[Mode | None, float]:
         """What lasts longest, and how far two readings of it are apart, 1/s."""
@@ -523,7 +644,9 @@ class _Run:
             return envelope(record, column, 0.3)
         period, waving = max(self.periods, default=0.0), bool(self.net.fractional)
         turn = abs(self.lead.imag)
-        one, other = (slowest(record, column, part, period, waving=waving, turn=turn) for part in (0.35, 0.5))
+        one, other = (
+            slowest(record, column, part, period, waving=waving, turn=turn) for part in (0.35, 0.5)
+        )
         if one is None or other is None or abs(one.s - other.s) > _CLEAR * abs(other.s):
             return (None, inf) if self.linear else envelope(record, column, 0.5)
         return other, float(abs(one.s - other.s))
@@ -533,12 +656,20 @@ class _Run:
         if self.extras:
             return "quantisation and saturation are in no closed form"
         if self.net.switches:
-            return "sliding friction, for which the closed form has a describing function of one amplitude"
-        return "a sampled loop that has no closed form here" if self.periods and self.closed is None else ""
+            return (
+                "sliding friction, for which the closed form has a describing function of one "
+                "amplitude"
+            )
+        return (
+            "a sampled loop that has no closed form here"
+            if self.periods and self.closed is None
+            else ""
+        )
 
 
 def _held(net: Network, scene: Scene, hand: Hand, extras: Sequence[Extra]) -> Port:
-    """The display with the hand on it, and a force that holds both: F + m x'' + b x' + k x = the force."""
+    """The display with the hand on it, and a force that holds both: F + m x'' + b x' + k x = the
+    force."""
     port = build(net, scene, extras)[-1]
     own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
     net.equal(port.F + own, SignalSum.of(MOTION))

@@ -1,10 +1,13 @@
-"""The rightmost root of a characteristic function: of a polynomial, of one with delays and powers of s, of a loop with a clock.
+"""The rightmost root of a characteristic function: of a polynomial, of one with delays and powers
+of s, of a loop with a clock.
 
-Of a polynomial all roots are enclosed, also where several coincide (``enclosed_roots``), and so are all roots z of a loop with a
-clock, the largest of which is the rate and frequency of the motion that lasts longest.
+Of a polynomial all roots are enclosed, also where several coincide (``enclosed_roots``), and so are
+all roots z of a loop with a clock, the largest of which is the rate and frequency of the motion
+that lasts longest.
 
-With delays or powers of s Newton's iteration in floating point runs from many starts. Interval Newton encloses the roots that
-it found furthest to the right, and the argument principle proves that there are no others: the proof is written out at
+With delays or powers of s Newton's iteration in floating point runs from many starts. Interval
+Newton encloses the roots that it found furthest to the right, and the argument principle proves
+that there are no others: the proof is written out at
 ``Characteristic.is_rightmost``.
 """
 
@@ -55,8 +58,9 @@ class Term:
 class Rightmost:
     """The rightmost root with Im s >= 0 that was found, rad/s.
 
-    ``enclosure`` is a ball (flint ``acb``) around it, None where interval Newton did not enclose it. Its real part holds those
-    of all roots that balls do not tell from it in that. ``certified``: it is proven that no root lies right of this ball.
+    ``enclosure`` is a ball (flint ``acb``) around it, None where interval Newton did not enclose
+    it. Its real part holds those of all roots that balls do not tell from it in that.
+    ``certified``: it is proven that no root lies right of this ball.
     """
 
     s: complex
@@ -78,7 +82,8 @@ class Rightmost:
         return cls(_middle(enclosure), enclosure, certified=True, others=tuple(others), order=order)
 
     def digits(self, count: int = 15) -> tuple[str, str]:
-        """Real and imaginary part with up to so many digits: where it is enclosed, those that its ball proves."""
+        """Real and imaginary part with up to so many digits: where it is enclosed, those that its
+        ball proves."""
         if self.enclosure is None:
             return f"{self.s.real:.9g}", f"{self.s.imag:.9g}"
         parts = self.enclosure.real, self.enclosure.imag
@@ -87,7 +92,8 @@ class Rightmost:
 
 
 def rightmost_pole(dynamics: RationalFunction) -> complex | None:
-    """The pole with the largest real part, in floating point; None if none is found. What cancels at s = 0 is no pole.
+    """The pole with the largest real part, in floating point; None if none is found. What cancels
+    at s = 0 is no pole.
 
     >>> from sympy import exp
     >>> from haptisym.kernel.rings import s
@@ -104,18 +110,27 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
 
 
 def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmost | None:
-    """The rightmost root of a characteristic function with numbers only; None if there is none to find.
+    """The rightmost root of a characteristic function with numbers only; None if there is none to
+    find.
 
-    ``at_0`` : that many roots at s = 0 are not meant, as they cancel. A root that is in several factors of the polynomial is
-    looked for once, as balls are narrower about simple roots; its order is what it counts in all.
+    ``at_0`` : that many roots at s = 0 are not meant, as they cancel. A root that is in several
+    factors of the polynomial is looked for once, as balls are narrower about simple roots; its
+    order is what it counts in all.
     """
     is_root = at_least(order_at_0(polynomial, ring)) > at_0
-    bare = polynomial / polynomial.term_content()  # without what all terms share, powers of s and delays
+    bare = (
+        polynomial / polynomial.term_content()
+    )  # without what all terms share, powers of s and delays
     factors = bare.factor_squarefree()[1]
     if not any(degree_in([bare], i) for i in range(ring.size, len(ring.meanings))):
         with flint.ctx.workprec(_BITS_ALL):
             rows = [([expression_ball(c) for c in ring.coefficients(x)], n) for x, n in factors]
-            roots = [(ball, n * own) for row, n in rows for ball, own in enclosed_roots(row) if ball.imag.mid() >= 0]
+            roots = [
+                (ball, n * own)
+                for row, n in rows
+                for ball, own in enclosed_roots(row)
+                if ball.imag.mid() >= 0
+            ]
         return Rightmost.of_all([*roots, *[(acb(0), 1)] * is_root]) if roots or is_root else None
     simple = reduce(lambda x, y: x * y, (x for x, _ in factors), ring.constant(1))
     function, zeros = Characteristic.of(simple, ring), at_least(order_at_0(simple, ring))
@@ -124,11 +139,15 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     if not listed:
         return None
     first = listed[0]
-    following = next((x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf)
+    following = next(
+        (x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf
+    )
     balls = [function.enclosed(x) if x else acb(0) for x in listed if x.real > following]
     order = max(n for _, n in factors)
     if any(ball is None for ball in balls):
-        return Rightmost(first, None, certified=False, function=function, others=tuple(listed), order=order)
+        return Rightmost(
+            first, None, certified=False, function=function, others=tuple(listed), order=order
+        )
     enclosure = _furthest(balls)
     certified = function.is_rightmost(found, first, following, zeros)
     return Rightmost(_middle(enclosure), enclosure, certified, function, tuple(listed), order)
@@ -138,11 +157,15 @@ _STRIP = 1e-7  # relative: of roots so near to one vertical line floats do not t
 
 
 def _furthest(balls: Sequence[Any]) -> Any:
-    """Of the balls furthest to the right the one nearest to the real axis, with the real parts of all of them."""
+    """Of the balls furthest to the right the one nearest to the real axis, with the real parts of
+    all of them."""
     furthest = max(balls, key=lambda x: x.real.mid())
     level = [x for x in balls if x.real.overlaps(furthest.real)]
     with flint.ctx.workprec(_BITS):
-        return acb(reduce(arb.union, (x.real for x in level)), min((abs(x.imag) for x in level), key=arb.mid))
+        return acb(
+            reduce(arb.union, (x.real for x in level)),
+            min((abs(x.imag) for x in level), key=arb.mid),
+        )
 
 
 def _middle(ball: Any) -> complex:
@@ -151,18 +174,19 @@ def _middle(ball: Any) -> complex:
 
 
 _BITS_ALL = 512
-_APART = (
-    200  # bits after which a polynomial may differ from the one whose roots are enclosed, so that its own lie apart
-)
+_APART = 200  # bits after which a polynomial may differ from the one whose roots are enclosed, so that its own lie apart
 
 
 def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
-    """Balls around all roots of a real polynomial, each with the number of roots in the balls that it meets, its own too.
+    """Balls around all roots of a real polynomial, each with the number of roots in the balls that
+    it meets, its own too.
 
-    ``coefficients`` : real balls, ascending, the first and the last of which are not 0; ValueError where that is not known.
-    About any n different numbers x_i the discs |x - x_i| <= n |p(x_i)|/|a_n prod_{j != i} (x_i - x_j)| hold all roots, and
-    those that hang together hold as many as they are (Smith, 1970). The x_i are roots of a polynomial that is hardly another
-    one: where roots of this one coincide they are near. A root whose ball meets no other and the real axis is real.
+    ``coefficients`` : real balls, ascending, the first and the last of which are not 0; ValueError
+    where that is not known.
+    About any n different numbers x_i the discs |x - x_i| <= n |p(x_i)|/|a_n prod_{j != i} (x_i -
+    x_j)| hold all roots, and those that hang together hold as many as they are (Smith, 1970). The
+    x_i are roots of a polynomial that is hardly another one: where roots of this one coincide they
+    are near. A root whose ball meets no other and the real axis is real.
     """
     n, polynomial = len(coefficients) - 1, acb_poly(coefficients)
     if n < 1:
@@ -174,11 +198,16 @@ def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
     points = [x.mid() for x, _ in beside.numer().complex_roots()]
     balls = []
     for i, x in enumerate(points):
-        apart = reduce(lambda a, b: a * b, (x - y for j, y in enumerate(points) if j != i), coefficients[n])
+        apart = reduce(
+            lambda a, b: a * b, (x - y for j, y in enumerate(points) if j != i), coefficients[n]
+        )
         away = arb(0, (n * abs(polynomial(x) / apart)).upper())
         balls.append(acb(x.real + away, x.imag + away))
     met = [sum(x.overlaps(y) for y in balls) for x in balls]
-    return [(acb(x.real) if m == 1 and x.imag.contains(0) else x, m) for x, m in zip(balls, met, strict=True)]
+    return [
+        (acb(x.real) if m == 1 and x.imag.contains(0) else x, m)
+        for x, m in zip(balls, met, strict=True)
+    ]
 
 
 def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
@@ -207,10 +236,11 @@ class Characteristic:
 
     @cached_property
     def chain(self) -> float | None:
-        """The largest Re s to which infinitely many roots tend, in floats; None where there are none, or it is not computed.
+        """The largest Re s to which infinitely many roots tend, in floats; None where there are
+        none, or it is not computed.
 
-        They are there where delays are in the highest power of s, and tend to the roots of what it is multiplied by: those of a
-        polynomial, if the delays are multiples of one.
+        They are there where delays are in the highest power of s, and tend to the roots of what it
+        is multiplied by: those of a polynomial, if the delays are multiples of one.
         """
         degree = max(t.power for t in self.terms)
         own = {t.lag: float(t.coefficient) for t in self.terms if t.power == degree}
@@ -236,10 +266,14 @@ class Characteristic:
     @cached_property
     def _balls(self) -> list[tuple[Any, Rational, Any]]:
         with flint.ctx.workprec(_BITS):
-            return [(expression_ball(t.coefficient), t.power, expression_ball(t.lag)) for t in self.terms]
+            return [
+                (expression_ball(t.coefficient), t.power, expression_ball(t.lag))
+                for t in self.terms
+            ]
 
     def values(self, s: Array) -> tuple[Array, Array]:
-        """The function and its derivative, each over the largest term: no overflow where exponentials are large."""
+        """The function and its derivative, each over the largest term: no overflow where
+        exponentials are large."""
         c, p, lag = self._floats
         logs = np.log(np.abs(c)) + p * np.log(s[:, None]) - lag * s[:, None]
         top = logs.real.max(axis=1, keepdims=True)
@@ -247,19 +281,24 @@ class Characteristic:
         return terms.sum(axis=1), (terms * (p / s[:, None] - lag)).sum(axis=1)
 
     def roots(self) -> list[complex]:
-        """Roots with Im s >= 0, each once: where Newton's method ends that starts from many places."""
+        """Roots with Im s >= 0, each once: where Newton's method ends that starts from many
+        places."""
         s = self._starts()
         with np.errstate(all="ignore"):
             for _ in range(_ITERATIONS):
                 value, slope = self.values(s)
                 step = value / slope
                 size = np.abs(step)
-                s = s - np.where(size > 0.5 * np.abs(s) + 1e-12, step * (0.5 * np.abs(s) + 1e-12) / size, step)
+                s = s - np.where(
+                    size > 0.5 * np.abs(s) + 1e-12, step * (0.5 * np.abs(s) + 1e-12) / size, step
+                )
             value, slope = self.values(s)
             good = np.isfinite(value) & (np.abs(value / slope) < 1e-9 * np.abs(s) + 1e-13)
         found: list[complex] = [0j] if min(t.power for t in self.terms) > 0 else []
         for x in sorted(map(complex, s[good]), key=lambda x: -x.real):
-            own = complex(x.real, abs(x.imag)) if abs(x.imag) > 1e-9 * abs(x) else complex(x.real, 0)
+            own = (
+                complex(x.real, abs(x.imag)) if abs(x.imag) > 1e-9 * abs(x) else complex(x.real, 0)
+            )
             if all(abs(own - y) > 1e-7 * (abs(own) + 1e-9) for y in found):
                 found.append(own)
         return found
@@ -315,13 +354,18 @@ class Characteristic:
 
     # That no root is further right
 
-    def is_rightmost(self, found: Sequence[complex], first: complex, following: float, at_0: int) -> bool:
-        """Whether the roots right of a line, which lies between ``following`` and ``first``, are those that were found there.
+    def is_rightmost(
+        self, found: Sequence[complex], first: complex, following: float, at_0: int
+    ) -> bool:
+        """Whether the roots right of a line, which lies between ``following`` and ``first``, are
+        those that were found there.
 
-        The proof, for R = {Re s > line}: in R a root has |s| < radius (``_radius``). So it lies in the box of all s with
-        line < Re s < max(line, 0) + radius and |Im s| < radius, and the argument principle counts the roots in there. Each
-        that was found, and its conjugate, is alone in a ball in R, and no two of these balls meet. If that makes as many as
-        were counted, there are no others. ``at_0`` : how often 0 is a root, which is in R if line < 0, and in none of ``found``.
+        The proof, for R = {Re s > line}: in R a root has |s| < radius (``_radius``). So it lies in
+        the box of all s with line < Re s < max(line, 0) + radius and |Im s| < radius, and the
+        argument principle counts the roots in there. Each that was found, and its conjugate, is
+        alone in a ball in R, and no two of these balls meet. If that makes as many as were counted,
+        there are no others. ``at_0`` : how often 0 is a root, which is in R if line < 0, and in
+        none of ``found``.
         """
         gap = min(first.real - following, 0.2 * abs(first) + 1e-3)
         line = first.real - gap / 2
@@ -329,7 +373,9 @@ class Characteristic:
             return False  # powers of s have a cut on the negative real axis
         own = [x for x in found if x.real > line]
         balls = [ball for x in own for ball in self._both(x)]
-        if any(ball is None or not ball.real > line or (at_0 and ball.contains(0)) for ball in balls):
+        if any(
+            ball is None or not ball.real > line or (at_0 and ball.contains(0)) for ball in balls
+        ):
             return False
         if any(x.overlaps(y) for x, y in combinations(balls, 2)):
             return False
@@ -341,12 +387,18 @@ class Characteristic:
         return [ball] if ball is None or not root.imag else [ball, ball.conjugate()]
 
     def _count_right_of(self, line: float) -> int | None:
-        """How many roots are right of a line, each as often as it counts; None where that is not shown."""
+        """How many roots are right of a line, each as often as it counts; None where that is not
+        shown."""
         radius = self._radius(line)
         if radius is None:
             return None
         right = max(line, 0.0) + radius
-        corners = [complex(line, -radius), complex(right, -radius), complex(right, radius), complex(line, radius)]
+        corners = [
+            complex(line, -radius),
+            complex(right, -radius),
+            complex(right, radius),
+            complex(line, radius),
+        ]
         with flint.ctx.workprec(64):
             total, left = arb(0), [_MOST_PIECES]
             for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
@@ -359,7 +411,8 @@ class Characteristic:
         return whole if abs(turns - whole) < arb(1) / 4 else None
 
     def _turned(self, start: complex, end: complex, left: list[int]) -> Any:
-        """By how much the function turns along a segment; None where that is not shown with so many pieces."""
+        """By how much the function turns along a segment; None where that is not shown with so many
+        pieces."""
         total, pieces = arb(0), Waiting([(acb(start.real, start.imag), acb(end.real, end.imag))])
         for a, b in pieces:
             left[0] -= 1
@@ -377,9 +430,9 @@ class Characteristic:
     def _radius(self, line: float) -> float | None:
         """A modulus at and beyond which no root has Re s >= line; None where none is found.
 
-        There |c s^p exp(-s lag)| <= |c| |s|^p exp(-lag line). With n the highest power it is 0 for no s where the term of
-        s^n without a delay outweighs all others, each over |s|^n; and as those are of lower powers, or delayed, they do not
-        grow with |s|.
+        There |c s^p exp(-s lag)| <= |c| |s|^p exp(-lag line). With n the highest power it is 0 for
+        no s where the term of s^n without a delay outweighs all others, each over |s|^n; and as
+        those are of lower powers, or delayed, they do not grow with |s|.
         """
         degree = max(t.power for t in self.terms)
         with flint.ctx.workprec(_BITS):
@@ -411,14 +464,19 @@ def _lower(s: Any, p: Rational) -> Any:
     """p s^(p - 1)."""
     if p == 0:
         return acb(0)
-    return int(p) * s ** (int(p) - 1) if p.is_Integer else expression_ball(p) * (s.log() * expression_ball(p - 1)).exp()
+    return (
+        int(p) * s ** (int(p) - 1)
+        if p.is_Integer
+        else expression_ball(p) * (s.log() * expression_ball(p - 1)).exp()
+    )
 
 
 def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
     """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known.
 
-    It is ``certified`` as it stands: each root of the polynomial in w = 1/z is in one of the balls, and the real part that is
-    given holds those of all whose real parts are not certain to be less than another's.
+    It is ``certified`` as it stands: each root of the polynomial in w = 1/z is in one of the balls,
+    and the real part that is given holds those of all whose real parts are not certain to be less
+    than another's.
     """
     try:
         loop = loop_of(scene, hand)

@@ -1,20 +1,24 @@
-"""From equations of motion to a state equation, exactly, and its time steps, exact for the equation.
+"""From equations of motion to a state equation, exactly, and its time steps, exact for the
+equation.
 
-The equations of a network are a descriptor system E x' = A x + B w, in which masses beside masses, rigid connections and
-prescribed motions make E singular (differential-algebraic, of any index). Each round of ``_reduced`` takes the algebraic
-equations, solves them for as many variables and puts these back, over the rational numbers, so that no rank is ever guessed.
+The equations of a network are a descriptor system E x' = A x + B w, in which masses beside masses,
+rigid connections and prescribed motions make E singular (differential-algebraic, of any index).
+Each round of ``_reduced`` takes the algebraic equations, solves them for as many variables and puts
+these back, over the rational numbers, so that no rank is ever guessed.
 What remains is
 
     z' = M z + N_0 w + N_1 dw/dt + ...,    any signal = K z + C_0 w + C_1 dw/dt + C_2 d2w/dt2 + ...
 
-where w are the inputs: the hand's motion, delayed signals and what clocks and switches set. Only the hand's motion, which is
-known with all its derivatives, keeps an N of higher order. What clocks, switches and delay lines read is found by following the
-inputs back: a delayed signal whose derivative is needed makes that derivative a signal to record, until nothing new is needed.
+where w are the inputs: the hand's motion, delayed signals and what clocks and switches set. Only
+the hand's motion, which is known with all its derivatives, keeps an N of higher order. What clocks,
+switches and delay lines read is found by following the inputs back: a delayed signal whose
+derivative is needed makes that derivative a signal to record, until nothing new is needed.
 
-On a step the inputs are polynomials through their values at Gauss points, and the state's response to these is exact: it is
-read off SciPy's matrix exponential of the equation extended by the polynomials, or of a short step, as between two switches,
-summed as a series in h M. Stiff equations therefore need no small steps,
-and what a step leaves behind are polynomials again, from which delay lines read.
+On a step the inputs are polynomials through their values at Gauss points, and the state's response
+to these is exact: it is read off SciPy's matrix exponential of the equation extended by the
+polynomials, or of a short step, as between two switches, summed as a series in h M. Stiff equations
+therefore need no small steps, and what a step leaves behind are polynomials again, from which delay
+lines read.
 """
 
 from __future__ import annotations
@@ -55,11 +59,14 @@ _STEADY = _PLACES ** np.arange(1, _TERMS + 1)[:, None] / _FACTORIALS[1:, None]
 
 
 def _repeated_integrals() -> Array:
-    """int_0^x (x - s)^k/k! l(s) ds at the places x, l being 1 at one node and 0 at the others: (terms, places, nodes)."""
+    """int_0^x (x - s)^k/k! l(s) ds at the places x, l being 1 at one node and 0 at the others:
+    (terms, places, nodes)."""
     x, weights = legendre.leggauss(POINTS + _TERMS // 2)
     s = np.multiply.outer(_PLACES, (x + 1) / 2)
     basis = legendre.legvander(2 * s - 1, POINTS - 1) @ _TO_LEGENDRE
-    powers = (_PLACES[:, None] - s) ** np.arange(_TERMS)[:, None, None] / _FACTORIALS[:-1, None, None]
+    powers = (_PLACES[:, None] - s) ** np.arange(_TERMS)[:, None, None] / _FACTORIALS[
+        :-1, None, None
+    ]
     result: Array = np.einsum("kps,psi->kpi", powers * weights * _PLACES[:, None] / 2, basis)
     return result
 
@@ -68,20 +75,23 @@ _VARYING = _repeated_integrals()
 
 
 def at_end(values: Array) -> Array:
-    """The value at the end of a step of polynomials with these values at its nodes (nodes on the last axis but one)."""
+    """The value at the end of a step of polynomials with these values at its nodes (nodes on the
+    last axis but one)."""
     result: Array = (_AT_END @ values)[..., 0, :]
     return result
 
 
 def finer(samples: Array, places: Array) -> Array:
-    """Samples at the nodes of successive steps, evaluated at other places of every step, from 0 to 1."""
+    """Samples at the nodes of successive steps, evaluated at other places of every step, from 0 to
+    1."""
     basis = np.power.outer(2 * places - 1, _POWERS) @ _TO_SERIES
     result: Array = (samples.reshape(-1, POINTS) @ basis.T).ravel()
     return result
 
 
 def series(values: Array) -> Array:
-    """Coefficients of ascending powers, on -1 to 1, of polynomials with these values at the nodes of a step."""
+    """Coefficients of ascending powers, on -1 to 1, of polynomials with these values at the nodes
+    of a step."""
     result: Array = _TO_SERIES @ values
     return result
 
@@ -96,7 +106,8 @@ class Propagator:
 
     @cached_property
     def _driving(self) -> tuple[list[int], list[int]]:
-        """The inputs that move the state at all: those that vary within a step, and the steady ones."""
+        """The inputs that move the state at all: those that vary within a step, and the steady
+        ones."""
         active = [i for i in range(self.N.shape[1]) if self.N[:, i].any()]
         return [i for i in active if i not in self.steady], [i for i in active if i in self.steady]
 
@@ -110,7 +121,8 @@ class Propagator:
 
     @lru_cache(maxsize=4096)  # noqa: B019 - a propagator lives as long as its simulation
     def step(self, h: float) -> Array:
-        """Maps to the state at the nodes and at the end of a step: (places, state, what it follows from).
+        """Maps to the state at the nodes and at the end of a step: (places, state, what it follows
+        from).
 
         That is the state before, a varying input's values node by node, then the steady ones.
         """
@@ -119,7 +131,9 @@ class Propagator:
         n, (varying, steady) = len(self.M), self._driving
         width = n + len(varying) * POINTS + len(steady)
         if h * self._size <= _SHORT:
-            maps = ((h * self._size) ** np.arange(_TERMS) @ self._series).reshape(len(_PLACES), n, width)
+            maps = ((h * self._size) ** np.arange(_TERMS) @ self._series).reshape(
+                len(_PLACES), n, width
+            )
             maps[:, :, n:] *= h
             return maps
         unchanged, per_second, from_values = self._extended
@@ -135,13 +149,16 @@ class Propagator:
 
     @cached_property
     def _series(self) -> Array:
-        """The same maps as series in h times the size: of (h M)^k, and of (h M)^k N, each with its repeated integrals."""
+        """The same maps as series in h times the size: of (h M)^k, and of (h M)^k N, each with its
+        repeated integrals."""
         n, scale, (varying, steady) = len(self.M), self._balance, self._driving
         M = self._extended[1][:n, :n] / self._size
         parts = [np.hstack([np.eye(n), self.N[:, [*varying, *steady]] / scale[:, None]])]
         for _ in range(_TERMS - 1):
             parts.append(M @ parts[-1])
-        free, moved, held = (x[:, None] for x in np.split(np.stack(parts), [n, n + len(varying)], axis=2))
+        free, moved, held = (
+            x[:, None] for x in np.split(np.stack(parts), [n, n + len(varying)], axis=2)
+        )
         free = _FREE[:, :, None, None] * free * scale[:, None] / scale[None, :]
         moved = np.einsum("kpi,kqnm->kpnim", _VARYING, moved)
         moved = moved.reshape(_TERMS, len(_PLACES), n, len(varying) * POINTS) * scale[:, None]
@@ -150,11 +167,14 @@ class Propagator:
 
     @cached_property
     def _extended(self) -> tuple[Array, Array, Array]:
-        """The equation extended by the inputs' Legendre coefficients, without and with the factor h of a step's length; and the
-        way from values at the nodes to these, which has that factor too."""
+        """The equation extended by the inputs' Legendre coefficients, without and with the factor h
+        of a step's length; and the way from values at the nodes to these, which has that factor
+        too."""
         scale, (varying, steady) = self._balance, self._driving
         N = self.N / scale[:, None]
-        size = np.abs(N).max(axis=0, initial=0.0)  # a large input would cost the exponential its small entries
+        size = np.abs(N).max(
+            axis=0, initial=0.0
+        )  # a large input would cost the exponential its small entries
         n, m, count = len(self.M), len(varying), len(varying) * POINTS
         unchanged = np.zeros((n + count + len(steady),) * 2)
         unchanged[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
@@ -169,10 +189,11 @@ class Propagator:
     def march(
         self, z: Array, w: Array, h: float, change: Callable[[int, Array], None] | None = None
     ) -> tuple[Array, Array]:
-        """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and those at their ends, first to last.
+        """The states at all nodes of as many steps as ``w`` has (steps, nodes, inputs), and those
+        at their ends, first to last.
 
-        ``change`` : called before each step but the first with its number and the state, sets its steady inputs, and the later
-        ones', in ``w``.
+        ``change`` : called before each step but the first with its number and the state, sets its
+        steady inputs, and the later ones', in ``w``.
         """
         steps, n = len(w), len(self.M)
         varying, steady = self._driving
@@ -187,12 +208,15 @@ class Propagator:
             z = last @ z + driven[k] + held @ w[k, 0, steady]
         states[steps] = z
         known = np.concatenate([states[:-1], values, w[:, 0, steady]], axis=1)
-        return (known @ maps[:-1].reshape(POINTS * n, known.shape[1]).T).reshape(steps, POINTS, n), states
+        return (known @ maps[:-1].reshape(POINTS * n, known.shape[1]).T).reshape(
+            steps, POINTS, n
+        ), states
 
 
 @dataclass
 class Record:
-    """Signals as polynomials, step by step: appended to at the end, read anywhere before it; constant before the start."""
+    """Signals as polynomials, step by step: appended to at the end, read anywhere before it;
+    constant before the start."""
 
     width: int
     before: Array = field(init=False)
@@ -221,7 +245,8 @@ class Record:
         self.count += steps
 
     def at(self, t: Array, columns: Sequence[int]) -> Array:
-        """Signals at given times, along a new last axis; what they were before, before the first step."""
+        """Signals at given times, along a new last axis; what they were before, before the first
+        step."""
         if self.count == 0:
             return np.broadcast_to(self.before[list(columns)], (*t.shape, len(columns)))
         last = np.maximum(np.searchsorted(self.times[: self.count], t, side="right") - 1, 0)
@@ -251,7 +276,8 @@ HIGHEST_ORDER = 12
 
 
 class Input(NamedTuple):
-    """Something that drives the equations: a signal that is known at any time, and by how much it is late."""
+    """Something that drives the equations: a signal that is known at any time, and by how much it
+    is late."""
 
     name: str
     lag: Exact
@@ -266,9 +292,11 @@ class SignalRow(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """z' = M z + N_0 w + N_1 dw/dt + ..., with every variable of the equations as K z + C_0 w + C_1 dw/dt + ...
+    """z' = M z + N_0 w + N_1 dw/dt + ..., with every variable of the equations as K z + C_0 w + C_1
+    dw/dt + ...
 
-    ``chosen`` and ``shifts`` lead back: z is the chosen variables minus the sum of R_k times the k-th derivative of w.
+    ``chosen`` and ``shifts`` lead back: z is the chosen variables minus the sum of R_k times the
+    k-th derivative of w.
     """
 
     inputs: tuple[Input, ...]
@@ -291,7 +319,8 @@ class StateSpace:
         return row
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
-        """The highest derivative of an input in a signal; -1 if it acts through the state alone, None if not at all."""
+        """The highest derivative of an input in a signal; -1 if it acts through the state alone,
+        None if not at all."""
         row, index = self.signal(name, order), self.inputs.index(channel)
         direct = [k for k, c in enumerate(row.inputs) if c[0, index] != 0]
         if direct:
@@ -318,8 +347,8 @@ class StateSpace:
 def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> StateSpace:
     """The state equation of as many equations of motion as there are unknown signals.
 
-    ``known``: signals that are inputs beside the motion and everything late. Raises SceneError where the equations contradict
-    each other or leave a signal open.
+    ``known``: signals that are inputs beside the motion and everything late. Raises SceneError
+    where the equations contradict each other or leave a signal open.
 
     >>> x, f, u = SignalSum.of("x"), SignalSum.of("f"), SignalSum.of("motion")
     >>> system = state_space([f - 2 * x.d(2) - 3 * x, x - u])       # a mass and a spring, moved by hand: no state at all
@@ -351,14 +380,18 @@ class _Descriptor:
     B: tuple[RationalMatrix, ...]
 
     @classmethod
-    def of(cls, equations: Sequence[SignalSum], inputs: tuple[Input, ...], orders: dict[str, int]) -> _Descriptor:
+    def of(
+        cls, equations: Sequence[SignalSum], inputs: tuple[Input, ...], orders: dict[str, int]
+    ) -> _Descriptor:
         # algebraic variables first: they are the ones that algebraic equations are solved for
         ordered = sorted(orders, key=lambda name: orders[name] > 0)
         listed = [(name, k) for name in ordered for k in range(max(orders[name], 1))]
         columns = {key: i for i, key in enumerate(listed)}
         chains = [key for key in listed if key[1] + 1 < orders[key[0]]]
         size, rows = len(columns), len(equations) + len(chains)
-        depth = 1 + max((k for e in equations for n, k, lag in e.terms if Input(n, lag) in inputs), default=0)
+        depth = 1 + max(
+            (k for e in equations for n, k, lag in e.terms if Input(n, lag) in inputs), default=0
+        )
         E, A = fmpq_mat(rows, size), fmpq_mat(rows, size)
         B = tuple(fmpq_mat(rows, len(inputs)) for _ in range(depth))
         for i, equation in enumerate(equations):
@@ -379,10 +412,14 @@ def _reduced(system: _Descriptor) -> StateSpace:
     size, width = E.ncols(), len(system.inputs)
     if E.nrows() != size:
         raise SceneError(
-            f"the effects give {E.nrows()} equations for {size} unknowns: they do not determine the motion"
+            f"the effects give {E.nrows()} equations for {size} unknowns: they do not "
+            f"determine the motion"
         )
     chosen = list(range(size))
-    K, C = fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)]), [fmpq_mat(size, width)]
+    K, C = (
+        fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)]),
+        [fmpq_mat(size, width)],
+    )
     while True:
         upper, lower = _row_reduced(E, A, B)
         if not lower:
@@ -396,7 +433,10 @@ def _reduced(system: _Descriptor) -> StateSpace:
         chosen = [chosen[i] for i in keep]
     rows = _stack(upper, len(chosen) * 2 + width * len(B))
     M = -1 * (_columns(rows, len(chosen), 2 * len(chosen)))
-    N = [-1 * (_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width)) for k in range(len(B))]
+    N = [
+        -1 * (_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width))
+        for k in range(len(B))
+    ]
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
@@ -406,7 +446,8 @@ def _row_reduced(
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
     beside = zip(*(part.tolist() for part in (E, -1 * A, *(-1 * b for b in B))), strict=True)
     form, _ = _stack(
-        [[x for part in row for x in part] for row in beside], 2 * E.ncols() + sum(b.ncols() for b in B)
+        [[x for part in row for x in part] for row in beside],
+        2 * E.ncols() + sum(b.ncols() for b in B),
     ).rref()
     rows = [row for row in form.tolist() if any(x != 0 for x in row)]
     size = E.ncols()
@@ -419,7 +460,8 @@ def _row_reduced(
 def _solved(
     lower: list[list[Any]], size: int, depth: int, width: int
 ) -> tuple[list[int], RationalMatrix, list[RationalMatrix]]:
-    """The pivot variables of algebraic equations, and all variables in terms of the others and of the inputs."""
+    """The pivot variables of algebraic equations, and all variables in terms of the others and of
+    the inputs."""
     rows = [row[size:] for row in lower]
     pivots = [next(i for i, x in enumerate(row) if x != 0) for row in rows]
     keep = [i for i in range(size) if i not in pivots]
@@ -437,12 +479,20 @@ def _solved(
 
 
 def _substituted(
-    upper: list[list[Any]], size: int, width: int, back: RationalMatrix, forward: list[RationalMatrix]
+    upper: list[list[Any]],
+    size: int,
+    width: int,
+    back: RationalMatrix,
+    forward: list[RationalMatrix],
 ) -> tuple[RationalMatrix, RationalMatrix, list[RationalMatrix]]:
-    """The remaining equations in the remaining variables; a derivative of a replaced one raises the inputs' order."""
+    """The remaining equations in the remaining variables; a derivative of a replaced one raises the
+    inputs' order."""
     table = _stack(upper, 2 * size + width * len(forward))
     E, A = _columns(table, 0, size), -1 * (_columns(table, size, 2 * size))
-    B = [-1 * (_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width)) for k in range(len(forward))]
+    B = [
+        -1 * (_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width))
+        for k in range(len(forward))
+    ]
     B = _added(B, [A * f for f in forward])
     B = _added(B, [fmpq_mat(len(upper), width), *(-1 * (E * f) for f in forward)])
     while len(B) > 1 and B[-1] == fmpq_mat(len(upper), width):
@@ -460,8 +510,8 @@ def _without_derivatives(
 ) -> StateSpace:
     """The same with z moved, so that of all inputs but the motion no derivative drives it.
 
-    From the highest k down z - N_k w^(k-1) takes the place of z. For the motion this is left undone: it would make large numbers
-    that cancel where the equations are stiff.
+    From the highest k down z - N_k w^(k-1) takes the place of z. For the motion this is left
+    undone: it would make large numbers that cancel where the equations are stiff.
     """
     moving = fmpq_mat(len(system.inputs), len(system.inputs))
     for i, channel in enumerate(system.inputs):
@@ -473,7 +523,9 @@ def _without_derivatives(
         N[k] -= top
         N[k - 1] += M * top
         C = _added(C, [*(fmpq_mat(K.nrows(), len(system.inputs)) for _ in range(k - 1)), K * top])
-    return StateSpace(system.inputs, system.columns, M, tuple(N), K, tuple(C), chosen, tuple(shifts[:-1]))
+    return StateSpace(
+        system.inputs, system.columns, M, tuple(N), K, tuple(C), chosen, tuple(shifts[:-1])
+    )
 
 
 # Matrices of exact numbers
@@ -504,7 +556,8 @@ Drive = tuple[Input, int]
 
 
 class DriveGroup(NamedTuple):
-    """The inputs that are late by as many seconds: those of the hand's motion with their orders, and the others."""
+    """The inputs that are late by as many seconds: those of the hand's motion with their orders,
+    and the others."""
 
     lag: float
     hand: list[int]
@@ -566,13 +619,22 @@ class Linear:
         return float(sum(row[self.exact.size + i] for i, is_it in enumerate(here) if is_it))
 
     def poles(self) -> Any:
-        """The eigenvalues of the state equation without what comes back through delay lines, 1/s."""
-        return np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
+        """The eigenvalues of the state equation without what comes back through delay lines,
+        1/s."""
+        return (
+            np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
+        )
 
 
-def linear_systems(net: Network, readings: Sequence[Reading]) -> dict[frozenset[int], Linear | None]:
-    """The state equation for each set of closed switches; None where it would stop the prescribed motion itself."""
-    sets = [frozenset(i for i in range(len(net.switches)) if bits >> i & 1) for bits in range(1 << len(net.switches))]
+def linear_systems(
+    net: Network, readings: Sequence[Reading]
+) -> dict[frozenset[int], Linear | None]:
+    """The state equation for each set of closed switches; None where it would stop the prescribed
+    motion itself."""
+    sets = [
+        frozenset(i for i in range(len(net.switches)) if bits >> i & 1)
+        for bits in range(1 << len(net.switches))
+    ]
     exact = {closed: _exact(net, closed) for closed in sets}
     present = [x for x in exact.values() if x is not None]
     wanted = _followed(present, net, readings)
@@ -589,13 +651,16 @@ def _exact(net: Network, closed: frozenset[int]) -> StateSpace | None:
         return None
 
 
-def _followed(systems: Sequence[StateSpace], net: Network, readings: Sequence[Reading]) -> tuple[Reading, ...]:
+def _followed(
+    systems: Sequence[StateSpace], net: Network, readings: Sequence[Reading]
+) -> tuple[Reading, ...]:
     """All signals to record: those asked for, and whatever delay lines need of others."""
     wanted = list(dict.fromkeys(readings))
     for reading in wanted:  # grows while it is walked
         if reading[1] > HIGHEST_ORDER:
             raise SceneError(
-                f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of a delayed signal: "
+                f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of a "
+                f"delayed signal: "
                 "it is not causal (an advanced equation)"
             )
         for system in systems:
@@ -612,7 +677,12 @@ def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
         return driving
     row = system.signal(*reading)
-    direct = [(x, k) for k, c in enumerate(row.inputs) for i, x in enumerate(system.inputs) if c[0, i] != 0]
+    direct = [
+        (x, k)
+        for k, c in enumerate(row.inputs)
+        for i, x in enumerate(system.inputs)
+        if c[0, i] != 0
+    ]
     back = [
         (x, k)
         for k, c in enumerate(system.shifts)
@@ -631,7 +701,9 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
     for k, matrix in enumerate(system.shifts):
         for i, channel in enumerate(system.inputs):
             if (channel, k) in drives:
-                back[:, drives.index((channel, k))] = [float_of(matrix[r, i]) for r in range(system.size)]
+                back[:, drives.index((channel, k))] = [
+                    float_of(matrix[r, i]) for r in range(system.size)
+                ]
     N = np.zeros((system.size, len(drives)))
     for i, (channel, k) in enumerate(drives):
         if k < len(system.N):
@@ -640,20 +712,32 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
     width = system.size + len(drives)
     steady = tuple(i for i, (x, _) in enumerate(drives) if x.lag == 0 and x.name in net.jumps)
     return Linear(
-        system, drives, readings, Propagator(_array(system.M), N, steady), np.array(own).reshape(-1, width),
-        np.array(every).reshape(-1, width), back,
-    )  # fmt: skip
+        system,
+        drives,
+        readings,
+        Propagator(_array(system.M), N, steady),
+        np.array(own).reshape(-1, width),
+        np.array(every).reshape(-1, width),
+        back,
+    )
 
 
-def _row_in_linear(system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: Network) -> list[float]:
+def _row_in_linear(
+    system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: Network
+) -> list[float]:
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
         own = (next(x for x in system.inputs if x.name == reading[0] and x.lag == 0), reading[1])
         return [0.0] * system.size + [float(drive == own) for drive in drives]
     row: SignalRow = system.signal(*reading)
     state = [float_of(row.state[0, i]) for i in range(system.size)]
-    direct = [float_of(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0 for x, k in drives]
+    direct = [
+        float_of(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0
+        for x, k in drives
+    ]
     return state + direct
 
 
 def _array(matrix: Any) -> Array:
-    return np.array([float_of(x) for row in matrix.tolist() for x in row]).reshape(matrix.nrows(), matrix.ncols())
+    return np.array([float_of(x) for row in matrix.tolist() for x in row]).reshape(
+        matrix.nrows(), matrix.ncols()
+    )

@@ -1,4 +1,5 @@
-"""A display with a clock in a hand: its loop, through controller, hold and what moves, and the roots of that."""
+"""A display with a clock in a hand: its loop, through controller, hold and what moves, and the
+roots of that."""
 
 from __future__ import annotations
 
@@ -16,7 +17,8 @@ from haptisym.model.scene import Scene
 
 
 def clocked_roots(scene: Scene, hand: Hand) -> Roots:
-    """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its ``right``."""
+    """The roots in |z| >= 1 of a display with a clock in a hand; those outside the circle are its
+    ``right``."""
     outside, at_1 = loop_of(scene, hand).unstable()
     return Roots(outside + at_1, outside)
 
@@ -36,10 +38,13 @@ def series_alone(scene: Scene) -> bool:
 
 
 def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
-    """Controller, delay, hold, then device, compliance and hand in continuous time; symbols that are left may stay.
+    """Controller, delay, hold, then device, compliance and hand in continuous time; symbols that
+    are left may stay.
 
-    A ``sampled-loop`` samples the position, a ``zero-order-hold`` the force that comes to it: before it all is continuous.
-    UndecidedError where a delay or a power of s returns between sampler and hand, or a jump of the force jumps back at once.
+    A ``sampled-loop`` samples the position, a ``zero-order-hold`` the force that comes to it:
+    before it all is continuous.
+    UndecidedError where a delay or a power of s returns between sampler and hand, or a jump of the
+    force jumps back at once.
     """
     place, clock = clock_of(scene)
     behind, before = scene.effects[place + 1 :], scene.effects[:place]
@@ -67,17 +72,21 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
 def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
     """What moves and the force before the clock, in a row, without modes that cancel and fade.
 
-    What the force does not see remains a mode of what moves, and what the motion does not reach one of the force: exp(p T) is
-    a root of the loop for each p that cancels. Those that do not fade are left in place.
+    What the force does not see remains a mode of what moves, and what the motion does not reach one
+    of the force: exp(p T) is a root of the loop for each p that cancels. Those that do not fade are
+    left in place.
     """
     ring, common = G.ring, G.numerator.gcd(G.denominator)
     cancelled = RationalFunction(ring, ring.one.numerator, common)
     is_open = any(degree_in([common], i) for i in range(2, ring.size))
-    return G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
+    return (
+        G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
+    )
 
 
 def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -> RationalFunction:
-    """Force per position that what moves shows to the held force: the hand, seen through effects."""
+    """Force per position that what moves shows to the held force: the hand, seen through
+    effects."""
     Z = hand
     for effect in reversed(effects):
         a, b, c, d = map(ring.convert, effect.matrix)
@@ -87,7 +96,8 @@ def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -
         Z = (top / bottom).reduced()
     if Z.is_zero:
         raise UndecidedError(
-            "the roots of a loop with nothing that has mass, damping or stiffness between sampler and hand"
+            "the roots of a loop with nothing that has mass, damping or stiffness between "
+            "sampler and hand"
         )
     return Z
 
@@ -99,13 +109,23 @@ def plant_of(G: RationalFunction, ring: Ring) -> Plant:
         raise UndecidedError("the roots of a loop with friction")
     for i in range(first, len(ring.meanings)):
         powers = {int(e[i]) for e in G.denominator.monoms()}
-        if len(powers) > 1 or (i >= last and (powers != {0} or any(int(e[i]) for e in G.numerator.monoms()))):
+        if len(powers) > 1 or (
+            i >= last and (powers != {0} or any(int(e[i]) for e in G.numerator.monoms()))
+        ):
             what = "a delay" if i < last else "a power of s"
-            raise UndecidedError(f"the roots of a loop in which {what} returns between sampler and hand")
+            raise UndecidedError(
+                f"the roots of a loop in which {what} returns between sampler and hand"
+            )
     early = tuple(int(x) for x in G.denominator.monoms()[0][first:last])
     [(_, bottom)] = _by_delay(ring, G.denominator).items()
     terms = [
-        (sum(((n - m) * lag for n, m, lag in zip(turns, early, ring.lags, strict=True)), Integer(0)), row)
+        (
+            sum(
+                ((n - m) * lag for n, m, lag in zip(turns, early, ring.lags, strict=True)),
+                Integer(0),
+            ),
+            row,
+        )
         for turns, row in _by_delay(ring, G.numerator).items()
     ]
     if any(lag.could_extract_minus_sign() for lag, _ in terms):
@@ -127,4 +147,7 @@ def _by_delay(ring: Ring, polynomial: Polynomial) -> Mapping[tuple[int, ...], tu
         for symbol, n in zip(ring.symbols, own[2:first], strict=True):
             factor *= symbol**n
         row[own[0]] = row.get(own[0], Integer(0)) + factor
-    return {turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1)) for turns, row in rows.items()}
+    return {
+        turns: tuple(row.get(n, Integer(0)) for n in range(max(row) + 1))
+        for turns, row in rows.items()
+    }

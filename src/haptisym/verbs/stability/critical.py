@@ -1,8 +1,10 @@
-"""The values of a number that put roots of a display in a hand on the imaginary axis: all of them, but in what is named as open.
+"""The values of a number that put roots of a display in a hand on the imaginary axis: all of them,
+but in what is named as open.
 
-One equation in omega tells them, where there is one. Where there is none they are searched over frequency and value: in
-windows about a value that grow, cells are left out where C(j omega; q) is nowhere 0, proven in Taylor models, and in the
-others Newton's step in balls proves that there is just one pair. What is neither is open.
+One equation in omega tells them, where there is one. Where there is none they are searched over
+frequency and value: in windows about a value that grow, cells are left out where C(j omega; q) is
+nowhere 0, proven in Taylor models, and in the others Newton's step in balls proves that there is
+just one pair. What is neither is open.
 """
 
 from __future__ import annotations
@@ -78,7 +80,11 @@ def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[Ch
         strips = []
         for i, side in enumerate((-1, 1)):
             further = _end(asked, start, side, j)
-            if j < _WINDOWS and further != ends[i] and not any(_ends(x)[i] == ends[i] for x in left):
+            if (
+                j < _WINDOWS
+                and further != ends[i]
+                and not any(_ends(x)[i] == ends[i] for x in left)
+            ):
                 strips.append((further, ends[i]) if side < 0 else (ends[i], further))
                 ends[i] = further
 
@@ -93,7 +99,8 @@ def _outside(ends: Sequence[Rational], asked: Domain) -> Iterator[Open]:
 
 
 def _end(asked: Domain, start: Rational, side: int, j: int) -> Rational:
-    """Of the j-th window, on one side: four times as far as the one before it, or as near to what is asked about."""
+    """Of the j-th window, on one side: four times as far as the one before it, or as near to what
+    is asked about."""
     last = asked.low if side < 0 else asked.high
     far = start + side * (abs(start) * Rational(4) ** (j - 1) or _SMALLEST * Rational(64) ** j)
     if last is None or not last.is_Rational:
@@ -142,7 +149,9 @@ class _Cells:
     @cached_property
     def _scale(self) -> tuple[Array, Array]:
         """Where shares begin, and what one is."""
-        return np.array([0.0, float(self.low)]), np.array([self.axis.reach, float(self.high - self.low)])
+        return np.array([0.0, float(self.low)]), np.array(
+            [self.axis.reach, float(self.high - self.low)]
+        )
 
     @cached_property
     def _lost(self) -> Array:
@@ -155,7 +164,10 @@ class _Cells:
         columns = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
         start = np.zeros((len(columns) - 1, 2, 2))
         start[:, 0, 0], start[:, 0, 1], start[:, 1, 1] = columns[:-1], columns[1:], 1.0
-        looked, waiting = 0, Waiting([start], most=_DEEPEST, what="times that cells of frequency and value are cut")
+        looked, waiting = (
+            0,
+            Waiting([start], most=_DEEPEST, what="times that cells of frequency and value are cut"),
+        )
         for part in waiting:
             looked += len(part)
             if looked > _MOST_CELLS:
@@ -170,10 +182,14 @@ class _Cells:
                 waiting.add(halves(part[open_ones], np.argmax(rates[open_ones], -1)))
         width = self.high - self.low
         left = {tuple(map(Fraction, cell[1])) for cells in waiting.rest for cell in cells}
-        return [_open(self.low + width * Rational(a), self.low + width * Rational(b), _LEFT) for a, b in left]
+        return [
+            _open(self.low + width * Rational(a), self.low + width * Rational(b), _LEFT)
+            for a, b in left
+        ]
 
     def _box(self, cells: Array) -> tuple[Array, Array]:
-        """Middles of cells in rad/s and as values, and halves of them with what was lost by rounding."""
+        """Middles of cells in rad/s and as values, and halves of them with what was lost by
+        rounding."""
         start, size = self._scale
         half = size * (cells[:, :, 1] - cells[:, :, 0]) / 2
         return start + size * cells.mean(-1), half + self._lost
@@ -208,19 +224,25 @@ class _Cells:
         if not q.contains(0):
             return pair.value
         with suppress(UndecidedError):
-            if any(omega.contains(x.ball(2 * _BITS)) for x in self.form.loop.at(Integer(0)).on_axis):
+            if any(
+                omega.contains(x.ball(2 * _BITS)) for x in self.form.loop.at(Integer(0)).on_axis
+            ):
                 return ExactNumber(Integer(0))
         return None
 
     @staticmethod
     def _likely(parts: tuple[Model, Model], among: Array) -> Iterator[tuple[int, Array]]:
-        """Cells in which C is nearly straight, with the place, in halves of one from its middle, where C would then be 0."""
+        """Cells in which C is nearly straight, with the place, in halves of one from its middle,
+        where C would then be 0."""
         slopes = np.stack([x.c1[:, 0] for x in parts], 1)
         values = np.stack([x.c0[:, 0] for x in parts], 1)
         bends = np.stack([abs(x.c2[:, 0]).sum((-1, -2)) + x.r[:, 0] for x in parts], 1)
         with np.errstate(all="ignore"):
             (a, b), (c, d) = slopes[:, 0].T, slopes[:, 1].T
-            inverse = np.stack([np.stack([d, -b], -1), np.stack([-c, a], -1)], 1) / (a * d - b * c)[:, None, None]
+            inverse = (
+                np.stack([np.stack([d, -b], -1), np.stack([-c, a], -1)], 1)
+                / (a * d - b * c)[:, None, None]
+            )
             t = -np.einsum("nij,nj->ni", inverse, values)
             bent = np.einsum("nij,nj->ni", abs(inverse), bends)
         for i in np.flatnonzero(among & (abs(t) < _NEAR).all(-1) & (bent < _STRAIGHT).all(-1)):
@@ -244,7 +266,8 @@ _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
 def meetings(loop: Loop, value: Expr, asked: Domain) -> Iterator[Changes]:
-    """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError where that is open.
+    """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError
+    where that is open.
 
     By one equation in omega as far as that goes; else by a search over both.
     """
@@ -340,9 +363,11 @@ def _near(radius: Expr, loop: Loop) -> Expr:
 
 
 def _windows(loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting]) -> Iterator[Changes]:
-    """Where frequencies never end: as far as values lie in a window, about the value that is asked about.
+    """Where frequencies never end: as far as values lie in a window, about the value that is asked
+    about.
 
-    Beyond some frequency all values on the axis are larger than one end of it, or all smaller than the other one.
+    Beyond some frequency all values on the axis are larger than one end of it, or all smaller than
+    the other one.
     """
     reach, low, high = Integer(0), None, None
     for j in range(_WINDOWS_OF_CURVE):
@@ -367,7 +392,11 @@ def _windows(loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting]) ->
 
 
 def _has_chain(loop: Loop, value: Expr) -> bool:
-    """Whether infinitely many roots lie on the right, or come to the axis, at a delay > 0: at all of them, or at none."""
+    """Whether infinitely many roots lie on the right, or come to the axis, at a delay > 0: at all
+    of them, or at none."""
     with suppress(UndecidedError):
-        return loop.at(Rational(value) if value.is_Rational and value else Integer(1)).chain is not None
+        return (
+            loop.at(Rational(value) if value.is_Rational and value else Integer(1)).chain
+            is not None
+        )
     return False

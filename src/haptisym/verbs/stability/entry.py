@@ -1,4 +1,5 @@
-"""Does it shake: whether a display is stable under prescribed motion, in a hand, and with any passive operator; certificates."""
+"""Does it shake: whether a display is stable under prescribed motion, in a hand, and with any
+passive operator; certificates."""
 
 from __future__ import annotations
 
@@ -41,26 +42,32 @@ _PART = 0.5  # of the time that is left, for one number or for passivity
 
 
 def has_plane(scene: Scene) -> bool:
-    """Whether there is a plane to draw: of a hand, or with a clock of a wall of stiffness and damping."""
+    """Whether there is a plane to draw: of a hand, or with a clock of a wall of stiffness and
+    damping."""
     return not clocks(scene) or {*WALL} <= {x.path for x in scene.knobs}
 
 
 @dataclass(frozen=True, repr=False)
 class Stability(Answer):
-    """Three statements about a display, decided separately: under prescribed motion, in each hand, for any passive operator.
+    """Three statements about a display, decided separately: under prescribed motion, in each hand,
+    for any passive operator.
 
-    Stable in a hand: H_perc(s) + m s^2 + b s + k has no zero in Re s >= 0; sampled: no pole of the loop has abs(z) >= 1. Stable
-    for any passive operator: H_perc/s is positive real.
+    Stable in a hand: H_perc(s) + m s^2 + b s + k has no zero in Re s >= 0; sampled: no pole of the
+    loop has abs(z) >= 1. Stable for any passive operator: H_perc/s is positive real.
 
-    ``imposed`` : under prescribed motion: ``stable``, ``unstable`` (number of poles). ``held`` : for each hand ``stable``,
-    ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place). ``critical`` : for each hand, by
-    the path of each free parameter, its values for which the display is stable, SI, with the pole at each end, rad/s: as far
-    as the ends next to the present value. ``margins`` : for each hand the factors, the delays and the angles of the rendered
-    force for which it is stable; None where it is not, or that is undecided.
-    ``boxes`` : in which part of a hand's ranges it is stable; None without ranges. ``every_passive_hand`` : passivity, with the
-    active frequencies and the damping that compensates. ``digits`` : of JSON. ``scene`` : with the hands.
+    ``imposed`` : under prescribed motion: ``stable``, ``unstable`` (number of poles). ``held`` :
+    for each hand ``stable``,
+    ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place).
+    ``critical`` : for each hand, by the path of each free parameter, its values for which the
+    display is stable, SI, with the pole at each end, rad/s: as far as the ends next to the present
+    value. ``margins`` : for each hand the factors, the delays and the angles of the rendered force
+    for which it is stable; None where it is not, or that is undecided.
+    ``boxes`` : in which part of a hand's ranges it is stable; None without ranges.
+    ``every_passive_hand`` : passivity, with the active frequencies and the damping that
+    compensates. ``digits`` : of JSON. ``scene`` : with the hands.
 
-    Proven: all counts and limits, for the model as written. None is undecided; ``certified`` : nothing is.
+    Proven: all counts and limits, for the model as written. None is undecided; ``certified`` :
+    nothing is.
 
     >>> import haptisym as hs
     >>> found = hs.stability("delayed-spring", "postural-arm", free=["tau"])
@@ -84,9 +91,15 @@ class Stability(Answer):
 
     def _line(self) -> str:
         said = {None: "undecided", True: "holds", False: "does not hold"}
-        rows = (("imposed", self.imposed.stable), *((f"held in {x.hand.name}", x.stable) for x in self.held))
+        rows = (
+            ("imposed", self.imposed.stable),
+            *((f"held in {x.hand.name}", x.stable) for x in self.held),
+        )
         told = ", ".join(f"{what} {said[is_so]}" for what, is_so in rows)
-        return f"{titled(self.scene.title)}: {told}, every passive hand {said[self.every_passive_hand.holds]}"
+        return (
+            f"{titled(self.scene.title)}: {told}, every passive hand "
+            f"{said[self.every_passive_hand.holds]}"
+        )
 
     @property
     def sampled(self) -> SampledPassivity | None:
@@ -99,39 +112,71 @@ class Stability(Answer):
         held = all(x.is_decided for x in self.held)
         decided = self.imposed.stable is not None and held and self.every_passive_hand.is_decided
         knobs = self.scene.knobs
-        left = [why for sets in self.critical for path, x in sets.items() for why in open_beside(knobs[path], x)]
+        left = [
+            why
+            for sets in self.critical
+            for path, x in sets.items()
+            for why in open_beside(knobs[path], x)
+        ]
         open_boxes = any(x.reason for x in self.boxes if x)
-        return decided and not left and not open_boxes and not any(x.undecided for x in self.margins if x)
+        return (
+            decided
+            and not left
+            and not open_boxes
+            and not any(x.undecided for x in self.margins if x)
+        )
 
     def _body(self) -> dict[str, Any]:
         return {
             "imposed": self.imposed.row(),
-            "held": [self._held(*row) for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)],
+            "held": [
+                self._held(*row)
+                for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)
+            ],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
         }
 
-    def _held(self, x: Held, sets: Mapping[str, ValueSet], box: Box | None, margin: Margins | None) -> dict[str, Any]:
+    def _held(
+        self, x: Held, sets: Mapping[str, ValueSet], box: Box | None, margin: Margins | None
+    ) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}
-        verdict = {"stable": x.stable, "shakes": x.shakes, "drifts": x.drifts, "unstable": x.unstable}
+        verdict = {
+            "stable": x.stable,
+            "shakes": x.shakes,
+            "drifts": x.drifts,
+            "unstable": x.unstable,
+        }
         knobs = self.scene.knobs
         own: dict[str, Any] = {
             "hand": _hand(x.hand),
             **verdict,
-            "critical": [row for path, values in sets.items() for row in self._critical(path, values)],
+            "critical": [
+                row for path, values in sets.items() for row in self._critical(path, values)
+            ],
             "margins": margin and margin.row(),
         }
         left = [
-            {"path": path, "reason": why} for path, values in sets.items() for why in open_beside(knobs[path], values)
+            {"path": path, "reason": why}
+            for path, values in sets.items()
+            for why in open_beside(knobs[path], values)
         ]
-        left += [{"path": f"margins.{name}", "reason": why} for name, why in margin.undecided] if margin else []
+        left += (
+            [{"path": f"margins.{name}", "reason": why} for name, why in margin.undecided]
+            if margin
+            else []
+        )
         if box is not None:
             own["whole_box"] = box.share.value if box.share else None
             left += [{"path": x.hand.name, "reason": box.reason}] if box.reason else []
         ends = ((path, *looked_at(knobs[path], values)) for path, values in sets.items())
-        looked = [{"path": path, "from": _end(low), "to": _end(high)} for path, low, high in ends if low or high]
+        looked = [
+            {"path": path, "from": _end(low), "to": _end(high)}
+            for path, low, high in ends
+            if low or high
+        ]
         own |= {"looked_at": looked} if looked else {}
         return own | ({"undecided": left} if left else {}) | chain | reason
 
@@ -146,7 +191,12 @@ class Stability(Answer):
                 }
                 omega = x.bindings[0].omega
                 side = None if piece.is_single else "above" if x is piece.first else "below"
-                yield {"path": path, **value, "omega": None if omega is None else float(omega), "stable_side": side}
+                yield {
+                    "path": path,
+                    **value,
+                    "omega": None if omega is None else float(omega),
+                    "stable_side": side,
+                }
 
 
 def _end(x: RealNumber | None) -> float | None:
@@ -172,17 +222,20 @@ def stability(
     digits: int = 15,
     limit: float | None = SECONDS,
 ) -> Stability:
-    """Whether a display is stable under prescribed motion, in each hand, and with any passive operator: proven.
+    """Whether a display is stable under prescribed motion, in each hand, and with any passive
+    operator: proven.
 
-    ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``), by name, or each a ``Hand``;
-    those of the scene if not given. ``free`` : numbers by path or symbol; for each, and for the hand's own, it is
-    found where what is stable ends next to the present value; if none is given, all numbers of the display, with a clock
-    in a shorter search. ``digits`` : of each number in the document.
-    ``limit`` : seconds of processor time after which what is not decided stays open; None for none. Verdicts come first, then
-    limits, then margins; LimitError where not even one verdict is there by then.
+    ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``),
+    by name, or each a ``Hand``; those of the scene if not given. ``free`` : numbers by path or
+    symbol; for each, and for the hand's own, it is found where what is stable ends next to the
+    present value; if none is given, all numbers of the display, with a clock in a shorter search.
+    ``digits`` : of each number in the document.
+    ``limit`` : seconds of processor time after which what is not decided stays open; None for none.
+    Verdicts come first, then limits, then margins; LimitError where not even one verdict is there
+    by then.
 
-    What stays open is None, and the answer is then not certified. SceneError where a hand is not known, is given twice or turns
-    about an axis where the scene moves along a line.
+    What stays open is None, and the answer is then not certified. SceneError where a hand is not
+    known, is given twice or turns about an axis where the scene moves along a line.
 
     >>> found = stability("delayed-spring", "light-touch")
     >>> found.imposed.stable, found.held[0].stable, found.every_passive_hand.holds
@@ -192,30 +245,47 @@ def stability(
     digits = whole("digits", digits)
     scene = in_hands(scene, hand)
     scene.knobs.need_numbers()
-    paths = [free] if isinstance(free, str) else several("free", free, "give paths or symbols of numbers")
+    paths = (
+        [free]
+        if isinstance(free, str)
+        else several("free", free, "give paths or symbols of numbers")
+    )
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     if not paths and scene.hands:
         asked_of = [x for x in scene.knobs if not (x.parts or x.is_of_hand)]
-    with limited(limit) as budget:  # verdicts first: each part tells itself where the time for it is over
+    with limited(
+        limit
+    ) as budget:  # verdicts first: each part tells itself where the time for it is over
         under = imposed(scene)
         rows = tuple(held(scene, x) for x in scene.hands)
         with share(_PART):
             every = every_passive_hand(scene)
-        if budget.reached and under.stable is every.holds is None and not any(x.roots for x in rows):
+        if (
+            budget.reached
+            and under.stable is every.holds is None
+            and not any(x.roots for x in rows)
+        ):
             tick()  # nothing is known: LimitError
         boxes = tuple(whole_box(scene, x) for x in scene.hands)
-        near = tuple(_critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows))
+        near = tuple(
+            _critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows)
+        )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits)
 
 
 def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
-    """The scene in the hands that are asked about; as it is where none is. SceneError for one that is unknown, or there twice."""
+    """The scene in the hands that are asked about; as it is where none is. SceneError for one that
+    is unknown, or there twice."""
     if hand is None:
         return scene
     asked = [
         chosen(scene, x)
-        for x in ([hand] if isinstance(hand, str | Hand) else several("hand", hand, "give a name, a Hand, or several"))
+        for x in (
+            [hand]
+            if isinstance(hand, str | Hand)
+            else several("hand", hand, "give a name, a Hand, or several")
+        )
     ]
     for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
         raise SceneError(f'the hand "{name}" is asked about twice')
@@ -225,7 +295,8 @@ def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Sc
 def _number(scene: Scene, x: Knob) -> Knob:
     if x.parts:
         raise SceneError(
-            f"{x.path} is a threshold, which moves no root: ask for a number of the display or of the hand"
+            f"{x.path} is a threshold, which moves no root: ask for a number of the display "
+            f"or of the hand"
         )
     if not scene.hands:
         raise SceneError(f"{x.path}: its limits depend on the hand: {how_to_give()}")
@@ -236,20 +307,29 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dic
     """Of the hand's own numbers, and of those that were asked about."""
     if x.roots is None:
         return {}
-    own = [knob for knob in scene.knobs if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}]
+    own = [
+        knob
+        for knob in scene.knobs
+        if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}
+    ]
     others = [knob for knob in free if not knob.is_of_hand]
     criterion = stable_in(x.hand, STABLE if x.drifts == 0 else STEADY)
     found = dict[str, ValueSet]()
     numbers = [*own, *others]
     for i, knob in enumerate(numbers):
-        left = len(numbers) * (1 + after) - i  # with those of further hands; margins come after them
+        left = (
+            len(numbers) * (1 + after) - i
+        )  # with those of further hands; margins come after them
         with share(1 / (left + 1)):  # of the time that is left, so that all are told alike
-            found[knob.path] = stable_values(scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True)
+            found[knob.path] = stable_values(
+                scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True
+            )
     return found
 
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:
-    """A hand by its name, the scene's own before one that the package ships; "none" is one that holds nothing."""
+    """A hand by its name, the scene's own before one that the package ships; "none" is one that
+    holds nothing."""
     if isinstance(given, Hand):
         return given
     own = {x.name: x for x in scene.hands}
@@ -261,7 +341,9 @@ def chosen(scene: Scene, given: str | Hand) -> Hand:
         return Hand(NOBODY)
     theirs = f"the scene has {', '.join(own)}; " if own else ""
     listed = f"{theirs}the package ships {', '.join(hands)}, and {NOBODY} is no hand"
-    raise SceneError(f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{listed}')
+    raise SceneError(
+        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{listed}'
+    )
 
 
 def certificate(found: Stability) -> str:
@@ -298,6 +380,7 @@ def _told(hand: Hand, own: list[Hand]) -> str | dict[str, Any]:
         return hand.name
     if not all(x.is_Rational for x in numbers.values()):
         raise SceneError(
-            f"a certificate needs the hand {hand.name} in the scene file, or rational numbers for it in SI"
+            f"a certificate needs the hand {hand.name} in the scene file, or rational "
+            f"numbers for it in SI"
         )
     return {key: str(x) for key, x in numbers.items()}

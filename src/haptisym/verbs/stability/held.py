@@ -1,8 +1,9 @@
-"""Coupled to a hand, to hands in ranges, to any passive operator: how many roots H_perc + m s^2 + b s + k has in Re s >= 0.
+"""Coupled to a hand, to hands in ranges, to any passive operator: how many roots H_perc + m s^2 + b
+s + k has in Re s >= 0.
 
-Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four functions of omega are not
-negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some k - m omega^2 of the box. Where that is nowhere so,
-one count holds for all.
+Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four
+functions of omega are not negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some
+k - m omega^2 of the box. Where that is nowhere so, one count holds for all.
 """
 
 from __future__ import annotations
@@ -16,7 +17,14 @@ from typing import Any
 from sympy import Expr, I, Integer, prime
 
 from haptisym.judge.colgate import SampledPassivity
-from haptisym.judge.passivity import Beyond, Passivity, environment_alone, force_is_stable, passivity, rests
+from haptisym.judge.passivity import (
+    Beyond,
+    Passivity,
+    environment_alone,
+    force_is_stable,
+    passivity,
+    rests,
+)
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
@@ -33,27 +41,35 @@ from haptisym.verbs.stability.oncircle import OnCircle
 
 
 def unstable_roots(scene: Scene, hand: Hand) -> Roots:
-    """The roots in Re s >= 0 of a display in a hand: the one place where that is decided. UndecidedError where it stays open."""
+    """The roots in Re s >= 0 of a display in a hand: the one place where that is decided.
+    UndecidedError where it stays open."""
     scene = unclocked(scene)
     if clocks(scene):
         return clocked_roots(scene, hand)
-    at_rest = sign_of_number(hand.b.value) > 0 and rests(scene, scene.chain.at(values(scene.parameters)))
+    at_rest = sign_of_number(hand.b.value) > 0 and rests(
+        scene, scene.chain.at(values(scene.parameters))
+    )
     return roots_in_hand(scene.closed.perc, hand, at_rest=at_rest)
 
 
 def roots_in_hand(perceived: RationalFunction, hand: Hand, *, at_rest: bool = False) -> Roots:
-    """The same of a dynamics without a clock; ``at_rest``: whether none but one at 0 can lie in Re s >= 0."""
+    """The same of a dynamics without a clock; ``at_rest``: whether none but one at 0 can lie in Re
+    s >= 0."""
     ring = ring_of(perceived)
-    return zeros_of(characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring, rests=at_rest)
+    return zeros_of(
+        characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring, rests=at_rest
+    )
 
 
 def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomial:
-    """The numerator of H_perc + Z. H_perc being in lowest terms, so is this over its denominator, but at s = 0."""
+    """The numerator of H_perc + Z. H_perc being in lowest terms, so is this over its denominator,
+    but at s = 0."""
     return perceived.numerator * Z.denominator + Z.numerator * perceived.denominator
 
 
 def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
-    """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over s, is none.
+    """The zeros of top/bottom in Re s >= 0; what both have at s = 0, as with 1 - exp(-s tau) over
+    s, is none.
 
     ``rests`` : whether none but one at 0 can lie there.
     """
@@ -66,20 +82,26 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = F
     if found.number is None or not shared:
         return found
     on_axis = found.on_axis if order > shared else found.on_axis[1:]
-    return Roots(found.number - at_least(order) + at_least(order - shared), found.right, on_axis, found.chain)
+    return Roots(
+        found.number - at_least(order) + at_least(order - shared), found.right, on_axis, found.chain
+    )
 
 
 def need_roots(top: Polynomial, ring: Ring) -> None:
     """UndecidedError for a function that is none of s alone: with j among its numbers."""
     if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
-        raise UndecidedError("sliding friction is a describing function of one amplitude, which has no roots in s")
+        raise UndecidedError(
+            "sliding friction is a describing function of one amplitude, which has no roots in s"
+        )
 
 
 @dataclass(frozen=True, repr=False)
 class Held(Shown):
-    """Whether a display is stable in a hand. ``roots`` : those in Re s >= 0; None where not decided, for that ``reason``.
+    """Whether a display is stable in a hand. ``roots`` : those in Re s >= 0; None where not
+    decided, for that ``reason``.
 
-    ``drifts`` : how many of them lie at s = 0 (z = 1) as nothing in scene and hand holds the handle in place; None: not decided.
+    ``drifts`` : how many of them lie at s = 0 (z = 1) as nothing in scene and hand holds the handle
+    in place; None: not decided.
     """
 
     hand: Hand
@@ -88,21 +110,27 @@ class Held(Shown):
     drifts: int | None = None
 
     def _line(self) -> str:
-        return f"{self.hand.name}: {'undecided' if self.stable is None else 'stable' if self.stable else 'not stable'}"
+        return (
+            f"{self.hand.name}: "
+            f"{'undecided' if self.stable is None else 'stable' if self.stable else 'not stable'}"
+        )
 
     @property
     def stable(self) -> bool | None:
-        """No root in Re s >= 0, nor a chain of them that comes to the axis; None where not decided."""
+        """No root in Re s >= 0, nor a chain of them that comes to the axis; None where not
+        decided."""
         return None if self.roots is None else self.roots.number == 0
 
     @property
     def unstable(self) -> int | None:
-        """The number of roots in Re s >= 0; None where there are infinitely many, or it was not decided."""
+        """The number of roots in Re s >= 0; None where there are infinitely many, or it was not
+        decided."""
         return None if self.roots is None else self.roots.number
 
     @property
     def shakes(self) -> bool | None:
-        """Whether there is a root in Re s >= 0 that is no drift; None where that was not decided, or a chain hides it."""
+        """Whether there is a root in Re s >= 0 that is no drift; None where that was not decided,
+        or a chain hides it."""
         if self.roots is None or self.roots.chain is RootChain.NEAR:
             return None
         if self.roots.number is None:
@@ -144,10 +172,12 @@ def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Han
 
 
 def drifts(scene: Scene, hand: Hand) -> int | None:
-    """How many roots lie at s = 0 (z = 1) as nothing holds the handle in place; None where that is not decided.
+    """How many roots lie at s = 0 (z = 1) as nothing holds the handle in place; None where that is
+    not decided.
 
-    Those that are there, exactly, at the given numbers and again where every number that is not 0 is another one, so that a
-    spring that a negative one happens to cancel is none. One other set is asked, which is no proof for all values.
+    Those that are there, exactly, at the given numbers and again where every number that is not 0
+    is another one, so that a spring that a negative one happens to cancel is none. One other set is
+    asked, which is no proof for all values.
     """
     try:
         here = _at_rest(scene, hand)
@@ -169,10 +199,13 @@ def _at_rest(scene: Scene, hand: Hand) -> int:
 
 
 def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
-    """With every number another one, by a share of its own; what is 0 stays 0, as do whole numbers."""
+    """With every number another one, by a share of its own; what is 0 stays 0, as do whole
+    numbers."""
     primes = (Integer(prime(n)) for n in count(20))
     moved = {
-        x.path: x.value * (1 - 1 / next(primes)) for x in scene.parameters if x.value and x.rule not in WHOLE_NUMBERS
+        x.path: x.value * (1 - 1 / next(primes))
+        for x in scene.parameters
+        if x.value and x.rule not in WHOLE_NUMBERS
     }
     own = {p.symbol.name: p.value * (1 - 1 / next(primes)) for p in hand.parameters}
     return scene.with_values(moved), hand.with_values(own)
@@ -180,10 +213,11 @@ def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
 
 @dataclass(frozen=True)
 class Imposed:
-    """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re s >= 0; None: not decided.
+    """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re
+    s >= 0; None: not decided.
 
-    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one likes. ``reason`` : why it
-    was not decided in time.
+    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one
+    likes. ``reason`` : why it was not decided in time.
     """
 
     stable: bool | None
@@ -193,7 +227,9 @@ class Imposed:
 
     def row(self) -> dict[str, Any]:
         """As documents have it."""
-        return {"stable": self.stable, "unstable": self.unstable} | ({"reason": self.reason} if self.reason else {})
+        return {"stable": self.stable, "unstable": self.unstable} | (
+            {"reason": self.reason} if self.reason else {}
+        )
 
 
 def imposed(scene: Scene) -> Imposed:
@@ -216,9 +252,11 @@ def imposed(scene: Scene) -> Imposed:
 
 @dataclass(frozen=True)
 class EveryPassiveHand:
-    """Whether the display is passive, by its ``passivity``; None where that stayed open, for the ``reason``.
+    """Whether the display is passive, by its ``passivity``; None where that stayed open, for the
+    ``reason``.
 
-    ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im H_perc < 0 tells already.
+    ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im
+    H_perc < 0 tells already.
     """
 
     passivity: Passivity | None
@@ -244,31 +282,58 @@ class EveryPassiveHand:
         if self.sampled is not None:
             return self._sampled(self.sampled, digits)
         if p is None:
-            return {"holds": None, "active": [], **_number(None, digits), "omega": None, "reason": self.reason}
+            return {
+                "holds": None,
+                "active": [],
+                **_number(None, digits),
+                "omega": None,
+                "reason": self.reason,
+            }
         found = p.row()
         best = p.damping
         omega = float(best.omega) if best and best.omega is not None else None
-        key = {Beyond.AGAIN: "active_again_beyond", Beyond.LATE: "not_looked_at_beyond"}.get(p.beyond)
+        key = {Beyond.AGAIN: "active_again_beyond", Beyond.LATE: "not_looked_at_beyond"}.get(
+            p.beyond
+        )
         again = {key: found["reach"]} if key else {}
         why = {"reason": p.beyond.value} if p.holds is None and p.beyond is not Beyond.NEVER else {}
         number = _number(best.value if best else None, digits)
-        own = {"holds": p.holds, "active": found["active"], **number, "omega": omega, "poles_allow": p.poles_allow}
+        own = {
+            "holds": p.holds,
+            "active": found["active"],
+            **number,
+            "omega": omega,
+            "poles_allow": p.poles_allow,
+        }
         return own | again | why
 
     def _sampled(self, x: SampledPassivity, digits: int) -> dict[str, Any]:
         """With a clock: ``active`` below its Nyquist frequency, for prescribed motion."""
         theta = x.needed.omega if x.needed else None
-        omega = None if theta is None or x.hand_needed is None or self.holds else float(theta) / float(x.T)
+        omega = (
+            None
+            if theta is None or x.hand_needed is None or self.holds
+            else float(theta) / float(x.T)
+        )
         active = self.passivity.row()["active"] if self.passivity else []
-        return {"holds": self.holds, "active": active, **_number(x.hand_needed, digits), "omega": omega}
+        return {
+            "holds": self.holds,
+            "active": active,
+            **_number(x.hand_needed, digits),
+            "omega": omega,
+        }
 
 
 def _number(x: RealNumber | None, digits: int) -> dict[str, Any]:
-    return {"damping": None if x is None else float(x), "digits": None if x is None else x.digits(digits)}
+    return {
+        "damping": None if x is None else float(x),
+        "digits": None if x is None else x.digits(digits),
+    }
 
 
 def every_passive_hand(scene: Scene) -> EveryPassiveHand:
-    """Whether a display is stable with any passive operator: the one place where that is decided."""
+    """Whether a display is stable with any passive operator: the one place where that is
+    decided."""
     try:
         found = passivity(unclocked(scene))
         sampled = found.sampled
@@ -291,7 +356,8 @@ class Share(Enum):
 class Box:
     """In which hands of the box a display is stable; None where not decided, for the ``reason``.
 
-    ``meeting`` : a frequency at which roots lie on the axis for some hand of the box; None if there is none.
+    ``meeting`` : a frequency at which roots lie on the axis for some hand of the box; None if there
+    is none.
     """
 
     share: Share | None
@@ -313,13 +379,16 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
 
 
 def _sampled(scene: Scene, hand: Hand) -> Box:
-    """With a clock: corners counted, and no root on the unit circle anywhere in the box, or both kinds among the corners."""
+    """With a clock: corners counted, and no root on the unit circle anywhere in the box, or both
+    kinds among the corners."""
     verdicts = {clocked_roots(scene, x).number == 0 for x in _corners(hand)}
     if len(verdicts) > 1:
         return Box(Share.SOME)
     loop = OnCircle.of(scene, hand, {p.symbol: p.interval for p in hand.parameters if p.interval})
     if loop.left():
-        raise UndecidedError("whether roots of the sampled loop come to the unit circle for some hand of the box")
+        raise UndecidedError(
+            "whether roots of the sampled loop come to the unit circle for some hand of the box"
+        )
     is_stable = loop.is_stable({p.symbol: p.value for p in hand.parameters if p.interval})
     if is_stable is None:
         raise UndecidedError("whether what does not decay is hidden in some hand of the box")
@@ -338,7 +407,10 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
     if meeting is not None:
         if any(stable):
             return Box(Share.SOME, meeting)
-        raise UndecidedError("whether any hand of the box is stable: its corners are not, and the count changes within")
+        raise UndecidedError(
+            "whether any hand of the box is stable: its corners are not, and the count "
+            "changes within"
+        )
     if len({(x.number, x.chain) for x in counts}) > 1 and any(stable) == all(stable):
         raise UndecidedError("the count of roots that come from infinity within the box")
     return Box(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
@@ -347,13 +419,20 @@ def _decided(perceived: RationalFunction, hand: Hand) -> Box:
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
     """A frequency at which roots lie on the axis for some hand of the box."""
     functions = _functions(perceived, hand)
-    reaches = [x.radius for f in functions if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius]
+    reaches = [
+        x.radius
+        for f in functions
+        if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius
+    ]
     if not reaches:
         raise UndecidedError(
-            "whether roots meet the imaginary axis at ever higher frequencies for some hand of the box"
+            "whether roots meet the imaginary axis at ever higher frequencies for some hand "
+            "of the box"
         )
     table = chart(
-        {i: RealFunction(f.reduced()) for i, f in enumerate(functions)}, Integer(0), max(min(reaches), Integer(1))
+        {i: RealFunction(f.reduced()) for i, f in enumerate(functions)},
+        Integer(0),
+        max(min(reaches), Integer(1)),
     )
     if table.undecided:
         raise UndecidedError("whether the box of the hand touches the boundary of stability")
@@ -373,9 +452,11 @@ def _functions(perceived: RationalFunction, hand: Hand) -> list[RationalFunction
         return own.ring.function(top, own.denominator * x.denominator)
 
     return [
-        with_hand(response.raw_imag, -1, -b * omega), with_hand(response.raw_imag, 1, b_high * omega),
-        with_hand(response.raw_real, -1, m_high * omega**2 - k), with_hand(response.raw_real, 1, k_high - m * omega**2),
-    ]  # fmt: skip
+        with_hand(response.raw_imag, -1, -b * omega),
+        with_hand(response.raw_imag, 1, b_high * omega),
+        with_hand(response.raw_real, -1, m_high * omega**2 - k),
+        with_hand(response.raw_real, 1, k_high - m * omega**2),
+    ]
 
 
 def _ends(p: Parameter) -> tuple[Expr, Expr]:

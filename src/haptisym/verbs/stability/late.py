@@ -1,9 +1,11 @@
-"""A loop with a clock whose delay is open: d whole samples and a rest theta, z^d Q(z) + N(z; theta) = 0.
+"""A loop with a clock whose delay is open: d whole samples and a rest theta, z^d Q(z) + N(z; theta)
+= 0.
 
-On z = exp(j omega T) that asks for log(-N/Q) = j (omega d T - 2 pi k). Its real part is 0 on a few curves omega(theta), whatever
-d is: boxes of both are cut until none is there, or just one omega for each theta. Along them the imaginary part tells at which
-delays, however many samples they are: for each k Newton's step in balls closes in on them. Which way a root then goes is the
-sign of a derivative, so that one exact count tells all others.
+On z = exp(j omega T) that asks for log(-N/Q) = j (omega d T - 2 pi k). Its real part is 0 on a few
+curves omega(theta), whatever d is: boxes of both are cut until none is there, or just one omega for
+each theta. Along them the imaginary part tells at which delays, however many samples they are: for
+each k Newton's step in balls closes in on them. Which way a root then goes is the sign of a
+derivative, so that one exact count tells all others.
 """
 
 from __future__ import annotations
@@ -23,7 +25,14 @@ from sympy import Expr, Rational
 from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.enclosures import over_circle
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, at_rising_precision, bounds, expression_ball, fraction_ball
+from haptisym.kernel.reals import (
+    Ball,
+    ExactNumber,
+    at_rising_precision,
+    bounds,
+    expression_ball,
+    fraction_ball,
+)
 from haptisym.kernel.roots import ordered
 from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.stability.loops import Pair
@@ -51,7 +60,8 @@ class Log(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One omega for each theta, in a ``box`` of both, where ``turn`` is the angle of -N/Q plus omega theta."""
+    """One omega for each theta, in a ``box`` of both, where ``turn`` is the angle of -N/Q plus
+    omega theta."""
 
     loop: Opened
     box: Box
@@ -75,7 +85,8 @@ class Curve:
 
 @lru_cache(maxsize=512)
 def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly]:
-    """Polynomials in z - 1: N in the middle; all over, one and up to so much of another one; its slope; and Q."""
+    """Polynomials in z - 1: N in the middle; all over, one and up to so much of another one; its
+    slope; and Q."""
     assert bits == flint.ctx.prec
     lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), middle, radius)
     N, Q = loop.loop.sides({loop.symbol: middle})
@@ -85,12 +96,16 @@ def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly
 
 
 def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
-    """Whether no root is on the circle in a box, as |N| and |Q| differ; and log(-N/Q), None where that has no bounds."""
+    """Whether no root is on the circle in a box, as |N| and |Q| differ; and log(-N/Q), None where
+    that has no bounds."""
     T, bits = expression_ball(loop.loop.T), flint.ctx.prec
-    x, middle = (acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, (omega * T).mid()))  # z - 1
+    x, middle = (
+        acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, (omega * T).mid())
+    )  # z - 1
     # of a shorter piece the slope, a difference, would have fewer digits
     radius = theta.rad().max(T.lower() * arb(2) ** (-bits // 4)).mid()
-    # about the middle: powers of a ball, and balls that cancel far from 0, grow faster than what they are of
+    # about the middle: powers of a ball, and balls that cancel far from 0, grow faster than what
+    # they are of
     parts = [acb_poly(p)(acb_poly([middle, 1])) for p in _sides(loop, theta.mid(), radius, bits)]
     here, at, more, slope, below = (p(x - middle) for p in parts)
     above = at + more * arb(0, 1)
@@ -113,7 +128,8 @@ def _off(x: Ball) -> Ball:
 
 
 def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[Curve]:
-    """All of them for rests between two, as far as a root is on the circle at delays of up to ``most``.
+    """All of them for rests between two, as far as a root is on the circle at delays of up to
+    ``most``.
 
     UndecidedError where that is not settled.
     """
@@ -157,16 +173,20 @@ def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
 
 
 def _is_later(curve: Curve, most: Fraction) -> bool:
-    """Whether a root is on the circle at longer delays alone: at a low frequency they take long to turn it round."""
+    """Whether a root is on the circle at longer delays alone: at a low frequency they take long to
+    turn it round."""
     if not curve.turn.rad() < 1:
         return False
-    turn = curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()  # the first that is not below 0
+    turn = (
+        curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()
+    )  # the first that is not below 0
     lowest = turn - 2 * arb.pi()
     return bool(lowest < 0 and turn > curve.box[0].upper() * fraction_ball(most))
 
 
 def _followed(loop: Opened, box: Box, log: Log | None) -> Curve | Box | None:
-    """A piece of a curve, narrowed down; None where none is in a box; the box where that is not told."""
+    """A piece of a curve, narrowed down; None where none is in a box; the box where that is not
+    told."""
     omega, theta = box
     while log is not None and not log.along.real.contains(0):
         near = omega.mid() - (log.middle.real + log.later.real * _off(theta)) / log.along.real
@@ -185,7 +205,8 @@ def _followed(loop: Opened, box: Box, log: Log | None) -> Curve | Box | None:
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """Of a curve with so many whole ``samples`` after k turns: Newton's step for omega and the delay."""
+    """Of a curve with so many whole ``samples`` after k turns: Newton's step for omega and the
+    delay."""
 
     curve: Curve
     samples: int
@@ -207,7 +228,10 @@ class Turn:
         size = a * d - b * c
         if size.contains(0):
             return None
-        return (omega.mid() - (d * off.real - b * off.imag) / size, delay.mid() - (a * off.imag - c * off.real) / size)
+        return (
+            omega.mid() - (d * off.real - b * off.imag) / size,
+            delay.mid() - (a * off.imag - c * off.real) / size,
+        )
 
     def pairs(self) -> Iterator[Pair]:
         """All in the curve's box, each once. UndecidedError where that is not told."""
@@ -220,7 +244,9 @@ class Turn:
             elif found is not None:
                 omega, delay = found
                 middle = delay.mid()
-                waiting.add((omega, delay.lower().union(middle)), (omega, middle.union(delay.upper())))
+                waiting.add(
+                    (omega, delay.lower().union(middle)), (omega, middle.union(delay.upper()))
+                )
         if waiting.rest:
             raise UndecidedError("whether a root comes to the unit circle and goes back")
 
@@ -254,9 +280,11 @@ class Turn:
 
 @dataclass(eq=False)
 class Lateness:
-    """The delays of a loop with a root on the circle, in ascending order as far as they are ``found``, and up to where all are.
+    """The delays of a loop with a root on the circle, in ascending order as far as they are
+    ``found``, and up to where all are.
 
-    ``senses`` : of each how many roots more are outside beyond it; ``left`` : between which delays others may be.
+    ``senses`` : of each how many roots more are outside beyond it; ``left`` : between which delays
+    others may be.
     """
 
     loop: Opened
@@ -282,7 +310,8 @@ class Lateness:
         return cls(loop, Rational(own), found)
 
     def known(self, end: Fraction) -> Iterator[Fraction]:
-        """Find them one after the other, up to a delay; again and again up to where they are known."""
+        """Find them one after the other, up to a delay; again and again up to where they are
+        known."""
         with flint.ctx.workprec(_BITS):
             heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
             heapify(heap)
@@ -327,21 +356,24 @@ class Lateness:
                 self.left.append(bounds(delays))
 
     def holds(self, value: Rational) -> bool | None:
-        """Whether it is stable with a delay, by a count of another one; None where what is between is not known."""
+        """Whether it is stable with a delay, by a count of another one; None where what is between
+        is not known."""
         if not self._is_told(value):
             return None
         low, high = sorted((self.own, value))
         between = [
-            sense for x, sense in zip(self.found, self.senses, strict=True)
+            sense
+            for x, sense in zip(self.found, self.senses, strict=True)
             if ordered(ExactNumber(low), x.value) > 0 and ordered(x.value, ExactNumber(high)) > 0
-        ]  # fmt: skip
+        ]
         return self._home + (1 if value > self.own else -1) * sum(between) == 0
 
     def _is_told(self, value: Rational) -> bool:
         """Whether all on the way to a delay from the own one is known."""
         last = max(self.own, value)
         return not self.left and (
-            self.frontier is None or last < Rational(self.frontier.numerator, self.frontier.denominator)
+            self.frontier is None
+            or last < Rational(self.frontier.numerator, self.frontier.denominator)
         )
 
     @cached_property

@@ -1,12 +1,15 @@
-"""Margins: by how much the rendered force may be larger, later or turned until the display shakes in a hand.
+"""Margins: by how much the rendered force may be larger, later or turned until the display shakes
+in a hand.
 
-The force is that of the environment, or of ``[rendered]``, before all effects. With g of it the loop is A + g B = 0, linear in g,
-however the force comes through the effects: they make a Moebius map of it. So g = -A/B on the imaginary axis, and
+The force is that of the environment, or of ``[rendered]``, before all effects. With g of it the
+loop is A + g B = 0, linear in g, however the force comes through the effects: they make a Moebius
+map of it. So g = -A/B on the imaginary axis, and
 
 - *gain*: the values of g about 1 for which it is stable, of a thousandth to a thousandfold;
-- *delay*: the values of tau from 0 on for which it is, with g = exp(-s tau), up to a thousand seconds;
-- *phase*: the angles below the least one of -A/B at all frequencies with |A/B| = 1: by so much the force may be turned at any
-  one frequency.
+- *delay*: the values of tau from 0 on for which it is, with g = exp(-s tau), up to a thousand
+  seconds;
+- *phase*: the angles below the least one of -A/B at all frequencies with |A/B| = 1: by so much the
+  force may be turned at any one frequency.
 """
 
 from __future__ import annotations
@@ -50,9 +53,11 @@ _LATE = delayed(0, name="margin-of-delay")
 
 @dataclass(frozen=True, repr=False)
 class Margins(Shown):
-    """Of a display in a hand: for which factors on the rendered force, delays (s) and angles (degrees) of it it is stable.
+    """Of a display in a hand: for which factors on the rendered force, delays (s) and angles
+    (degrees) of it it is stable.
 
-    Each as far as the ends next to the present value: a factor of 1, no delay, no angle. ``phase`` : None with a clock.
+    Each as far as the ends next to the present value: a factor of 1, no delay, no angle. ``phase``
+    : None with a clock.
     """
 
     gain: ValueSet
@@ -65,7 +70,8 @@ class Margins(Shown):
 
     @property
     def below(self) -> Point | None:
-        """The factor down to which it is stable; None where there is no end, or none that is known."""
+        """The factor down to which it is stable; None where there is no end, or none that is
+        known."""
         return self.gain.end(_ONE, -1)
 
     @property
@@ -76,14 +82,29 @@ class Margins(Shown):
     @property
     def undecided(self) -> tuple[tuple[str, str], ...]:
         """By the name of a margin why it is not known, or not on one side."""
-        sets = (("gain", self.gain, _ONE), ("delay", self.delay, _ZERO), ("phase_deg", self.phase, _ZERO))
-        left = ((name, x.unknown(own, side)) for name, x, own in sets if x is not None for side in (-1, 1))
-        return tuple(dict.fromkeys((name, piece.reason) for name, piece in left if piece is not None))
+        sets = (
+            ("gain", self.gain, _ONE),
+            ("delay", self.delay, _ZERO),
+            ("phase_deg", self.phase, _ZERO),
+        )
+        left = (
+            (name, x.unknown(own, side))
+            for name, x, own in sets
+            if x is not None
+            for side in (-1, 1)
+        )
+        return tuple(
+            dict.fromkeys((name, piece.reason) for name, piece in left if piece is not None)
+        )
 
     def row(self) -> dict[str, Any]:
         """As documents have it."""
         below, above = self.below, self.above
-        nearest = below if below and not (above and float(above.value) * float(below.value) < 1) else above
+        nearest = (
+            below
+            if below and not (above and float(above.value) * float(below.value) < 1)
+            else above
+        )
         late = self.delay.end(_ZERO, 1)
         return {
             "gain": {"below": _float(below), "above": _float(above), "omega": _omega(nearest)},
@@ -118,7 +139,8 @@ def margins(scene: Scene, hand: Hand) -> Margins:
         return Margins(*(ValueSet.all_of(x, holds=True) for x in (GAINS, DELAYS, ANGLES)))
     if clocks(scene):
         return Margins(
-            _told(GAINS, lambda: factors(scene, hand, GAINS)), _told(DELAYS, lambda: delays(scene, hand, DELAYS))
+            _told(GAINS, lambda: factors(scene, hand, GAINS)),
+            _told(DELAYS, lambda: delays(scene, hand, DELAYS)),
         )
     criterion = stable_in(hand, STEADY if drifts(scene, hand) else STABLE)
     gain, delay = (
@@ -153,7 +175,9 @@ def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
     settled = asymptotic_sign(condition)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise UndecidedError("where the loop has a gain of 1: it may be at ever higher frequencies")
-    table = chart({"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1)))
+    table = chart(
+        {"": RealFunction(condition.reduced())}, Integer(0), max(settled.radius, Integer(1))
+    )
     if any("" in x.undecided for x in table.points):
         raise UndecidedError("whether the loop comes to a gain of 1")
     response = on_axis(ratio)
@@ -175,7 +199,8 @@ def _up_to(asked: Domain, limit: Change | None) -> ValueSet:
 
 @dataclass(frozen=True, repr=False)
 class Turned(RealNumber):
-    """The angle, degrees, of the loop A/B from 1 + A/B = 0, at a frequency: that of -A/B, whatever its sign."""
+    """The angle, degrees, of the loop A/B from 1 + A/B = 0, at a frequency: that of -A/B, whatever
+    its sign."""
 
     ratio: tuple[RealFunction, RealFunction]
     omega: RealNumber
@@ -184,7 +209,9 @@ class Turned(RealNumber):
         with ctx.workprec(bits + 32):
             x = self.omega.ball(bits + 32)
             real, imag = (part.ball(x) for part in self.ratio)
-            angle = abs(acb(real, imag).arg()) if real > 0 else arb.pi() - abs(acb(-real, imag).arg())
+            angle = (
+                abs(acb(real, imag).arg()) if real > 0 else arb.pi() - abs(acb(-real, imag).arg())
+            )
             return (arb.pi() - angle) * 180 / arb.pi()
 
 

@@ -1,4 +1,5 @@
-"""A display with a clock and numbers in ranges: whether a root is on the unit circle for some of their values.
+"""A display with a clock and numbers in ranges: whether a root is on the unit circle for some of
+their values.
 
 Cells of values, in balls, are cut until each is clear of the circle, or too small.
 """
@@ -45,11 +46,14 @@ class OnCircle:
         own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
         found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
         if found.loop.at_one == 0:
-            raise UndecidedError("the roots of a sampled loop of which one stays at z = 1, for all values at once")
+            raise UndecidedError(
+                "the roots of a sampled loop of which one stays at z = 1, for all values at once"
+            )
         return found
 
     def left(self) -> list[Cell]:
-        """Cells outside which no root is on the circle, and in which there may be: none where that is proven."""
+        """Cells outside which no root is on the circle, and in which there may be: none where that
+        is proven."""
         waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
         while waiting and looked < _MOST_CELLS:
             tick(looked, _MOST_CELLS, "cells of ranges")
@@ -67,18 +71,26 @@ class OnCircle:
                 return False
 
     def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
-        """Whether it is for some values and all that clear cells join to them, or for none of these; None where not known.
+        """Whether it is for some values and all that clear cells join to them, or for none of
+        these; None where not known.
 
         Counted before anything cancels: what is hidden at these values alone is not at others.
         """
-        return True if self.loop.at(values).unstable() == (0, 0) else False if self.hides_none else None
+        return (
+            True
+            if self.loop.at(values).unstable() == (0, 0)
+            else False
+            if self.hides_none
+            else None
+        )
 
     @cached_property
     def hides_none(self) -> bool:
-        """Whether nothing that does not decay can be hidden, for any values: neither by the plant nor by the controller.
+        """Whether nothing that does not decay can be hidden, for any values: neither by the plant
+        nor by the controller.
 
-        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z = 1; those of the controller
-        have |z| <= 1, as their coefficients tell.
+        The plant's poles have Re s < 0, by Hurwitz, but for some at s = 0, which would show at z =
+        1; those of the controller have |z| <= 1, as their coefficients tell.
         """
         with flint.ctx.workprec(_BITS_OF_CELLS):
             known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
@@ -98,14 +110,18 @@ class OnCircle:
         """Whether it is a sum of products of what is not negative, for any values."""
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
-        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(sign_of_number(x) >= 0 for x in lows)
+        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(
+            sign_of_number(x) >= 0 for x in lows
+        )
 
     def _at(self, cell: Cell) -> dict[Expr, Ball]:
         """The values of a cell, in balls; at the current working precision."""
         found: dict[Expr, Ball] = {}
         for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
             a, b = expression_ball(low), expression_ball(high)
-            found[symbol] = (a + fraction_ball(start) * (b - a)).union(a + fraction_ball(end) * (b - a))
+            found[symbol] = (a + fraction_ball(start) * (b - a)).union(
+                a + fraction_ball(end) * (b - a)
+            )
         return found
 
 
@@ -118,11 +134,16 @@ def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
 
 
 def _is_hurwitz(row: Sequence[Ball]) -> bool:
-    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re s < 0, or one at 0."""
+    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re
+    s < 0, or one at 0."""
     down, n = list(row)[::-1], len(row) - 1
     if not all(x > 0 for x in down[:-1]):
         return False
     entries = [
-        [down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0) for j in range(n)] for i in range(n)
+        [
+            down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0)
+            for j in range(n)
+        ]
+        for i in range(n)
     ]
     return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))

@@ -1,10 +1,12 @@
 """A sampled loop with one number left open: for which values of it a root is on the unit circle.
 
-In v, z = (1 + v)/(1 - v), the circle is the imaginary axis. There is no root at z = 1 where B(1) Q(0) + A(1) N(0) is not 0,
-D = A/B and G = N/Q: a polynomial in the number, whose zeros are found by themselves. There is none at z = -1 where the highest
-coefficient in v is not 0, and no pair where a determinant of Hurwitz is not. A stretch of values is *clear* where both are
-proven not to be 0 for any of its values, in balls: it is cut until it is, or until each of the two is 0 once at most. Then the
-signs at its ends tell which one is, and two counts whether what adds up to 0 is a pair on the circle.
+In v, z = (1 + v)/(1 - v), the circle is the imaginary axis. There is no root at z = 1 where B(1)
+Q(0) + A(1) N(0) is not 0, D = A/B and G = N/Q: a polynomial in the number, whose zeros are found by
+themselves. There is none at z = -1 where the highest coefficient in v is not 0, and no pair where a
+determinant of Hurwitz is not. A stretch of values is *clear* where both are proven not to be 0 for
+any of its values, in balls: it is cut until it is, or until each of the two is 0 once at most. Then
+the signs at its ends tell which one is, and two counts whether what adds up to 0 is a pair on the
+circle.
 """
 
 from __future__ import annotations
@@ -39,7 +41,10 @@ from haptisym.verbs.stability.loops import zeros
 
 _BITS, _MOST_BITS = 96, 1 << 12
 _FINEST = Fraction(1, 1 << 24)  # of a value: shorter stretches stay open
-_CLOSEST, _MOST_CLOSER = Fraction(1, 1 << 44), 200  # of those in which the number of roots is known to change
+_CLOSEST, _MOST_CLOSER = (
+    Fraction(1, 1 << 44),
+    200,
+)  # of those in which the number of roots is known to change
 _ONE, _MINUS_ONE, _PAIR = range(3)  # the tests
 
 Span = tuple[Fraction, Fraction]
@@ -55,7 +60,8 @@ class Passage:
 
 @dataclass(frozen=True)
 class Looked:
-    """What was ``found`` up to an ``end`` in a ``number`` of stretches, and which of them are ``left`` open."""
+    """What was ``found`` up to an ``end`` in a ``number`` of stretches, and which of them are
+    ``left`` open."""
 
     found: list[Passage]
     left: list[Span]
@@ -104,17 +110,20 @@ class Opened:
 
     @cached_property
     def is_late(self) -> bool:
-        """Whether the number is a delay of all that moves, and of nothing else, and the period rational."""
+        """Whether the number is a delay of all that moves, and of nothing else, and the period
+        rational."""
         others = self.loop.T, *self.loop.above, *self.loop.below, *self.loop.plant.denominator
         terms = self.loop.plant.terms
         apart = any(x.has(self.symbol) for x in (*others, *(x for _, row in terms for x in row)))
         late = all(
-            lag.diff(self.symbol) == 1 and lag.xreplace({self.symbol: Integer(0)}).is_Rational for lag, _ in terms
+            lag.diff(self.symbol) == 1 and lag.xreplace({self.symbol: Integer(0)}).is_Rational
+            for lag, _ in terms
         )
         return late and not apart and bool(self.loop.T.is_Rational) and not self.always
 
     def piece(self, start: Fraction, end: Fraction) -> tuple[Opened, Fraction]:
-        """The loop from a value on towards another one as far as its delays keep their whole samples, and up to where that is."""
+        """The loop from a value on towards another one as far as its delays keep their whole
+        samples, and up to where that is."""
         if not self._ratios:
             return self, end
         q, last, side = _exact(start), _exact(end), 1 if end > start else -1
@@ -133,25 +142,35 @@ class Opened:
         period, plant = self.loop.T.xreplace(middle), self.loop.plant
         whole = tuple(int(floor(lag.xreplace(middle) / period)) for lag, _ in plant.terms)
         timed = Timed(plant.denominator, plant.terms, whole)
-        return Opened(replace(self.loop, plant=timed), self.symbol), Fraction(int(stop.p), int(stop.q))
+        return Opened(replace(self.loop, plant=timed), self.symbol), Fraction(
+            int(stop.p), int(stop.q)
+        )
 
     # Where roots are on the circle
 
     @cached_property
     def at_rest(self) -> tuple[Passage, ...]:
-        """The values that put a root at z = 1; and 0 where that swings without the clock, as it then holds no force."""
+        """The values that put a root at z = 1; and 0 where that swings without the clock, as it
+        then holds no force."""
         form, _ = self.loop.at_one.together().as_numer_denom()
         try:
             row = [] if self.always or self.is_fixed else Poly(form, self.symbol).all_coeffs()[::-1]
         except PolynomialError:
-            raise UndecidedError("which values put a root at z = 1: they are no zeros of a polynomial") from None
-        mirrored = [Negative(x) for x in zeros([c * (-1) ** i for i, c in enumerate(row)])] if len(row) > 2 else []
+            raise UndecidedError(
+                "which values put a root at z = 1: they are no zeros of a polynomial"
+            ) from None
+        mirrored = (
+            [Negative(x) for x in zeros([c * (-1) ** i for i, c in enumerate(row)])]
+            if len(row) > 2
+            else []
+        )
         still = [Passage(x, ExactNumber(Integer(0))) for x in (*zeros(row), *mirrored)]
         return (*still, *([Passage(ExactNumber(Integer(0)), self.swing)] if self.swing else []))
 
     @cached_property
     def swing(self) -> RealNumber | None:
-        """The frequency, rad/s, with which it swings at the value 0, where the clock then holds no force."""
+        """The frequency, rad/s, with which it swings at the value 0, where the clock then holds no
+        force."""
         try:
             here = self.at(Integer(0))
         except ZeroDivisionError:
@@ -162,10 +181,13 @@ class Opened:
         if modes.free_symbols != {s}:
             return None
         ring = Ring.of([modes])
-        return next((x for x in count_roots(ring.convert(modes).numerator, ring).on_axis if float(x)), None)
+        return next(
+            (x for x in count_roots(ring.convert(modes).numerator, ring).on_axis if float(x)), None
+        )
 
     def most(self, span: Span) -> int | None:
-        """For how many values each test is 0 at most, but for that at z = 1: 0, with no root on the circle, or 1; None: open."""
+        """For how many values each test is 0 at most, but for that at z = 1: 0, with no root on the
+        circle, or 1; None: open."""
         with flint.ctx.workprec(_BITS):
             q = fraction_ball(span[0]).union(fraction_ball(span[1]))
             try:
@@ -174,14 +196,17 @@ class Opened:
                 return None
 
     def passages(self, span: Span, most: int) -> Looked:
-        """Where roots come to the circle beside z = 1, from the first end on, towards the other one."""
+        """Where roots come to the circle beside z = 1, from the first end on, towards the other
+        one."""
         looked = self._cut(span, most, _FINEST)
         found, left = looked.found, list[Span]()
         for x in joined(looked.left):  # where two of them meet there may be a root
             told = self._told(x)
             if told is not None:
                 found += told
-            elif self._differs(x):  # balls overestimate: what holds a root for certain is cut further
+            elif self._differs(
+                x
+            ):  # balls overestimate: what holds a root for certain is cut further
                 closer = self._cut(x, _MOST_CLOSER, _CLOSEST)
                 found += closer.found
                 left += joined(closer.left) if closer.end == x[1] else [x]
@@ -190,7 +215,8 @@ class Opened:
         return replace(looked, found=found, left=left)
 
     def _cut(self, span: Span, most: int, finest: Fraction) -> Looked:
-        """The same in stretches that are cut until they are told, or as short as that share of their values."""
+        """The same in stretches that are cut until they are told, or as short as that share of
+        their values."""
         found, left, waiting, number = list[Passage](), list[Span](), [span], 0
         shortest = abs(span[1] - span[0]) * finest
         while waiting and number < most:
@@ -201,7 +227,9 @@ class Opened:
             if told is not None:
                 found += told
             elif abs(end - start) > finest * max(abs(start), abs(end), shortest):
-                middle = Fraction(float((33 * start + 31 * end) / 64))  # not where a number that was thought out is
+                middle = Fraction(
+                    float((33 * start + 31 * end) / 64)
+                )  # not where a number that was thought out is
                 waiting += [(middle, end), (start, middle)]
             else:
                 left.append(own)
@@ -249,10 +277,13 @@ class Opened:
         """Whether a value that puts a root at z = 1 may lie between two."""
         with flint.ctx.workprec(_BITS):
             span = fraction_ball(low).union(fraction_ball(high))
-            return any(x.value.ball(_BITS).overlaps(span) for x in self.at_rest if not float(x.omega))
+            return any(
+                x.value.ball(_BITS).overlaps(span) for x in self.at_rest if not float(x.omega)
+            )
 
     def _signs(self, value: Fraction) -> tuple[int | None, int | None, int | None]:
-        """Of the tests at a value; 0 of one that is known to be 0 there, None of one that is not told."""
+        """Of the tests at a value; 0 of one that is known to be 0 there, None of one that is not
+        told."""
         if not value and self.swing:
             return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), 0
         return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), self._sign(value, _PAIR)
@@ -260,14 +291,18 @@ class Opened:
     def _sign(self, value: Fraction, test: int) -> int | None:
         if test == _ONE and not self.always:
             return 1  # zeros of that are known
-        return at_rising_precision(lambda _: sign_of(self.tests(fraction_ball(value))[test]) or None, _BITS, _MOST_BITS)
+        return at_rising_precision(
+            lambda _: sign_of(self.tests(fraction_ball(value))[test]) or None, _BITS, _MOST_BITS
+        )
 
     def tests(self, q: Ball) -> tuple[Ball, Ball, Ball]:
-        """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is on the circle."""
+        """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root
+        is on the circle."""
         return circle_tests(self.loop, {self.symbol: q}, self.loop.at_one, self.always)
 
     def angle(self, q: Ball, bits: int) -> Ball:
-        """Of the pair on the circle: its argument, to so many bits; not finite where balls do not tell."""
+        """Of the pair on the circle: its argument, to so many bits; not finite where balls do not
+        tell."""
         try:
             roots = acb_poly(self.loop.in_v({self.symbol: q}, self.always)).roots(
                 tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec

@@ -1,4 +1,5 @@
-"""The plane of a hand of one mass, or of a wall with a clock: cells drawn in floats, and the certified count in each of them."""
+"""The plane of a hand of one mass, or of a wall with a clock: cells drawn in floats, and the
+certified count in each of them."""
 
 from __future__ import annotations
 
@@ -35,7 +36,8 @@ Window: TypeAlias = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Cell:
-    """Hands of one count: where that is written, and the certified roots of the hand there; None where not decided."""
+    """Hands of one count: where that is written, and the certified roots of the hand there; None
+    where not decided."""
 
     k: float
     b: float
@@ -50,10 +52,12 @@ class Cell:
 
 @dataclass(frozen=True)
 class Plane:
-    """Of hands of one mass: the boundary ``k``, ``b`` along ``omega``, the stiffness with a root at 0, and the cells in a window.
+    """Of hands of one mass: the boundary ``k``, ``b`` along ``omega``, the stiffness with a root at
+    0, and the cells in a window.
 
-    k = m omega^2 - Re H_perc and b = -Im H_perc/omega. ``window`` : lowest and highest k, lowest and highest b. What is drawn
-    is floats, and finds the cells; the count of each is certified at one hand in it.
+    k = m omega^2 - Re H_perc and b = -Im H_perc/omega. ``window`` : lowest and highest k, lowest
+    and highest b. What is drawn is floats, and finds the cells; the count of each is certified at
+    one hand in it.
     """
 
     mass: float
@@ -68,7 +72,9 @@ def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """The plane of a hand's mass."""
     found = boundary(scene, hand, window)
     labels = _labels(found.k, found.b, found.at_0, window)
-    return replace(found, cells=tuple(_cells(lambda k, b: _roots(scene, hand, k, b), labels, window)))
+    return replace(
+        found, cells=tuple(_cells(lambda k, b: _roots(scene, hand, k, b), labels, window))
+    )
 
 
 def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
@@ -91,12 +97,18 @@ def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
 def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """Stiffness and damping of the wall that a display with a clock renders, in a hand.
 
-    UndecidedError where the loop's polynomial is not linear in them, as it is of a spring with a damper.
+    UndecidedError where the loop's polynomial is not linear in them, as it is of a spring with a
+    damper.
     """
     low, high, least, most = window
     middles = (np.arange(_PIXELS) + 0.5) / _PIXELS
     k, b = low + middles * (high - low), least + middles * (most - least)
-    k0, k1, b0, b1 = k[_PIXELS // 4], k[-_PIXELS // 4], b[_PIXELS // 4], b[-_PIXELS // 4]  # nothing cancels within
+    k0, k1, b0, b1 = (
+        k[_PIXELS // 4],
+        k[-_PIXELS // 4],
+        b[_PIXELS // 4],
+        b[-_PIXELS // 4],
+    )  # nothing cancels within
     c = {(x, y): _coefficients(scene, hand, x, y) for x in (k0, k1) for y in (b0, b1)}
     size = max(map(len, c.values()))
     c = {at: np.pad(row, (0, size - len(row))) for at, row in c.items()}
@@ -120,11 +132,15 @@ def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
         except UndecidedError:
             return None
 
-    return Plane(float(hand.m.value), nowhere, nowhere, None, window, tuple(_cells(at, labels, window)))
+    return Plane(
+        float(hand.m.value), nowhere, nowhere, None, window, tuple(_cells(at, labels, window))
+    )
 
 
 def _wall(scene: Scene, k: float, b: float) -> Scene:
-    return scene.with_values({path: Rational(f"{x:.3g}") for path, x in zip(WALL, (k, b), strict=True)})
+    return scene.with_values(
+        {path: Rational(f"{x:.3g}") for path, x in zip(WALL, (k, b), strict=True)}
+    )
 
 
 def _coefficients(scene: Scene, hand: Hand, k: float, b: float) -> Array:
@@ -143,7 +159,9 @@ def _outside(rows: Array) -> Array:
     return np.asarray((np.abs(np.linalg.eigvals(companion)) >= 1).sum(-1))
 
 
-def _end(boundary: Callable[[Array], tuple[Array, Array]], window: Window, lags: list[float]) -> float:
+def _end(
+    boundary: Callable[[Array], tuple[Array, Array]], window: Window, lags: list[float]
+) -> float:
     """The frequency at which the boundary leaves the window for good, as far as floats show."""
     rough = np.geomspace(1e-3, 1e6, 20_000)
     k, b = boundary(rough)
@@ -181,21 +199,32 @@ def _filled(open_ones: Array) -> Array:
         while waiting:
             i, j = waiting.pop()
             for place in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
-                if 0 <= place[0] < _PIXELS and 0 <= place[1] < _PIXELS and open_ones[place] and not labels[place]:
+                if (
+                    0 <= place[0] < _PIXELS
+                    and 0 <= place[1] < _PIXELS
+                    and open_ones[place]
+                    and not labels[place]
+                ):
                     labels[place] = number
                     waiting.append(place)
     return labels
 
 
-def _cells(roots: Callable[[float, float], Roots | None], labels: Array, window: Window) -> Iterator[Cell]:
-    """The largest parts, each with the certified count at its pixel that is farthest from the boundary."""
+def _cells(
+    roots: Callable[[float, float], Roots | None], labels: Array, window: Window
+) -> Iterator[Cell]:
+    """The largest parts, each with the certified count at its pixel that is farthest from the
+    boundary."""
     low, high, least, most = window
     sizes = np.bincount(labels.ravel())
     for number in sorted(range(1, len(sizes)), key=lambda n: -int(sizes[n]))[:_MOST_CELLS]:
         if sizes[number] < _LEAST:
             return
         i, j = _deepest(labels == number)
-        k, b = low + (i + 0.5) * (high - low) / _PIXELS, least + (j + 0.5) * (most - least) / _PIXELS
+        k, b = (
+            low + (i + 0.5) * (high - low) / _PIXELS,
+            least + (j + 0.5) * (most - least) / _PIXELS,
+        )
         yield Cell(k, b, roots(k, b), labels == number)
 
 
@@ -203,7 +232,13 @@ def _deepest(part: Any) -> tuple[int, int]:
     """The pixel that is left longest where the rim is taken away again and again."""
     left = np.pad(part, 1)
     while True:
-        inner = left & np.roll(left, 1, 0) & np.roll(left, -1, 0) & np.roll(left, 1, 1) & np.roll(left, -1, 1)
+        inner = (
+            left
+            & np.roll(left, 1, 0)
+            & np.roll(left, -1, 0)
+            & np.roll(left, 1, 1)
+            & np.roll(left, -1, 1)
+        )
         if not inner.any():
             rows, columns = np.nonzero(left)
             middle = len(rows) // 2

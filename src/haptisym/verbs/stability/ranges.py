@@ -1,9 +1,11 @@
 """Held in a hand, for all values of a box, and all over planes of two numbers of display or hand.
 
-For a box it is told whether a display is stable for all values, for some, or for none: the number of roots changes only where one
-meets the imaginary axis (with a clock, the unit circle). A plane is filled with rectangles, cut until each is clear or small: one
-is clear where the characteristic function is nowhere 0 on the axis, for any of its values and any of what else varies. Clear
-rectangles that touch have one number of unstable roots, which is counted exactly at one set of values.
+For a box it is told whether a display is stable for all values, for some, or for none: the number
+of roots changes only where one meets the imaginary axis (with a clock, the unit circle). A plane is
+filled with rectangles, cut until each is clear or small: one is clear where the characteristic
+function is nowhere 0 on the axis, for any of its values and any of what else varies. Clear
+rectangles that touch have one number of unstable roots, which is counted exactly at one set of
+values.
 """
 
 from __future__ import annotations
@@ -38,9 +40,11 @@ _MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as 
 
 @dataclass(frozen=True)
 class HeldInBox:
-    """For which values a display is stable in a hand; ``share`` None where not decided, for the ``reason``.
+    """For which values a display is stable in a hand; ``share`` None where not decided, for the
+    ``reason``.
 
-    ``stable``, ``unstable`` : sets of values of either kind, by path, counted exactly; None if none was found.
+    ``stable``, ``unstable`` : sets of values of either kind, by path, counted exactly; None if none
+    was found.
     """
 
     hand: Hand
@@ -52,20 +56,30 @@ class HeldInBox:
     def row(self) -> dict[str, Any]:
         """As a row of a document."""
         examples = {"stable": self.stable, "unstable": self.unstable}
-        shown = {key: x and {name: str(value) for name, value in x.items()} for key, x in examples.items()}
+        shown = {
+            key: x and {name: str(value) for name, value in x.items()}
+            for key, x in examples.items()
+        }
         reason = {"reason": self.reason} if self.reason else {}
-        ranges = {p.key: [float(end) for end in p.interval] for p in self.hand.parameters if p.interval}
+        ranges = {
+            p.key: [float(end) for end in p.interval] for p in self.hand.parameters if p.interval
+        }
         return {
-            "hand": self.hand.name, **({"ranges": ranges} if ranges else {}),
-            "stable": self.share.value if self.share else None, "witnesses": shown, **reason,
-        }  # fmt: skip
+            "hand": self.hand.name,
+            **({"ranges": ranges} if ranges else {}),
+            "stable": self.share.value if self.share else None,
+            "witnesses": shown,
+            **reason,
+        }
 
 
 def held_in_box(scene: Scene, hand: Hand) -> HeldInBox:
-    """For which values within the ranges of display and hand a display is stable in that hand of the scene.
+    """For which values within the ranges of display and hand a display is stable in that hand of
+    the scene.
 
-    Guaranteed: some, by an example of either kind, counted exactly; all and none, where no root meets the axis for any values
-    (``OnAxis``), so that the number of roots is that of the nominal ones.
+    Guaranteed: some, by an example of either kind, counted exactly; all and none, where no root
+    meets the axis for any values (``OnAxis``), so that the number of roots is that of the nominal
+    ones.
     """
     try:
         return _Question(scene, hand).answer()
@@ -80,7 +94,10 @@ class _Question:
         self.scene, self.hand = scene, hand
         own = {p.symbol for p in hand.parameters}
         display = [x for x in scene.ranges().values() if not x.parts]
-        self.sides = [*display, *(x for x in scene.knobs if x.is_of_hand and x.interval and x.symbol in own)]
+        self.sides = [
+            *display,
+            *(x for x in scene.knobs if x.is_of_hand and x.interval and x.symbol in own),
+        ]
         self.found: dict[bool, Mapping[str, Expr]] = {}
 
     def answer(self) -> HeldInBox:
@@ -95,11 +112,16 @@ class _Question:
         share = None if proven is None else Share.ALL if proven else Share.NONE
         if len(self.found) == 2:
             share = Share.SOME
-        told = (reason or "whether the number of roots changes within the ranges") if share is None else ""
+        told = (
+            (reason or "whether the number of roots changes within the ranges")
+            if share is None
+            else ""
+        )
         return HeldInBox(self.hand, share, self.found.get(True), self.found.get(False), told)
 
     def _look(self, sets: Iterator[dict[str, Expr]]) -> str:
-        """Count the roots of single sets of values until there are both kinds; why some of them stayed open."""
+        """Count the roots of single sets of values until there are both kinds; why some of them
+        stayed open."""
         reason = ""
         for values in sets:
             if len(self.found) == 2:
@@ -116,10 +138,14 @@ class _Question:
         """The nominal values, then the corners."""
         yield {x.path: x.value for x in self.sides}
         ends = (x.interval or (x.value, x.value) for x in self.sides)
-        yield from (dict(zip((x.path for x in self.sides), corner, strict=True)) for corner in product(*ends))
+        yield from (
+            dict(zip((x.path for x in self.sides), corner, strict=True))
+            for corner in product(*ends)
+        )
 
     def _for_all(self) -> bool | None:
-        """Whether all are stable, or none is; None where there are both, which are then among the examples."""
+        """Whether all are stable, or none is; None where there are both, which are then among the
+        examples."""
         if clocks(self.scene):
             return self._with_a_clock()
         ring, top, bottom = quotient(self.scene, self.hand, {x.symbol for x in self.sides})
@@ -137,12 +163,15 @@ class _Question:
         loop = OnCircle.of(self.scene, self.hand, used)
         left = loop.left()
         if left:
-            self._look(self._middles(list(used), np.array([[(0, 0), *cell] for cell in left], float)))
+            self._look(
+                self._middles(list(used), np.array([[(0, 0), *cell] for cell in left], float))
+            )
             return None
         return loop.is_stable({x.symbol: x.value for x in self.sides})
 
     def _everywhere(self, ring: Ring, polynomial: Polynomial) -> int | None:
-        """The number of zeros in Re s >= 0, if it is one for all values; None where it may not be."""
+        """The number of zeros in Re s >= 0, if it is one for all values; None where it may not
+        be."""
         used = {x.symbol: x.interval for x in self.sides if x.interval and x.symbol in ring.symbols}
         known = {x.symbol: x.value for x in self.sides}
         count = count_at(ring, polynomial, known)
@@ -170,8 +199,11 @@ class _Question:
             yield values
 
 
-def quotient(scene: Scene, hand: Hand, symbols: Collection[Symbol]) -> tuple[Ring, Polynomial, Polynomial]:
-    """H_perc + Z as a quotient, with what varies as symbols, the denominator without its zeros at 0. UndecidedError: friction."""
+def quotient(
+    scene: Scene, hand: Hand, symbols: Collection[Symbol]
+) -> tuple[Ring, Polynomial, Polynomial]:
+    """H_perc + Z as a quotient, with what varies as symbols, the denominator without its zeros at
+    0. UndecidedError: friction."""
     chain = scene.chain.at(values_of(p for p in scene.parameters if p.symbol not in symbols))
     Z = hand.dynamics.xreplace(values_of(p for p in hand.parameters if p.symbol not in symbols))
     ring = Ring.of([*chain.entries(), Z])
@@ -196,7 +228,8 @@ _MOST_PIECES = 48  # of what else varies, that are looked at for one rectangle
 
 @dataclass(frozen=True)
 class ClockPlane:
-    """Several loops, the first two of whose numbers make the plane, down to a ``finest`` share, by at ``most`` some cells."""
+    """Several loops, the first two of whose numbers make the plane, down to a ``finest`` share, by
+    at ``most`` some cells."""
 
     loops: Sequence[OnCircle]
     finest: float
@@ -208,8 +241,12 @@ class ClockPlane:
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
         grid: list[Cell] = [(a, b) for a in sides for b in sides]
-        first: list[tuple[Cell, Sequence[Sequence[Cell]]]] = [(own, [[whole] for _ in self.loops]) for own in grid]
-        waiting = Waiting(first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles")  # the widest first
+        first: list[tuple[Cell, Sequence[Sequence[Cell]]]] = [
+            (own, [[whole] for _ in self.loops]) for own in grid
+        ]
+        waiting = Waiting(
+            first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles"
+        )  # the widest first
         with suppress(LimitError):
             for own, others in waiting:
                 if looked > self.most:
@@ -226,9 +263,11 @@ class ClockPlane:
         return _array(clear), _array(left)
 
     def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:
-        """Of a rectangle, for each loop the cells of what else varies in which it is not clear, and how many were looked at.
+        """Of a rectangle, for each loop the cells of what else varies in which it is not clear, and
+        how many were looked at.
 
-        They are cut while it is clear for the middle of them: else it is the rectangle that is too large.
+        They are cut while it is clear for the middle of them: else it is the rectangle that is too
+        large.
         """
         found, looked = list[list[Cell]](), 0
         for loop, others in zip(self.loops, rest, strict=True):
@@ -238,7 +277,11 @@ class ClockPlane:
                 if loop.is_clear((*own, *cell)):
                     continue
                 looked += bool(cell)
-                if not cell or looked >= most or not loop.is_clear((*own, *(((a + b) / 2,) * 2 for a, b in cell))):
+                if (
+                    not cell
+                    or looked >= most
+                    or not loop.is_clear((*own, *(((a + b) / 2,) * 2 for a, b in cell)))
+                ):
                     break
                 waiting.add(*cell_halves(cell, range(len(cell))))
             found.append(waiting.rest)
@@ -246,7 +289,9 @@ class ClockPlane:
 
 
 def _array(cells: Sequence[Cell]) -> Array:
-    return np.array([[[float(x) for x in side] for side in cell] for cell in cells]).reshape(-1, 2, 2)
+    return np.array([[[float(x) for x in side] for side in cell] for cell in cells]).reshape(
+        -1, 2, 2
+    )
 
 
 _FIRST_PIECES = 48  # of the frequencies, to begin with
@@ -278,24 +323,32 @@ def held_plane(
     finest: float = 2.0**-8,
     most: int = 60_000,
 ) -> HeldPlane:
-    """The plane of two numbers of display or hands, whatever ``others`` are. UndecidedError where nothing is known of it.
+    """The plane of two numbers of display or hands, whatever ``others`` are. UndecidedError where
+    nothing is known of it.
 
-    ``hands`` : stable is what is so in all of them. ``finest`` : the share of a range down to which rectangles are cut;
+    ``hands`` : stable is what is so in all of them. ``finest`` : the share of a range down to which
+    rectangles are cut;
     ``most`` : cells that are looked at.
     """
     ranges = {**plane, **(others or {})}
     if clocks(scene):
         sampled = [_Sampled(OnCircle.of(scene, x, ranges)) for x in hands]
-        clear, left = ClockPlane([x.form for x in sampled], max(finest, _FINEST_SAMPLED), most // _DEARER).rectangles()
+        clear, left = ClockPlane(
+            [x.form for x in sampled], max(finest, _FINEST_SAMPLED), most // _DEARER
+        ).rectangles()
         return _told(sampled, clear, left)
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
-    first = np.tile([0.0, 1.0], (_FIRST_PIECES, len(ranges) - 1, 1))  # of the frequencies, with all of what else varies
+    first = np.tile(
+        [0.0, 1.0], (_FIRST_PIECES, len(ranges) - 1, 1)
+    )  # of the frequencies, with all of what else varies
     edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
     first[:, 0] = np.stack([edges[:-1], edges[1:]], -1)
     judges = [x.form.curve for x in loops]
-    found = search(judges, grid(), first, wide=wider_than(finest), last=_AT_LAST, most=most, what="rectangles")
+    found = search(
+        judges, grid(), first, wide=wider_than(finest), last=_AT_LAST, most=most, what="rectangles"
+    )
     return _told(loops, found.kept.outer, found.left.outer)
 
 
@@ -320,7 +373,9 @@ def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldP
         own = clear[label == n]
         verdicts = [x.is_stable(own[np.argmax(_areas(own))]) for x in loops]
         stable[label == n], unstable[label == n] = all(verdicts), False in verdicts
-    return HeldPlane(clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]]))
+    return HeldPlane(
+        clear[stable], clear[unstable], np.concatenate([left, clear[~stable & ~unstable]])
+    )
 
 
 @dataclass(frozen=True)
@@ -338,7 +393,8 @@ class _Loop:
         return OnAxis(self.ring, self.top, self.ranges)
 
     def is_stable(self, rectangle: Array) -> bool | None:
-        """Whether it is for all values of a clear rectangle (and of those that touch it), or for none; None where not known."""
+        """Whether it is for all values of a clear rectangle (and of those that touch it), or for
+        none; None where not known."""
         try:
             count = count_at(self.ring, self.top, _values_amid(self.ranges, rectangle))
         except (UndecidedError, LimitError):
@@ -349,12 +405,17 @@ class _Loop:
 
     @cached_property
     def _shared(self) -> int | None:
-        """How many zeros in Re s >= 0 numerator and denominator may share: those of the latter; None where not known."""
+        """How many zeros in Re s >= 0 numerator and denominator may share: those of the latter;
+        None where not known."""
         try:
             form = OnAxis(self.ring, self.bottom, self.ranges)
             if form.reach is None or len(form.left()):
                 return None
-            return count_at(self.ring, self.bottom, _values_amid(self.ranges, np.array([[0.0, 1.0], [0.0, 1.0]])))
+            return count_at(
+                self.ring,
+                self.bottom,
+                _values_amid(self.ranges, np.array([[0.0, 1.0], [0.0, 1.0]])),
+            )
         except (UndecidedError, LimitError):
             return None
 

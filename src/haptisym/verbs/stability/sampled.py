@@ -1,9 +1,10 @@
 """For which values of a number a display with a clock is stable in a hand.
 
-From the value that the number has, outward on both sides in stretches that grow, all values are found that put a root on the
-unit circle: in between one exact count tells. How far that goes is bounded, and the answer says how far; down to 0 where all
-values on the way are clear at once. Upward it has no end where what damps, or is mass or stiffness beside that, puts no root on
-the circle, as that damps as Colgate and Schenkel's condition asks.
+From the value that the number has, outward on both sides in stretches that grow, all values are
+found that put a root on the unit circle: in between one exact count tells. How far that goes is
+bounded, and the answer says how far; down to 0 where all values on the way are clear at once.
+Upward it has no end where what damps, or is mass or stiffness beside that, puts no root on the
+circle, as that damps as Colgate and Schenkel's condition asks.
 """
 
 from __future__ import annotations
@@ -36,8 +37,10 @@ from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 _MOST, _MOST_NEAR = 500, 80  # stretches that are looked at on a side
 MOST_SAMPLES = 64  # late, of a loop whose roots are counted
 _CLOCK = 32  # times as quick a clock may be for its nearest limit
-# Of a value the first of them, then each is twice as long; and the share of a value that is next on the way down to 0.
-# Neither ends where a number that was thought out is: a limit there would be at the end of two stretches, and told by none.
+# Of a value the first of them, then each is twice as long; and the share of a value that is next on
+# the way down to 0.
+# Neither ends where a number that was thought out is: a limit there would be at the end of two
+# stretches, and told by none.
 _FIRST, _DOWN = Fraction(33, 511), Fraction(33, 67)
 _NOT_SEARCHED = "that far it was not searched"
 _NOT_FINE = "whether roots come to the unit circle: the search was not fine enough"
@@ -46,13 +49,15 @@ _NOT_FINE = "whether roots come to the unit circle: the search was not fine enou
 def clocked_question(
     scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool = False
 ) -> Question:
-    """For which values of a number of the hand or of the display that is stable, or steady: as ``criterion`` says.
+    """For which values of a number of the hand or of the display that is stable, or steady: as
+    ``criterion`` says.
 
     ``near`` : only as far from its own value as ``solve`` then asks.
     """
 
     def rests(value: Rational, *, own: bool) -> bool | None:
-        """Of roots on the circle, at some values of their ``own`` alone: there they may cancel; others may only drift."""
+        """Of roots on the circle, at some values of their ``own`` alone: there they may cancel;
+        others may only drift."""
         try:
             there = moved(scene, hand, free, value)
             found = clocked_roots(*there)
@@ -81,7 +86,9 @@ def question_of(search: Callable[[], Search], own: Expr, criterion: Criterion) -
 
     def changes() -> Iterator[Changes]:
         for found, open_ in search().known():
-            yield Changes([Change(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found], open_)
+            yield Changes(
+                [Change(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found], open_
+            )
 
     return Question(lambda value: search().holds(value), own, changes, at=lambda _: False)
 
@@ -91,7 +98,8 @@ Frontier: TypeAlias = tuple[Fraction, str] | None
 
 
 class Rests(Protocol):
-    """Whether a value that puts roots on the circle will do; ``own`` : some of them are there at that value alone."""
+    """Whether a value that puts roots on the circle will do; ``own`` : some of them are there at
+    that value alone."""
 
     def __call__(self, value: Rational, *, own: bool) -> bool | None:
         """None: undecided."""
@@ -110,8 +118,10 @@ def _exact(x: Fraction) -> Rational:
 class Search:
     """A number of a loop, and how far its values are looked at.
 
-    ``reach`` : from where to where. ``enough`` : whether all values from one on are known to do. ``near`` : as of ``solve``.
-    ``found``, ``left`` : values with a root on the circle beside z = 1, and stretches that are not told.
+    ``reach`` : from where to where. ``enough`` : whether all values from one on are known to do.
+    ``near`` : as of ``solve``.
+    ``found``, ``left`` : values with a root on the circle beside z = 1, and stretches that are not
+    told.
     """
 
     loop: Opened
@@ -141,10 +151,13 @@ class Search:
             outside, at_1 = self.loop.at(value).unstable()
         except UndecidedError:
             return self.rests(value, own=True)
-        return self.rests(value, own=at_1 > self.loop.always) if at_1 and not outside else not outside
+        return (
+            self.rests(value, own=at_1 > self.loop.always) if at_1 and not outside else not outside
+        )
 
     def known(self) -> Iterator[tuple[list[Passage], list[Open]]]:
-        """What is known of the values with a root on the circle, again and again, and where more of them may be."""
+        """What is known of the values with a root on the circle, again and again, and where more of
+        them may be."""
         if self.loop.is_fixed:
             yield [], []
             return
@@ -172,11 +185,20 @@ class Search:
             yield late.found, self._open({1: (known, STOPPED)})
         last = late.frontier
         is_whole = last is None or (last >= high and self.asked.high is not None)
-        yield late.found, self._open({1: None if is_whole or last is None else (min(last, high), self._not_searched)})
+        yield (
+            late.found,
+            self._open(
+                {1: None if is_whole or last is None else (min(last, high), self._not_searched)}
+            ),
+        )
 
     def _open(self, beyond: Mapping[int, Frontier]) -> list[Open]:
-        """The values about which nothing is known: those beyond what was looked at, and where that was not fine enough."""
-        open_ = [Open(ExactNumber(_exact(low)), ExactNumber(_exact(high)), _NOT_FINE) for low, high in self.left]
+        """The values about which nothing is known: those beyond what was looked at, and where that
+        was not fine enough."""
+        open_ = [
+            Open(ExactNumber(_exact(low)), ExactNumber(_exact(high)), _NOT_FINE)
+            for low, high in self.left
+        ]
         for side, last in beyond.items():
             if last is not None:
                 end = ExactNumber(_exact(last[0]))
@@ -192,7 +214,11 @@ class Search:
     def _side(self, side: int, at: Fraction, end: Fraction) -> Iterator[Frontier]:
         """Up to where all is known on one side, again and again."""
         left, step = _MOST_NEAR if self.near else _MOST, (abs(at) or abs(end) / 10**6) * _FIRST
-        least = at / _CLOCK if self.near and self.loop.is_of_clock else _fraction(abs(self.reach[0]), -1)
+        least = (
+            at / _CLOCK
+            if self.near and self.loop.is_of_clock
+            else _fraction(abs(self.reach[0]), -1)
+        )
         is_down = side < 0 == end  # by about halves, as far as a least one
         verdicts = [self._told(at)] if self.near else []
         if side > 0 and self.enough(at):
@@ -210,14 +236,19 @@ class Search:
             yield at, STOPPED
             verdicts += [self._told(at)] if self.near else []
         is_asked = (self.asked.low, self.asked.high)[side > 0] is not None
-        if (at == end and is_asked) or (side > 0 and self.enough(at)) or (is_down and not self.near and at < least):
+        if (
+            (at == end and is_asked)
+            or (side > 0 and self.enough(at))
+            or (is_down and not self.near and at < least)
+        ):
             yield None  # what holds for the least value that is searched holds next to 0
         else:
             yield at, self._not_searched if left > 0 or self.near else _NOT_FINE
 
     @property
     def _not_searched(self) -> str:
-        """Why nothing is known beyond what was looked at: nobody asked, where only what is near was asked for."""
+        """Why nothing is known beyond what was looked at: nobody asked, where only what is near was
+        asked for."""
         return UNSEARCHED if self.near else _NOT_SEARCHED
 
     def _told(self, value: Fraction) -> bool | None:
@@ -227,7 +258,8 @@ class Search:
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
-    """Whether it is known where what holds ends, or where it begins and ends, from a value on to one side."""
+    """Whether it is known where what holds ends, or where it begins and ends, from a value on to
+    one side."""
     changes = sum(a != b for a, b in pairwise(verdicts))
     return None in verdicts[1:] or changes > (not verdicts[:1] or not verdicts[0])
 
@@ -240,7 +272,8 @@ def _fraction(x: Expr, side: int) -> Fraction:
 
 
 def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
-    """Whether from a value of a number on the hand holds the display by what it damps, whatever its mass, proven."""
+    """Whether from a value of a number on the hand holds the display by what it damps, whatever its
+    mass, proven."""
     symbol = free.symbol
     if any(p.symbol == symbol for p in hand.parameters):
         hand = hand.with_values({symbol.name: value})
@@ -260,8 +293,12 @@ def _only_adds(scene: Scene, symbol: Symbol) -> bool:
     place, clock = clock_of(scene)
     felt = scene.rendering.H
     before = [x for effect in scene.effects[:place] for x in effect.matrix]
-    if any(x.has(symbol) for x in (felt, *before, *clock.matrix, *(p.value for p in clock.parameters))):
+    if any(
+        x.has(symbol) for x in (felt, *before, *clock.matrix, *(p.value for p in clock.parameters))
+    ):
         return False
-    devices = [device(x) for x in scene.effects[place + 1 :] if any(y.has(symbol) for y in x.matrix)]
+    devices = [
+        device(x) for x in scene.effects[place + 1 :] if any(y.has(symbol) for y in x.matrix)
+    ]
     slopes = [x.diff(symbol) for own in devices if own for x in own]
     return None not in devices and all(x.is_number and x >= 0 for x in slopes)

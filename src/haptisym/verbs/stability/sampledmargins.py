@@ -1,4 +1,5 @@
-"""With a clock: for which factors on the rendered force, and for which further delays, a display is stable in a hand.
+"""With a clock: for which factors on the rendered force, and for which further delays, a display is
+stable in a hand.
 
 The factor stands before the controller, the delay in what moves.
 """
@@ -32,7 +33,9 @@ def delays(scene: Scene, hand: Hand, asked: Domain) -> ValueSet:
     late = Symbol("tau_margin", positive=True)
     loop = _loop(scene, hand)
     terms = tuple((lag + late, row) for lag, row in loop.plant.terms)
-    return _found(replace(loop, plant=replace(loop.plant, terms=terms)), late, Integer(0), hand, asked)
+    return _found(
+        replace(loop, plant=replace(loop.plant, terms=terms)), late, Integer(0), hand, asked
+    )
 
 
 def _loop(scene: Scene, hand: Hand) -> SampledLoop:

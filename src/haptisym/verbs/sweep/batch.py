@@ -1,26 +1,31 @@
-"""Numbers of many parameter sets at once, in floats, with a proven bound on what rounding has done to them.
+"""Numbers of many parameter sets at once, in floats, with a proven bound on what rounding has done
+to them.
 
-The bound. Let u be the unit roundoff (2^-53 for doubles). A number is computed from floats by n roundings along any path of
-sums and products. Then, unless a product underflows or anything overflows (Higham, Accuracy and Stability of Numerical
-Algorithms, sections 3.1 and 3.3),
+The bound. Let u be the unit roundoff (2^-53 for doubles). A number is computed from floats by n
+roundings along any path of sums and products. Then, unless a product underflows or anything
+overflows (Higham, Accuracy and Stability of Numerical Algorithms, sections 3.1 and 3.3),
 
     |computed - exact| <= gamma_n * size,      gamma_n = n u / (1 - n u),
 
-where ``size`` is the same sum with every term replaced by its absolute value: each term of the exact sum reaches the result
-multiplied by at most n factors (1 + delta), |delta| <= u. The proof is by induction over the operations: a product multiplies
-sizes and adds the counts of roundings, plus one; a sum adds sizes and takes the larger count, plus one. The size itself is
-computed in floats, from at most n positive terms, and is too small by at most a factor (1 - u)^n; ``error`` multiplies by
-1.001, which covers this, 1/(1 - n u) and its own three roundings for all n <= 10^9.
+where ``size`` is the same sum with every term replaced by its absolute value: each term of the
+exact sum reaches the result multiplied by at most n factors (1 + delta), |delta| <= u. The proof is
+by induction over the operations: a product multiplies sizes and adds the counts of roundings, plus
+one; a sum adds sizes and takes the larger count, plus one. The size itself is computed in floats,
+from at most n positive terms, and is too small by at most a factor (1 - u)^n; ``error`` multiplies
+by 1.001, which covers this, 1/(1 - n u) and its own three roundings for all n <= 10^9.
 
-What is computed are coefficients that are polynomials in parameters (``Monomial``). Values of parameters are taken as exactly
-the binary numbers that the floats are; the other numbers of a formula (rational, or rational in pi) are gathered into one
-constant for each monomial and rounded once.
+What is computed are coefficients that are polynomials in parameters (``Monomial``). Values of
+parameters are taken as exactly the binary numbers that the floats are; the other numbers of a
+formula (rational, or rational in pi) are gathered into one constant for each monomial and rounded
+once.
 
-``count_right`` counts the zeros of many real polynomials on the right of the imaginary axis by Routh's array. Where no number
-in its first column is 0, no zero lies on the axis, and as many on its right as that column changes its sign (Routh, 1877).
-Every number has a radius beside it: |computed - exact| <= radius, by the rules below, in which each rounding of a computed
-result x adds at most u |x|, and 1e-290 more than whatever underflows. Radii are computed in floats themselves, from positive
-terms with some ten roundings each, which a factor 1 + 32 u covers. A sign counts where the number is larger than its radius.
+``count_right`` counts the zeros of many real polynomials on the right of the imaginary axis by
+Routh's array. Where no number in its first column is 0, no zero lies on the axis, and as many on
+its right as that column changes its sign (Routh, 1877).
+Every number has a radius beside it: |computed - exact| <= radius, by the rules below, in which each
+rounding of a computed result x adds at most u |x|, and 1e-290 more than whatever underflows. Radii
+are computed in floats themselves, from positive terms with some ten roundings each, which a factor
+1 + 32 u covers. A sign counts where the number is larger than its radius.
 """
 
 from __future__ import annotations
@@ -45,9 +50,11 @@ _SLACK = 1.001
 
 @dataclass(frozen=True)
 class Batch:
-    """Coefficients in rows, sets in columns: of ascending powers where they are those of a polynomial.
+    """Coefficients in rows, sets in columns: of ascending powers where they are those of a
+    polynomial.
 
-    ``sizes``: sums of absolute values as above. ``roundings``: how many of them lie behind a coefficient at most.
+    ``sizes``: sums of absolute values as above. ``roundings``: how many of them lie behind a
+    coefficient at most.
     """
 
     values: Array
@@ -83,12 +90,15 @@ def nearest(x: arb, dtype: DTypeLike) -> Any:
 
 
 BITS = 256
-_MOST_EXPONENT = 1000  # of two: products within it neither underflow nor overflow, with room for sums
+_MOST_EXPONENT = (
+    1000  # of two: products within it neither underflow nor overflow, with room for sums
+)
 
 
 @dataclass(frozen=True)
 class Monomial:
-    """A monomial of a coefficient: the row of the coefficient it belongs to, a constant, and the exponents of the parameters.
+    """A monomial of a coefficient: the row of the coefficient it belongs to, a constant, and the
+    exponents of the parameters.
 
     ``rest``: what the constant's nearest double leaves of it, for wider floats.
     """
@@ -102,7 +112,9 @@ class Monomial:
 def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
     """One with a constant in that ball; UndecidedError where too few of its bits are known."""
     if not ball.is_exact() and ball.rel_accuracy_bits() < 128:
-        raise UndecidedError(f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits")
+        raise UndecidedError(
+            f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits"
+        )
     middle, _ = bounds(ball.mid())
     constant = float(middle)
     return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
@@ -143,9 +155,11 @@ def coefficients(terms: Sequence[Monomial], rows: int, powers: Powers) -> Batch:
 
 
 def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]) -> Array:
-    """The sets for which no product of sums of monomials, one of each of those in a row, can underflow or overflow.
+    """The sets for which no product of sums of monomials, one of each of those in a row, can
+    underflow or overflow.
 
-    With |log2| of every parameter that is not zero at most e, any product of terms lies within 2^+-(degree e + constants).
+    With |log2| of every parameter that is not zero at most e, any product of terms lies within
+    2^+-(degree e + constants).
     """
     limit = min(map(_limit, products), default=0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -171,7 +185,8 @@ class Ball(NamedTuple):
 
 
 def count_right(p: Batch) -> tuple[Array, Array]:
-    """For each set the number of zeros with Re s > 0, and whether it is proven; then there are none on the axis.
+    """For each set the number of zeros with Re s > 0, and whether it is proven; then there are none
+    on the axis.
 
     >>> p = np.array([[2.0, 2.0, 1.0], [1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])       # s^2 + s + 2, s^2 - s + 2, s^2 + 1
     >>> [x.tolist() for x in count_right(Batch(p, abs(p), 0))]
@@ -199,7 +214,10 @@ def _next(upper: Ball, lower: Ball) -> Ball:
     u = unit_roundoff(upper.x.dtype)
     q = upper.x[0] / lower.x[0]
     of_q = (upper.r[0] + np.abs(q) * lower.r[0]) / (np.abs(lower.x[0]) - lower.r[0]) + u * np.abs(q)
-    a, b = Ball(upper.x[1:], upper.r[1:]), _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1)
+    a, b = (
+        Ball(upper.x[1:], upper.r[1:]),
+        _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1),
+    )
     product = q * b.x
     x = a.x - product
     r = a.r + np.abs(q) * b.r + of_q * (np.abs(b.x) + b.r) + u * (np.abs(product) + np.abs(x))

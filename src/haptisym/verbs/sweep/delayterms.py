@@ -1,42 +1,51 @@
-"""Certified zeros of many functions of omega at once, made of powers, sines and cosines: counts that are proven, or "undecided".
+"""Certified zeros of many functions of omega at once, made of powers, sines and cosines: counts
+that are proven, or "undecided".
 
-**Families.** On x = (omega/(high end of the band))^step, 0 <= x <= 1, a function is a polynomial in x, in C = cos(k x) and S =
-sin(k x)/(k x) of some half angles k x (k = rate of the angle times high end/2) and in z = x^alpha, whose coefficients are
-polynomials in the parameters (``batch``). All of these lie between -1 and 1, so that sizes are had with 1 for each wave, and
-grow with x.
+**Families.** On x = (omega/(high end of the band))^step, 0 <= x <= 1, a function is a polynomial in
+x, in C = cos(k x) and S = sin(k x)/(k x) of some half angles k x (k = rate of the angle times high
+end/2) and in z = x^alpha, whose coefficients are polynomials in the parameters (``batch``). All of
+these lie between -1 and 1, so that sizes are had with 1 for each wave, and grow with x.
 
-**Errors** are counted in units of the roundoff u of the size, the sum of the absolute values of all terms:
+**Errors** are counted in units of the roundoff u of the size, the sum of the absolute values of all
+terms:
 
-- x is given to within 3 u of itself, an angle k x to within n u of itself, n the roundings behind k plus 4; libm's part of a
-  sine, a cosine, an exponential or a logarithm is 8 u of it. So C and S, each at most 1, are known to within n max(2, k x) +
-  12 units, as abs(x d sinc(x)/dx) <= 2, and z = exp(alpha log x) to within 12 alpha abs(log x) + 20. A term of degree d in
-  them has d times that;
-- a term of degree d in x has 3 d for x itself, and what its own operations make (``Family.roundings``).
+- x is given to within 3 u of itself, an angle k x to within n u of itself, n the roundings behind k
+  plus 4; libm's part of a sine, a cosine, an exponential or a logarithm is 8 u of it. So C and S,
+  each at most 1, are known to within n max(2, k x) + 12 units, as abs(x d sinc(x)/dx) <= 2, and z =
+  exp(alpha log x) to within 12 alpha abs(log x) + 20. A term of degree d in them has d times that;
+- a term of degree d in x has 3 d for x itself, and what its own operations make
+  (``Family.roundings``).
 
-What underflows on the way is smaller than ``TINY`` in total, as all variables are at most 1, and coefficients do not
-underflow. Of libm it is assumed that for a double x the value returned is within ``ULPS`` units in the last place of the true
-one, for |x| <= ``MOST_ANGLE`` (sin, cos), -40 <= x <= 1 (exp), 0 < x <= 1 (log). IEEE 754 does not say so, and no library
-proves it. So it is tested where a sweep runs, once in a process, against balls: at random numbers, and at those nearest to
-multiples of pi/2. If the test fails, floats are not used for scenes that need these functions. Functions without waves may be
-of wider floats than doubles.
+What underflows on the way is smaller than ``TINY`` in total, as all variables are at most 1, and
+coefficients do not underflow. Of libm it is assumed that for a double x the value returned is
+within ``ULPS`` units in the last place of the true one, for |x| <= ``MOST_ANGLE`` (sin, cos), -40
+<= x <= 1 (exp), 0 < x <= 1 (log). IEEE 754 does not say so, and no library proves it. So it is
+tested where a sweep runs, once in a process, against balls: at random numbers, and at those nearest
+to multiples of pi/2. If the test fails, floats are not used for scenes that need these functions.
+Functions without waves may be of wider floats than doubles.
 
-**Interpolation.** Let f be analytic, and |f| <= M, in the ellipse with foci at the ends of a segment whose half axes are (r +
-1/r)/2 and (r - 1/r)/2 times its half width, r > 1. Then its Chebyshev coefficients a_k are at most 2 M r^-k, and the
-polynomial p of degree n through its values at the points (1 - cos(i pi/n))/2 of the segment, i = 0 ... n, has f - p = the sum
-over k > n of a_k (T_k - T_m), m <= n (Trefethen, Approximation Theory and Approximation Practice, chapters 4 and 8). With
+**Interpolation.** Let f be analytic, and |f| <= M, in the ellipse with foci at the ends of a
+segment whose half axes are (r + 1/r)/2 and (r - 1/r)/2 times its half width, r > 1. Then its
+Chebyshev coefficients a_k are at most 2 M r^-k, and the polynomial p of degree n through its values
+at the points (1 - cos(i pi/n))/2 of the segment, i = 0 ... n, has f - p = the sum over k > n of a_k
+(T_k - T_m), m <= n (Trefethen, Approximation Theory and Approximation Practice, chapters 4 and 8).
+With
 |T_k| <= 1 and |T_k'| <= k^2 on [-1, 1],
 
     |f - p| <= 4 M r^-n/(r - 1),      |f' - p'| <= 4 M sum over k > n of k^2 r^-k <= 4 M (n + 1)^2 r^-(n + 1)/(1 - q),
 
-q = (1 + 1/(n + 1))^2/r, the slope being that on [-1, 1]. p's Bernstein coefficients are a fixed matrix times the values.
+q = (1 + 1/(n + 1))^2/r, the slope being that on [-1, 1]. p's Bernstein coefficients are a fixed
+matrix times the values.
 
-**Zeros.** On a segment there is no zero if p's Bernstein coefficients have one sign and exceed the remainder. There is at most
-one, a simple one, if their differences have one sign and exceed the slope of the remainder, for then f is monotone; the signs
-at the ends tell whether there is one. All else is cut in two: p a few times, by de Casteljau's weights, then the segment,
-where f is computed anew. A sign counts only beyond all errors. Powers x^alpha are not what polynomials come near to at x = 0.
-On a first segment [0, e] they are therefore variables of their own between 0 and e^alpha, in which f is a polynomial: if its
-coefficients in both of Bernstein's bases have one sign, f has no zero there. Each zero is then found to a proven accuracy
-(``refine``).
+**Zeros.** On a segment there is no zero if p's Bernstein coefficients have one sign and exceed the
+remainder. There is at most one, a simple one, if their differences have one sign and exceed the
+slope of the remainder, for then f is monotone; the signs at the ends tell whether there is one. All
+else is cut in two: p a few times, by de Casteljau's weights, then the segment, where f is computed
+anew. A sign counts only beyond all errors. Powers x^alpha are not what polynomials come near to at
+x = 0.
+On a first segment [0, e] they are therefore variables of their own between 0 and e^alpha, in which
+f is a polynomial: if its coefficients in both of Bernstein's bases have one sign, f has no zero
+there. Each zero is then found to a proven accuracy (``refine``).
 """
 
 from __future__ import annotations
@@ -61,7 +70,8 @@ Exponents: TypeAlias = tuple[int, ...]
 
 @dataclass(frozen=True)
 class Variables:
-    """``rates``: k of each half angle, a monomial in the parameters. ``orders``: alpha of each power of x."""
+    """``rates``: k of each half angle, a monomial in the parameters. ``orders``: alpha of each
+    power of x."""
 
     rates: tuple[Monomial, ...]
     orders: tuple[float, ...]
@@ -97,7 +107,8 @@ class Family:
 
     @cached_property
     def groups(self) -> dict[Exponents, list[tuple[int, int]]]:
-        """For each product of waves the powers of x that stand with it, descending, and their rows."""
+        """For each product of waves the powers of x that stand with it, descending, and their
+        rows."""
         found: dict[Exponents, list[tuple[int, int]]] = {}
         for row in sorted(range(len(self.rows)), key=lambda i: -self.rows[i][0]):
             power, *waves = self.rows[row]
@@ -114,7 +125,8 @@ class Family:
 
     @property
     def roundings(self) -> int:
-        """Of one value, beside those of the coefficients: Horner's rule, products of waves, the sum."""
+        """Of one value, beside those of the coefficients: Horner's rule, products of waves, the
+        sum."""
         return 3 * self.degrees[0] + sum(self.degrees[1:]) + len(self.groups) + 1
 
 
@@ -125,7 +137,8 @@ _BITS = 400
 
 @dataclass(frozen=True)
 class Nodes:
-    """The points of a degree as weights of a segment's two ends, and what takes values there to Bernstein coefficients.
+    """The points of a degree as weights of a segment's two ends, and what takes values there to
+    Bernstein coefficients.
 
     ``amplified``: for each coefficient, how much larger than an error of all values its own may be.
     """
@@ -155,7 +168,8 @@ def nodes(degree: int, dtype: DTypeLike = np.float64) -> Nodes:
         inverse = arb_mat(basis).inv().tolist()
         sums = [sum((abs(x) for x in row), arb(0)) for row in inverse]
         rounded = [
-            np.array([[nearest(x, dtype) for x in row] for row in rows]) for rows in ([low, high], inverse, [sums])
+            np.array([[nearest(x, dtype) for x in row] for row in rows])
+            for rows in ([low, high], inverse, [sums])
         ]
     (low_row, high_row), matrix, [amplified] = rounded
     matrix[0], matrix[-1] = np.eye(degree + 1)[[0, -1]]
@@ -164,7 +178,8 @@ def nodes(degree: int, dtype: DTypeLike = np.float64) -> Nodes:
 
 @lru_cache(maxsize=16)
 def halving(degree: int) -> tuple[Array, Array]:
-    """What takes Bernstein coefficients on a segment to those on its first and on its second half: exact, not negative.
+    """What takes Bernstein coefficients on a segment to those on its first and on its second half:
+    exact, not negative.
 
     >>> halving(1)[1].tolist()
     [[0.5, 0.5], [0.0, 1.0]]
@@ -197,7 +212,10 @@ def ulp_errors() -> dict[str, float]:
     >>> sorted(ulp_errors()), max(ulp_errors().values()) < ULPS
     (['cos', 'exp', 'log', 'sin'], True)
     """
-    return {name: _worst(function, points, exact) for name, (function, points, exact) in _tested().items()}
+    return {
+        name: _worst(function, points, exact)
+        for name, (function, points, exact) in _tested().items()
+    }
 
 
 @cache
@@ -222,11 +240,15 @@ def _tested() -> dict[str, tuple[Callable[[Array], Array], Array, Callable[[Any]
 
 
 def _worst(function: Callable[[Array], Array], points: Array, exact: Callable[[Any], Any]) -> float:
-    """Of an array, whose values may come from other code than those of single numbers, and of single numbers."""
+    """Of an array, whose values may come from other code than those of single numbers, and of
+    single numbers."""
     found = 0.0
     singles = np.array([function(x) for x in points[::7]])
     with flint.ctx.workprec(_BITS_LIBM):
-        for x, y in [*zip(points, function(points), strict=True), *zip(points[::7], singles, strict=True)]:
+        for x, y in [
+            *zip(points, function(points), strict=True),
+            *zip(points[::7], singles, strict=True),
+        ]:
             truth = exact(arb(float(x)))
             apart = abs(arb(float(y)) - truth) / arb(float(np.spacing(abs(float(truth)))))
             found = max(found, float(apart.upper()))
@@ -255,7 +277,8 @@ class Factor:
         return self.rows.roundings + self.family.roundings + _OF_X * self.family.degrees[0] + 1
 
     def at(self, points: Points, rows: Array) -> Array:
-        """The value with these coefficients: a sum over the products of waves, each times a polynomial in x."""
+        """The value with these coefficients: a sum over the products of waves, each times a
+        polynomial in x."""
         total: Array | None = None
         for waves, powers in self.family.groups.items():
             term, wave = points.horner(rows, powers), points.product(waves)
@@ -267,7 +290,8 @@ class Factor:
 
 @dataclass(frozen=True)
 class Function:
-    """The product of the factors ``above`` minus that of those ``below`` (none: 0); ``rates``: k of each angle and set."""
+    """The product of the factors ``above`` minus that of those ``below`` (none: 0); ``rates``: k of
+    each angle and set."""
 
     variables: Variables
     rates: Array
@@ -302,7 +326,8 @@ class Function:
         return [self._degree(first + i) for i in range(len(self.variables.orders))]
 
     def values(self, x: Array, powers: Array | None = None) -> Array:
-        """At points of each set: points x sets. ``powers``: instead of x^alpha, if that is to be a variable of its own.
+        """At points of each set: points x sets. ``powers``: instead of x^alpha, if that is to be a
+        variable of its own.
 
         They may have more dimensions in front, and then so do the values.
         """
@@ -312,14 +337,17 @@ class Function:
         return np.broadcast_to(found[0] - found[1] if len(found) > 1 else found[0], shape)
 
     def sizes(self, x: Array, growth: Array | None = None, powers: Array | None = None) -> Array:
-        """The sums of the absolute values of all terms at one x >= 0 of each set, and so for all smaller ones.
+        """The sums of the absolute values of all terms at one x >= 0 of each set, and so for all
+        smaller ones.
 
         ``growth``: bounds of C and S of each angle and set, 1 if not given.
         """
         growth = np.ones_like(self.rates) if growth is None else growth
         waves = [w for row in growth for w in (row, row)]
         points = Points(x, [*waves, *(self._powers(x) if powers is None else powers)])
-        return reduce(add, [reduce(mul, [f.at(points, f.rows.sizes) for f in side]) for side in self._sides])
+        return reduce(
+            add, [reduce(mul, [f.at(points, f.rows.sizes) for f in side]) for side in self._sides]
+        )
 
     def _powers(self, x: Array) -> list[Array]:
         return [np.exp(alpha * np.log(x)) for alpha in self.variables.orders]
@@ -334,20 +362,30 @@ class Function:
             units += self._degree(1 + i) * (roundings * np.maximum(angle, 2.0) + _OF_LIBM + 4)
             units[~(angle < MOST_ANGLE)] = np.inf
         for alpha, degree in zip(self.variables.orders, self.power_degrees, strict=True):
-            steep = 0.0 if own_powers or not degree else (_OF_LIBM + 4) * alpha * np.abs(np.log(low))
+            steep = (
+                0.0 if own_powers or not degree else (_OF_LIBM + 4) * alpha * np.abs(np.log(low))
+            )
             units += degree * (steep + _OF_LIBM + 12)
         bound: Array = error(sizes, 1) * units + TINY
         return bound
 
-    def left_out(self, low: Array, high: Array, degree: int, powers: Array | None = None) -> tuple[Array, Array]:
+    def left_out(
+        self, low: Array, high: Array, degree: int, powers: Array | None = None
+    ) -> tuple[Array, Array]:
         """Bounds on value and slope of what interpolation of that degree leaves out on segments."""
-        has_waves = any(self.power_degrees) or any(self._degree(1 + i) for i in range(len(self.rates)))
+        has_waves = any(self.power_degrees) or any(
+            self._degree(1 + i) for i in range(len(self.rates))
+        )
         if not has_waves and self._degree(0) <= degree:  # a polynomial is its own
             return np.zeros_like(low), np.zeros_like(low)
         middle, half = (low + high) / 2, (high - low) / 2
-        turned = sum((self._degree(1 + i) * np.abs(k) for i, k in enumerate(self.rates)), np.zeros_like(low))
+        turned = sum(
+            (self._degree(1 + i) * np.abs(k) for i, k in enumerate(self.rates)), np.zeros_like(low)
+        )
         ratio = np.full_like(low, _FIRST_RATIO)
-        for _ in range(2):  # to where M r^-degree is least, as M grows like exp(turned half r/2) (middle + half r/2)^n
+        for _ in range(
+            2
+        ):  # to where M r^-degree is least, as M grows like exp(turned half r/2) (middle + half r/2)^n
             steep = turned * half / 2 + self._degree(0) * half / (2 * middle + half * ratio)
             ratio = np.clip(degree / (steep + 1e-9), *_RATIOS)
         if powers is None and any(self.power_degrees):
@@ -360,7 +398,8 @@ class Function:
 
 
 class Points:
-    """The variables at points of each set. ``waves``: C, S, C, S, ..., z, ...; their products are computed once."""
+    """The variables at points of each set. ``waves``: C, S, C, S, ..., z, ...; their products are
+    computed once."""
 
     def __init__(self, x: Array, waves: Sequence[Array]) -> None:
         self._x, self._waves = x, waves
@@ -374,7 +413,10 @@ class Points:
         for rate in rates:
             angle = rate * x
             still = angle == 0
-            waves += [np.cos(angle), np.where(still, 1.0, np.sin(angle) / np.where(still, 1.0, angle))]
+            waves += [
+                np.cos(angle),
+                np.where(still, 1.0, np.sin(angle) / np.where(still, 1.0, angle)),
+            ]
         if powers is None and variables.orders:
             log = np.log(x)
             powers = np.array([np.exp(alpha * log) for alpha in variables.orders])
@@ -405,15 +447,19 @@ class Points:
         if exponents not in self._products:
             last = max(i for i, n in enumerate(exponents) if n)
             rest = self.product((*exponents[:last], exponents[last] - 1, *exponents[last + 1 :]))
-            self._products[exponents] = self._waves[last] if rest is None else rest * self._waves[last]
+            self._products[exponents] = (
+                self._waves[last] if rest is None else rest * self._waves[last]
+            )
         return self._products[exponents]
 
 
 @dataclass(frozen=True)
 class Zeros:
-    """Where the zeros lie: each simple, alone between ``low`` and ``high``, in ascending order for each ``set``.
+    """Where the zeros lie: each simple, alone between ``low`` and ``high``, in ascending order for
+    each ``set``.
 
-    ``decided``: for each set, whether these are proven to be all its zeros on the band. ``first``: the sign at the low end.
+    ``decided``: for each set, whether these are proven to be all its zeros on the band. ``first``:
+    the sign at the low end.
     """
 
     sets: Array
@@ -429,16 +475,19 @@ _DEGREES, _DEGREE_AT_0 = (5, 10, 14), 6
 """Of polynomials, the lowest for narrow segments alone: it feels less of rounding errors."""
 _NARROW = 2.0**-6
 _READY, _READY_AT_0 = 1e-6, 1e-4
-"""How much of the size a remainder may be: else a segment is cut before anything is computed on it."""
+"""How much of the size a remainder may be: else a segment is cut before anything is computed on
+it."""
 _MOST_CUTS, _MOST_CUTS_AT_0, _MOST_HALVINGS = 40, 9, 5
 _AT_ONCE = 8192
 _MOST_OPEN = 200  # segments of a set: rounding hides what is to be found
 
 
 def isolate(f: Function, edges: Sequence[float], *, first_is_doubt: bool = False) -> Zeros:
-    """All zeros between the first and the last edge (0 <= edges <= 1, exact), each alone where f is monotone.
+    """All zeros between the first and the last edge (0 <= edges <= 1, exact), each alone where f is
+    monotone.
 
-    ``first_is_doubt``: the first segment only encloses the true low end, so that a zero on it leaves the set undecided.
+    ``first_is_doubt``: the first segment only encloses the true low end, so that a zero on it
+    leaves the set undecided.
     """
     with np.errstate(all="ignore"):  # what is not finite has no certain sign
         search = _Search(f, edges[0])
@@ -467,7 +516,8 @@ class _Search:
         return np.arange(self.f.sets), np.full(self.f.sets, low), np.full(self.f.sets, high)
 
     def run(self, left: Segments) -> None:
-        """Cut segments until each holds one zero or none; sets where that fails are marked as doubtful."""
+        """Cut segments until each holds one zero or none; sets where that fails are marked as
+        doubtful."""
         for _ in range(_MOST_CUTS):
             self.doubtful |= np.bincount(left[0], minlength=self.f.sets) > _MOST_OPEN
             left = _chosen(left, ~self.doubtful[left[0]])
@@ -475,11 +525,14 @@ class _Search:
                 return
             narrow = left[2] - left[1] < _NARROW
             kinds = (_chosen(left, narrow), _DEGREES), (_chosen(left, ~narrow), _DEGREES[1:])
-            left = _joined([self.narrowed(some, degrees) for part, degrees in kinds for some in _pieces(part)])
+            left = _joined(
+                [self.narrowed(some, degrees) for part, degrees in kinds for some in _pieces(part)]
+            )
         self.doubtful[left[0]] = True
 
     def narrowed(self, segments: Segments, degrees: Sequence[int]) -> Segments:
-        """What is left of segments to be looked at anew, after those that are near enough to polynomials were."""
+        """What is left of segments to be looked at anew, after those that are near enough to
+        polynomials were."""
         if not degrees or not len(segments[0]):
             return _halves(segments, by_ratio=any(self.f.power_degrees))
         degree, *others = degrees
@@ -496,7 +549,8 @@ class _Search:
         return _joined([rest, *self._searched(segments, curves, ends)])
 
     def _told(self, segments: Segments, ends: Array) -> None:
-        """Take note of the signs at the ends of segments: sets with one that is not certain become doubtful."""
+        """Take note of the signs at the ends of segments: sets with one that is not certain become
+        doubtful."""
         sets, low, high = segments
         self.doubtful[sets[(ends == 0).any(axis=0) | ~(low < high)]] = True
         at_bottom = low == self.bottom
@@ -510,13 +564,22 @@ class _Search:
             open_ = ~(none | one) & ~self.doubtful[segments[0]]
             if not open_.any():
                 return []
-            curves, segments = curves.of(open_.nonzero()[0]).halves(), _halves(_chosen(segments, open_))
+            curves, segments = (
+                curves.of(open_.nonzero()[0]).halves(),
+                _halves(_chosen(segments, open_)),
+            )
             ends = curves.ends()
         none, one = curves.judged(ends)
         self.found.append(_chosen(segments, one))
         sets, low, high = _chosen(segments, ~(none | one))
         # children end where floats round to: the next ones outside leave no gap
-        return [(sets, np.maximum(np.nextafter(low, 0), self.bottom), np.minimum(np.nextafter(high, 1), 1.0))]
+        return [
+            (
+                sets,
+                np.maximum(np.nextafter(low, 0), self.bottom),
+                np.minimum(np.nextafter(high, 1), 1.0),
+            )
+        ]
 
     def zeros(self) -> Zeros:
         found = _joined(self.found)
@@ -525,7 +588,8 @@ class _Search:
         return Zeros(sets[order], low[order], high[order], ~self.doubtful, self.first)
 
     def beyond_0(self, end: float) -> Segments:
-        """What is left between a first segment without a zero, on which powers are variables of their own, and the end.
+        """What is left between a first segment without a zero, on which powers are variables of
+        their own, and the end.
 
         That first segment is as long as it can be, in steps of 4.
         """
@@ -549,9 +613,11 @@ class _Search:
 
 @dataclass(frozen=True)
 class Interpolants:
-    """Polynomials by their Bernstein coefficients, sets in columns; ``wrong``: a bound on the errors of all of them.
+    """Polynomials by their Bernstein coefficients, sets in columns; ``wrong``: a bound on the
+    errors of all of them.
 
-    ``left_out``: how much the function may differ from the polynomial, and its slope over the degree from that of this one.
+    ``left_out``: how much the function may differ from the polynomial, and its slope over the
+    degree from that of this one.
     """
 
     coefficients: Array
@@ -561,14 +627,17 @@ class Interpolants:
     def of(self, some: Array) -> Interpolants:
         """For some of the sets."""
         value, slope = self.left_out
-        return Interpolants(self.coefficients[:, some], self.wrong[some], (value[some], slope[some]))
+        return Interpolants(
+            self.coefficients[:, some], self.wrong[some], (value[some], slope[some])
+        )
 
     def ends(self) -> Array:
         """The certain signs at both ends."""
         return _certain(self.coefficients[[0, -1]], self.wrong + self.left_out[0])
 
     def judged(self, ends: Array) -> tuple[Array, Array]:
-        """Whether there is no zero for certain, and whether there is one, given the signs at the ends."""
+        """Whether there is no zero for certain, and whether there is one, given the signs at the
+        ends."""
         value, slope = self.left_out
         none = _one_sign(self.coefficients, self.wrong + value)
         monotone = _one_sign(np.diff(self.coefficients, axis=0), (2 * self.wrong + slope) * _SLACK)
@@ -576,11 +645,17 @@ class Interpolants:
         return none | (known & (ends[0] == ends[1])), known & (ends[0] != ends[1])
 
     def halves(self) -> Interpolants:
-        """Those on the first halves of the segments, then those on the second, by de Casteljau's weights."""
-        halves = [np.einsum("ji,ib->jb", w, self.coefficients) for w in halving(len(self.coefficients) - 1)]
+        """Those on the first halves of the segments, then those on the second, by de Casteljau's
+        weights."""
+        halves = [
+            np.einsum("ji,ib->jb", w, self.coefficients)
+            for w in halving(len(self.coefficients) - 1)
+        ]
         value, slope = self.left_out
         both = np.concatenate(halves, axis=1)
-        return Interpolants(both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2)))
+        return Interpolants(
+            both, np.tile(self.wrong, 2), (np.tile(value, 2), np.tile(slope / 2, 2))
+        )
 
 
 def _interpolated(
@@ -591,12 +666,18 @@ def _interpolated(
     n = nodes(degree, sizes.dtype)
     values = f.values(low * n.low[:, None] + high * n.high[:, None])
     wrong = f.error(sizes, low, high)
-    coefficients = np.einsum("ji,ib->jb", n.matrix, values)  # not a library's product: its order may depend on the sets
+    coefficients = np.einsum(
+        "ji,ib->jb", n.matrix, values
+    )  # not a library's product: its order may depend on the sets
     # the sum here, and those of all halvings
     bound = n.amplified.max() * (wrong + error(sizes, (degree + 3) * (1 + _MOST_HALVINGS)))
     value, slope = left_out
-    at_ends = np.array([f.error(f.sizes(low), low, low), wrong])  # at the low end sizes may be much smaller
-    return _certain(values[[0, -1]], at_ends), Interpolants(coefficients, bound, (value, 2 * slope / degree))
+    at_ends = np.array(
+        [f.error(f.sizes(low), low, low), wrong]
+    )  # at the low end sizes may be much smaller
+    return _certain(values[[0, -1]], at_ends), Interpolants(
+        coefficients, bound, (value, 2 * slope / degree)
+    )
 
 
 def _one_sign(values: Array, bounds: Array) -> Array:
@@ -609,7 +690,8 @@ def _certain(values: Array, bounds: Array) -> Array:
 
 
 def _sign_from_0(f: Function, high: Array) -> Array:
-    """The sign of each function on [0, high], if it is one: with its power as a variable of its own; else 0."""
+    """The sign of each function on [0, high], if it is one: with its power as a variable of its
+    own; else 0."""
     low = np.zeros_like(high)
     place = next(i for i, n in enumerate(f.power_degrees) if n)
     m, n = nodes(_DEGREE_AT_0), nodes(f.power_degrees[place])
@@ -618,7 +700,9 @@ def _sign_from_0(f: Function, high: Array) -> Array:
     value, _ = f.left_out(low, high, _DEGREE_AT_0, powers)
     sizes = f.sizes(high, powers=powers)
     x = high * m.high[:, None]
-    coefficients, roundings = _in_both(n, m, f.values(x, powers[:, None, None] * n.high[:, None, None]))
+    coefficients, roundings = _in_both(
+        n, m, f.values(x, powers[:, None, None] * n.high[:, None, None])
+    )
     wrong = f.error(sizes, low, high, own_powers=True) + error(sizes, roundings)
     bounds = n.amplified[:, None, None] * (m.amplified[:, None] * wrong + value)
     same = _one_sign(coefficients.reshape(-1, len(high)), bounds.reshape(-1, len(high)))
@@ -627,9 +711,11 @@ def _sign_from_0(f: Function, high: Array) -> Array:
 
 
 def _in_both(n: Nodes, m: Nodes, values: Array) -> tuple[Array, int]:
-    """From values at nodes of the power and of x to coefficients in both of Bernstein's bases, and how often a term is rounded.
+    """From values at nodes of the power and of x to coefficients in both of Bernstein's bases, and
+    how often a term is rounded.
 
-    One variable after the other: in a sum over both at once each term would be rounded with every one that follows it.
+    One variable after the other: in a sum over both at once each term would be rounded with every
+    one that follows it.
     """
     of_x = np.einsum("mj,ijb->imb", m.matrix, values)
     # each time the weight, the product, and with all terms but its own the sum
@@ -665,15 +751,19 @@ _INSIDE = 2.0**-49
 
 
 def refine(f: Function, low: Array, high: Array, tolerance: float) -> tuple[Array, Array]:
-    """The zero of each function between low and high, where it is monotone, and whether it is proven to that accuracy.
+    """The zero of each function between low and high, where it is monotone, and whether it is
+    proven to that accuracy.
 
-    Proven: f has certain and opposite signs at x (1 - tolerance) and x (1 + tolerance), or at the segment's end if that is
-    nearer.
+    Proven: f has certain and opposite signs at x (1 - tolerance) and x (1 + tolerance), or at the
+    segment's end if that is nearer.
     """
     with np.errstate(all="ignore"):
         low, high = (x.astype(f.above[0].rows.values.dtype) for x in (low, high))
         x = _approached(f, low, high)
-        low, high = low * (1 + _INSIDE), high * (1 - _INSIDE)  # a segment ends where floats round to, or beside it
+        low, high = (
+            low * (1 + _INSIDE),
+            high * (1 - _INSIDE),
+        )  # a segment ends where floats round to, or beside it
         below, above = np.maximum(low, x * (1 - tolerance)), np.minimum(high, x * (1 + tolerance))
         return x, _signs(f, below) * _signs(f, above) < 0
 
@@ -685,7 +775,8 @@ def _signs(f: Function, x: Array) -> Array:
 
 
 def _approached(f: Function, low: Array, high: Array) -> Array:
-    """By inverse quadratic interpolation where that is safe, and bisection elsewhere (Chandrupatla 1997)."""
+    """By inverse quadratic interpolation where that is safe, and bisection elsewhere (Chandrupatla
+    1997)."""
     found, open_ = (low + high) / 2, np.arange(len(low))
     a, b = low.copy(), high.copy()
     at_a, at_b = f.values(a[None])[0], f.values(b[None])[0]
@@ -716,7 +807,7 @@ def _next(a: Array, b: Array, c: Array, at_a: Array, at_b: Array, at_c: Array) -
     """The part of the way from a to b that is tried next."""
     xi, phi = (a - b) / (c - b), (at_a - at_b) / (at_c - at_b)
     safe = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi)
-    by_inverse = at_a / (at_b - at_a) * at_c / (at_b - at_c) + (c - a) / (b - a) * at_a / (at_c - at_a) * at_b / (
-        at_c - at_b
-    )
+    by_inverse = at_a / (at_b - at_a) * at_c / (at_b - at_c) + (c - a) / (b - a) * at_a / (
+        at_c - at_a
+    ) * at_b / (at_c - at_b)
     return np.where(safe & np.isfinite(by_inverse), by_inverse, 0.5)

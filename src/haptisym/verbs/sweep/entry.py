@@ -1,12 +1,16 @@
-"""Sweeps over design spaces: the certified answers of a scene for every combination of values of some parameters.
+"""Sweeps over design spaces: the certified answers of a scene for every combination of values of
+some parameters.
 
-A sweep is a grid of parameter sets, cut into blocks that are computed one by one and in any order; and such grids on disk.
+A sweep is a grid of parameter sets, cut into blocks that are computed one by one and in any order;
+and such grids on disk.
 
-What is computed is written about every second, and what is there already is not computed again (``stored``). The store is a
-Zarr group whose chunks are the blocks of the sweep. Zarr replaces a chunk's file in one step, and ``method`` is written last;
-so a set is done exactly where ``method`` has no mark of absence left, whenever the process ended. One block is worked on by
-one worker at a time, and on one sweep by one process. Until all sets are there the store has a name of its own; then it is
-renamed, or a NetCDF file is made from it, in one step too. Whoever opens one, a worker too, asks whether it is this sweep.
+What is computed is written about every second, and what is there already is not computed again
+(``stored``). The store is a Zarr group whose chunks are the blocks of the sweep. Zarr replaces a
+chunk's file in one step, and ``method`` is written last; so a set is done exactly where ``method``
+has no mark of absence left, whenever the process ended. One block is worked on by one worker at a
+time, and on one sweep by one process. Until all sets are there the store has a name of its own;
+then it is renamed, or a NetCDF file is made from it, in one step too. Whoever opens one, a worker
+too, asks whether it is this sweep.
 
 The answer in short is its axes, ranges and counts, not the sets themselves.
 """
@@ -42,7 +46,17 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.stability.entry import in_hands
-from haptisym.verbs.sweep.axes import EXACT, FLOAT, HELD, INFINITE, UNKNOWN, AxisValues, SweepAxis, Told, axes
+from haptisym.verbs.sweep.axes import (
+    EXACT,
+    FLOAT,
+    HELD,
+    INFINITE,
+    UNKNOWN,
+    AxisValues,
+    SweepAxis,
+    Told,
+    axes,
+)
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.passes import TOLERANCE, Kernel
 
@@ -60,7 +74,8 @@ Progress: TypeAlias = Callable[[int, int], None]
 
 @dataclass
 class Pace:
-    """How many sets are computed at a time: as many as ``PATIENCE`` allows, told by those before; a single one at first."""
+    """How many sets are computed at a time: as many as ``PATIENCE`` allows, told by those before; a
+    single one at first."""
 
     sets: int = 1
 
@@ -76,7 +91,8 @@ def size(region: Region) -> int:
 
 
 def _cut(region: Region, most: int) -> tuple[Region, Region]:
-    """The first sets of a block, not many more than so many where one axis can be cut so, and the rest."""
+    """The first sets of a block, not many more than so many where one axis can be cut so, and the
+    rest."""
     axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
     part = region[axis]
     behind = size(region[axis + 1 :])
@@ -129,11 +145,13 @@ class SweepGrid:
         starts = [range(ceil(n / size)) for n, size in zip(self.shape, self.block, strict=True)]
         for index in product(*starts):
             yield tuple(
-                slice(i * b, min((i + 1) * b, n)) for i, b, n in zip(index, self.block, self.shape, strict=True)
+                slice(i * b, min((i + 1) * b, n))
+                for i, b, n in zip(index, self.block, self.shape, strict=True)
             )
 
     def pieces(self, region: Region, pace: Pace) -> Iterator[tuple[Region, tuple[Array, ...]]]:
-        """All variables of a block, in pieces that take about a second each; the results do not depend on how it is cut."""
+        """All variables of a block, in pieces that take about a second each; the results do not
+        depend on how it is cut."""
         waiting = [region]
         while waiting:
             piece = waiting.pop()
@@ -159,7 +177,8 @@ class SweepGrid:
             **_threshold(self.scene),
             "relative_accuracy": TOLERANCE,
             "certified": (
-                "All counts are proven. Values of the swept parameters are taken as exactly the binary numbers stored here."
+                "All counts are proven. Values of the swept parameters are taken as exactly "
+                "the binary numbers stored here."
             ),
             "floats": self._how,
             "fingerprint": self.fingerprint,
@@ -177,7 +196,9 @@ class SweepGrid:
         swept = [axis.path for axis in self.axes]
         notes = self.scene.asides(swept, swept)
         keys = self.scene.aside_keys(swept, swept)
-        return {key: json.dumps(x) for key, x in keys.items()} | ({"notes": "\n".join(notes)} if notes else {})
+        return {key: json.dumps(x) for key, x in keys.items()} | (
+            {"notes": "\n".join(notes)} if notes else {}
+        )
 
     @cached_property
     def fingerprint(self) -> str:
@@ -194,12 +215,23 @@ class SweepGrid:
         ]
         c = scene.threshold
         swept = {part for axis in self.axes for part in axis.knob.parts}
-        plain = ["" if part in swept else str(x) for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))]
-        hands = [[x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]] for x in scene.hands]
+        plain = [
+            "" if part in swept else str(x)
+            for part, x in ((Part.REAL, c.real), (Part.IMAG, c.imag))
+        ]
+        hands = [
+            [x.name, [str(p.value) for p in x.parameters if not self._is_swept(p.symbol)]]
+            for x in scene.hands
+        ]
         parts = [
-            _FORMAT, TOLERANCE, told, hands, [str(x) for x in scene.band], plain if c.is_plain else c.row(),
+            _FORMAT,
+            TOLERANCE,
+            told,
+            hands,
+            [str(x) for x in scene.band],
+            plain if c.is_plain else c.row(),
             [[axis.path, axis.values.tolist()] for axis in self.axes],
-        ]  # fmt: skip
+        ]
         return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
     def _is_swept(self, symbol: object) -> bool:
@@ -214,20 +246,25 @@ def _threshold(scene: Scene) -> dict[str, Any]:
     return {"threshold": json.dumps(c.row())}
 
 
-_IN_FLOATS = "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"
+_IN_FLOATS = (
+    "method 0 where floats with an error bound prove the counts, exact arithmetic elsewhere"
+)
 _WITH_SINES = (
-    "; the bound rests on sines, cosines, exponentials and logarithms within 4 units in the last place, as tested here"
+    "; the bound rests on sines, cosines, exponentials and logarithms within 4 units in the last "
+    "place, as tested here"
 )
 _ALL_EXACT = "floats do not answer this scene with these parameters: every set is answered exactly"
 
 
 def compute(kernel: Kernel, values: Sequence[Array]) -> tuple[Array, ...]:
-    """All variables, in their order, of every combination of values in arrays that broadcast together."""
+    """All variables, in their order, of every combination of values in arrays that broadcast
+    together."""
     together = np.broadcast_arrays(*values)
     columns = kernel.answers(np.stack([np.ravel(x) for x in together]))
     shape = together[0].shape
     return tuple(
-        columns[name].reshape(shape).astype(dtype, copy=False) for name, (dtype, _) in kernel.told.variables.items()
+        columns[name].reshape(shape).astype(dtype, copy=False)
+        for name, (dtype, _) in kernel.told.variables.items()
     )
 
 
@@ -236,7 +273,9 @@ def needed(package: str) -> Any:
     try:
         return import_module(package)
     except ImportError:
-        raise SceneError(f'{package} is missing: a sweep needs "pip install haptisym[sweep]"') from None
+        raise SceneError(
+            f'{package} is missing: a sweep needs "pip install haptisym[sweep]"'
+        ) from None
 
 
 _FORMAT = 2
@@ -251,7 +290,8 @@ def unfinished(out: Path) -> Path:
 
 
 def stored(grid: SweepGrid, out: Path, progress: Progress | None = None) -> xr.Dataset:
-    """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk for each block.
+    """The sweep in a file: begun, continued, or found done; opened from there with one dask chunk
+    for each block.
 
     SceneError unless the file is of this very sweep and all sets are there.
     """
@@ -266,7 +306,9 @@ def stored(grid: SweepGrid, out: Path, progress: Progress | None = None) -> xr.D
             with claimed(place):
                 _make(grid, place, progress)
     except OSError as error:
-        raise SceneError(f"{out}: cannot be written: {(error.strerror or str(error)).lower()}") from error
+        raise SceneError(
+            f"{out}: cannot be written: {(error.strerror or str(error)).lower()}"
+        ) from error
     found = _opened(grid, place)
     if progress:
         progress(grid.sets, grid.sets)
@@ -297,13 +339,18 @@ def _make(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
         store.rename(place)
         return
     encoding = {name: {"chunksizes": grid.block, "zlib": True} for name in grid.variables}
-    with replacing(place) as fresh, _opened(grid, store) as found, dask.config.set(scheduler="synchronous"):
+    with (
+        replacing(place) as fresh,
+        _opened(grid, store) as found,
+        dask.config.set(scheduler="synchronous"),
+    ):
         found.to_netcdf(fresh, engine="h5netcdf", encoding=encoding)
     shutil.rmtree(store)
 
 
 def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
-    """What a file holds; SceneError unless it is this very sweep, with all its values and variables."""
+    """What a file holds; SceneError unless it is this very sweep, with all its values and
+    variables."""
     xarray, is_zarr = needed("xarray"), place.suffix == ".zarr"
     try:
         if is_zarr:
@@ -314,10 +361,13 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
         kind = "Zarr store" if is_zarr else "NetCDF file"
         raise SceneError(f"{place}: exists, but is not a {kind}: choose another name") from None
     _same(grid, found.attrs, place)
-    held = all(x.path in found.coords and np.array_equal(found[x.path].values, x.values) for x in grid.axes)
+    held = all(
+        x.path in found.coords and np.array_equal(found[x.path].values, x.values) for x in grid.axes
+    )
     if not held or not {*grid.variables} <= {*found}:
         raise SceneError(
-            f"{place}: values or variables of the sweep are missing in it: remove it, or choose another name"
+            f"{place}: values or variables of the sweep are missing in it: remove it, or "
+            f"choose another name"
         )
     return found
 
@@ -334,13 +384,16 @@ def _fill(grid: SweepGrid, store: Path, progress: Progress | None) -> None:
     done = grid.sets - sum(left)
     if progress:
         progress(done, grid.sets)
-    for count in _run(grid, store, [region for region, sets in zip(regions, left, strict=True) if sets]):
+    for count in _run(
+        grid, store, [region for region, sets in zip(regions, left, strict=True) if sets]
+    ):
         done += count
         if progress:
             progress(done, grid.sets)
     if lost := sum(missing()):
         raise SceneError(
-            f"{store}: {lost:,} of {grid.sets:,} sets did not arrive: workers must write to this very folder"
+            f"{store}: {lost:,} of {grid.sets:,} sets did not arrive: workers must write to "
+            f"this very folder"
         )
 
 
@@ -350,7 +403,8 @@ def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
 
 
 def _begin(grid: SweepGrid, store: Path) -> None:
-    """An empty store under a name of its own, then renamed: it is there with all of its arrays or not at all."""
+    """An empty store under a name of its own, then renamed: it is there with all of its arrays or
+    not at all."""
     fresh = beside(store)
     try:
         _lay(grid, fresh)
@@ -365,23 +419,35 @@ def _lay(grid: SweepGrid, store: Path) -> None:
     names = [axis.path for axis in grid.axes]
     for axis in grid.axes:
         made = group.create_array(
-            axis.path, shape=axis.values.shape, dtype=axis.values.dtype, dimension_names=[axis.path], fill_value=np.nan
+            axis.path,
+            shape=axis.values.shape,
+            dtype=axis.values.dtype,
+            dimension_names=[axis.path],
+            fill_value=np.nan,
         )
         made.attrs.update({"units": axis.unit})
         made[:] = axis.values
     for name, (dtype, about) in grid.variables.items():
         fill = np.nan if dtype.kind == "f" else _NOT_YET
         made = group.create_array(
-            name, shape=grid.shape, chunks=grid.block, dtype=dtype, dimension_names=names, fill_value=fill
+            name,
+            shape=grid.shape,
+            chunks=grid.block,
+            dtype=dtype,
+            dimension_names=names,
+            fill_value=fill,
         )
         made.attrs.update(about)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that format 3 does not ask for what xarray looks for first
+        warnings.simplefilter(
+            "ignore"
+        )  # that format 3 does not ask for what xarray looks for first
         zarr.consolidate_metadata(store)
 
 
 def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
-    """Compute and write blocks on the active dask client, or else with the local scheduler; numbers of sets, as they are done.
+    """Compute and write blocks on the active dask client, or else with the local scheduler; numbers
+    of sets, as they are done.
 
     A worker hands a block back after about a second, and gets it again until it is done.
     """
@@ -394,7 +460,9 @@ def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
     waiting, sets = left[::-1], 1
     while waiting:
         now = [waiting.pop() for _ in range(min(together, len(waiting)))]
-        tasks = [dask.delayed(_write, traverse=False)(grid, str(store), region, sets) for region in now]
+        tasks = [
+            dask.delayed(_write, traverse=False)(grid, str(store), region, sets) for region in now
+        ]
         parts: Sequence[_Part] = dask.compute(*tasks)
         yield sum(part.done for part in parts)
         sets = min(part.pace for part in parts)
@@ -403,7 +471,12 @@ def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
 
 def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
     distributed = needed("distributed")
-    lost = distributed.KilledWorker, needed("distributed.comm").CommClosedError, CancelledError, TimeoutError
+    lost = (
+        distributed.KilledWorker,
+        needed("distributed.comm").CommClosedError,
+        CancelledError,
+        TimeoutError,
+    )
 
     def submitted(region: Region, sets: int) -> Any:
         future = client.submit(_write, shared, str(store), region, sets, pure=False)
@@ -413,7 +486,9 @@ def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -
     regions: dict[str, Region] = {}
     try:
         shared = client.scatter(grid, broadcast=True, hash=False)
-        running = distributed.as_completed([submitted(region, 1) for region in left], with_results=True)
+        running = distributed.as_completed(
+            [submitted(region, 1) for region in left], with_results=True
+        )
         for future, part in running:
             yield part.done
             region = regions.pop(future.key)
@@ -421,7 +496,9 @@ def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -
                 running.add(submitted(region, part.pace))
     except lost as error:
         what = f"the workers were lost ({type(error).__name__})"
-        raise SceneError(f"{what}; what is done is in {store}, and the same call goes on from there") from error
+        raise SceneError(
+            f"{what}; what is done is in {store}, and the same call goes on from there"
+        ) from error
 
 
 def _client() -> Any:
@@ -434,7 +511,8 @@ def _client() -> Any:
 
 
 class _Part(NamedTuple):
-    """What was done of a block in about a second: how many sets, whether some are left, and how many to begin with next."""
+    """What was done of a block in about a second: how many sets, whether some are left, and how
+    many to begin with next."""
 
     done: int
     is_open: bool
@@ -442,11 +520,14 @@ class _Part(NamedTuple):
 
 
 def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
-    """Compute and write what is missing of a block, for about a second: ``method`` last, as the sign that a set is done."""
+    """Compute and write what is missing of a block, for about a second: ``method`` last, as the
+    sign that a set is done."""
     try:
         group = needed("zarr").open_group(store, mode="r+")
     except (OSError, ValueError, KeyError):
-        raise SceneError(f"{store}: a worker has no such store: all workers must write to this very folder") from None
+        raise SceneError(
+            f"{store}: a worker has no such store: all workers must write to this very folder"
+        ) from None
     _same(grid, group.attrs, Path(store))
     missing = group["method"][region] == _NOT_YET
     pace, done, began = Pace(sets), 0, monotonic()
@@ -461,7 +542,8 @@ def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
 
 
 def _missing(missing: NDArray[np.bool_], region: Region) -> Iterator[Region]:
-    """The sets of a block that are not there yet, in boxes: all of it at first; rows, or parts of rows, after an interruption."""
+    """The sets of a block that are not there yet, in boxes: all of it at first; rows, or parts of
+    rows, after an interruption."""
     if missing.all():
         yield region
     elif missing.any() and size(region) > 1:
@@ -488,31 +570,41 @@ def sweep(
     block: int = SETS_IN_A_BLOCK,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Evaluate a scene for every combination of values: counts proven, frequencies proven to a relative 1e-10.
+    """Evaluate a scene for every combination of values: counts proven, frequencies proven to a
+    relative 1e-10.
 
-    ``vary`` : from paths (``effects.NAME.KEY``, ``environment.KEY``, ``rendered.KEY``, ``evaluation.jnd``) to values: floats in
-    SI units and rad/s, taken as exactly the binary numbers that they are, or strings with a unit ("40 Hz"), taken as the
-    nearest double. Each path is a dimension of the result, in the order given.
-    ``hand`` : the hands in which the display is held, as of ``stability``; those of the scene if not given.
-    ``out`` : a Zarr store (FILE.zarr) or NetCDF file (FILE.nc) to which blocks are streamed as they are done. If it is there
-    already and holds a part of this very sweep, the rest is computed; it is computed on the dask client that is active, or
-    with dask's threads. The result is then opened from the file, lazily.
-    ``lazy`` : without ``out``, return dask arrays that are computed when asked for, by whatever scheduler is in use.
-    ``block`` : sets that one worker holds at most, which bounds the memory. They are computed and written in pieces of about
-    a second. Results do not depend on that.
+    ``vary`` : from paths (``effects.NAME.KEY``, ``environment.KEY``, ``rendered.KEY``,
+    ``evaluation.jnd``) to values: floats in SI units and rad/s, taken as exactly the binary numbers
+    that they are, or strings with a unit ("40 Hz"), taken as the nearest double. Each path is a
+    dimension of the result, in the order given.
+    ``hand`` : the hands in which the display is held, as of ``stability``; those of the scene if
+    not given.
+    ``out`` : a Zarr store (FILE.zarr) or NetCDF file (FILE.nc) to which blocks are streamed as they
+    are done. If it is there already and holds a part of this very sweep, the rest is computed; it
+    is computed on the dask client that is active, or with dask's threads. The result is then opened
+    from the file, lazily.
+    ``lazy`` : without ``out``, return dask arrays that are computed when asked for, by whatever
+    scheduler is in use.
+    ``block`` : sets that one worker holds at most, which bounds the memory. They are computed and
+    written in pieces of about a second. Results do not depend on that.
     ``progress`` : called with the number of sets done and of all sets.
 
-    Variables (frequencies in rad/s; NaN for one that does not exist): ``first_crossing_real``, ``first_crossing_imag``,
-    ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag`` (with a JND region that judges
-    both parts at once ``first_crossing_joint`` and ``crossings_joint`` in their place), ``changeover_environment``,
-    ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived`` (how many) and
-    ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit or in ten seconds, or without
-    dynamics; counts are then -1).
+    Variables (frequencies in rad/s; NaN for one that does not exist): ``first_crossing_real``,
+    ``first_crossing_imag``,
+    ``bandwidth``, ``transparent`` (fraction of the band), ``crossings_real``, ``crossings_imag``
+    (with a JND region that judges both parts at once ``first_crossing_joint`` and
+    ``crossings_joint`` in their place), ``changeover_environment``,
+    ``changeover_perceived`` (the lowest), ``changeovers_environment``, ``changeovers_perceived``
+    (how many) and
+    ``method``: 0 certified in floats, 1 exact, 2 not answered (undecided at the precision limit or
+    in ten seconds, or without dynamics; counts are then -1).
 
-    For each hand ``unstable_NAME``, the proven number of roots that do not decay (Re s >= 0, with a clock abs(z) >= 1): 0 where
-    the display is stable in it, 32767 for a chain of infinitely many, -1 where that was not decided; ``method`` is then 2.
+    For each hand ``unstable_NAME``, the proven number of roots that do not decay (Re s >= 0, with a
+    clock abs(z) >= 1): 0 where the display is stable in it, 32767 for a chain of infinitely many,
+    -1 where that was not decided; ``method`` is then 2.
 
-    Raises SceneError for an unknown path, a value that the model does not allow, more sets than memory should hold without
+    Raises SceneError for an unknown path, a value that the model does not allow, more sets than
+    memory should hold without
     ``out``, and a package that is missing.
 
     >>> from haptisym.model.scenefile import load_scene
@@ -533,7 +625,8 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
     needed = grid.sets * sum(dtype.itemsize for dtype, _ in grid.variables.values())
     if needed > MOST_BYTES:
         raise SceneError(
-            f'{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: stream them to a file, out="FILE.zarr" '
+            f"{grid.sets:,} sets take {needed / 1e9:,.0f} GB of memory: stream them to a "
+            f'file, out="FILE.zarr" '
             "(--out FILE.zarr on the command line), or vary fewer values"
         )
     columns = [np.empty(grid.shape, dtype) for dtype, _ in grid.variables.values()]
@@ -551,9 +644,13 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
 def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     names = [axis.path for axis in grid.axes]
     variables = {
-        name: (names, column, about) for column, (name, (_, about)) in zip(columns, grid.variables.items(), strict=True)
+        name: (names, column, about)
+        for column, (name, (_, about)) in zip(columns, grid.variables.items(), strict=True)
     }
-    places = {axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit}) for axis in grid.axes}
+    places = {
+        axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit})
+        for axis in grid.axes
+    }
     found: xr.Dataset = xarray.Dataset(variables, places, grid.attributes())
     return found
 
@@ -562,12 +659,16 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
     needed("dask")
     chunks = dict(zip((axis.path for axis in grid.axes), grid.block, strict=True))
     values = [
-        xarray.DataArray(axis.values, dims=[axis.path]).chunk({axis.path: chunks[axis.path]}) for axis in grid.axes
+        xarray.DataArray(axis.values, dims=[axis.path]).chunk({axis.path: chunks[axis.path]})
+        for axis in grid.axes
     ]
     columns = xarray.apply_ufunc(
-        partial(_block, grid.kernel), *values, dask="parallelized", output_core_dims=[()] * len(grid.variables),
+        partial(_block, grid.kernel),
+        *values,
+        dask="parallelized",
+        output_core_dims=[()] * len(grid.variables),
         output_dtypes=[dtype for dtype, _ in grid.variables.values()],
-    )  # fmt: skip
+    )
     return _dataset(grid, xarray, [column.data for column in columns])
 
 
@@ -575,10 +676,14 @@ def _block(kernel: Kernel, *values: Array) -> tuple[Array, ...]:
     return compute(kernel, values)
 
 
-def in_floats(scene: Scene, varied: Sequence[Knob], values: Array) -> tuple[dict[str, Array], Array]:
-    """What floats prove of single sets of values, and the numbers of the sets that they leave open; nothing of hands.
+def in_floats(
+    scene: Scene, varied: Sequence[Knob], values: Array
+) -> tuple[dict[str, Array], Array]:
+    """What floats prove of single sets of values, and the numbers of the sets that they leave open;
+    nothing of hands.
 
-    ``values`` : of what varies in rows, sets in columns, taken as exactly the binary numbers that they are.
+    ``values`` : of what varies in rows, sets in columns, taken as exactly the binary numbers that
+    they are.
     """
     return Kernel.of(replace(scene, hands=()), varied).in_floats(values)
 
@@ -611,18 +716,25 @@ class Swept(Answer):
     def _body(self) -> dict[str, Any]:
         data, told = self.data, Told.of(self.scene)
         held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
-        methods = [int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))]
+        methods = [
+            int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))
+        ]
         return {
-            "band": [float(x) for x in data.attrs["band"]], "vary": [_axis(data, str(name)) for name in data.method.dims],
-            "sets": int(data.method.size), **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
+            "band": [float(x) for x in data.attrs["band"]],
+            "vary": [_axis(data, str(name)) for name in data.method.dims],
+            "sets": int(data.method.size),
+            **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
             "ranges": {name: _range(data[name]) for name in told.floats},
-            "counts": {name: _counts(data[name]) for name in told.counts}, **({"held": held} if held else {}),
+            "counts": {name: _counts(data[name]) for name in told.counts},
+            **({"held": held} if held else {}),
             "out": None if self.out is None else str(self.out),
-        }  # fmt: skip
+        }
 
     def _left(self) -> dict[str, Any]:
         notes = self.asides()
-        return ({"notes": notes} if notes else {}) | ({} if self.certified else {"open_at": _places(self.data)})
+        return ({"notes": notes} if notes else {}) | (
+            {} if self.certified else {"open_at": _places(self.data)}
+        )
 
 
 def _is_open(data: xr.Dataset) -> xr.DataArray:
@@ -645,7 +757,9 @@ def _range(column: xr.DataArray) -> list[float] | None:
 def _counts(column: xr.DataArray) -> dict[str, int]:
     """How many sets have that many."""
     low, high = int(column.min()), int(column.max())
-    return {str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))}
+    return {
+        str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))
+    }
 
 
 def _held(column: xr.DataArray) -> dict[str, Any]:
@@ -654,11 +768,19 @@ def _held(column: xr.DataArray) -> dict[str, Any]:
     sets = {n: int((column == n).sum()) for n in numbers}
     infinite, undecided = sets.pop(INFINITE, 0), sets.pop(UNKNOWN, 0)
     own = {"hand": column.attrs["hand"], "variable": str(column.name), "stable": sets.get(0, 0)}
-    return {**own, "unstable": {str(n): x for n, x in sets.items()}, "infinite": infinite, "undecided": undecided}
+    return {
+        **own,
+        "unstable": {str(n): x for n, x in sets.items()},
+        "infinite": infinite,
+        "undecided": undecided,
+    }
 
 
 def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
     """The parameters of the first few sets that have no answer."""
     where = np.argwhere(_is_open(data).values)[:most]
     names = [str(name) for name in data.method.dims]
-    return [{name: float(data[name].values[i]) for name, i in zip(names, index, strict=True)} for index in where]
+    return [
+        {name: float(data[name].values[i]) for name, i in zip(names, index, strict=True)}
+        for index in where
+    ]

@@ -1,27 +1,32 @@
-"""The answers of a sweep for batches of parameter sets: floats with bounds where they prove it, exact where they do not.
+"""The answers of a sweep for batches of parameter sets: floats with bounds where they prove it,
+exact where they do not.
 
-**What is asked.** Functions of omega whose zeros answer a set, with the swept parameters left symbolic and all other numbers in
-place. A criterion is a difference of two products of functions, or, for a JND region, the largest of the smallest of products
-(``kernel.roots.Lattice``), each of which keeps its sign between the zeros of its factors.
+**What is asked.** Functions of omega whose zeros answer a set, with the swept parameters left
+symbolic and all other numbers in place. A criterion is a difference of two products of functions,
+or, for a JND region, the largest of the smallest of products (``kernel.roots.Lattice``), each of
+which keeps its sign between the zeros of its factors.
 
-On x = (omega/(high end of the band))^step each function is a ``Family`` (``waves``). The step is 2 where all are polynomials
-in omega^2. With delays, holds and powers s^alpha it is 1, and forms are read in half angles: with angles a each is a
-polynomial in x, cos(a/2), sin(a/2)/omega and x^alpha.
+On x = (omega/(high end of the band))^step each function is a ``Family`` (``waves``). The step is 2
+where all are polynomials in omega^2. With delays, holds and powers s^alpha it is 1, and forms are
+read in half angles: with angles a each is a polynomial in x, cos(a/2), sin(a/2)/omega and x^alpha.
 
-r^2 = A/B in lowest terms is not negative for any real values of its variables, the tangents and powers among them. So no
-factor of A or B of odd multiplicity changes its sign, and along any frequency A and B have zeros of even order only: where B
-vanishes, A - c^2 B has no simple zero, and nothing need be known of B.
+r^2 = A/B in lowest terms is not negative for any real values of its variables, the tangents and
+powers among them. So no factor of A or B of odd multiplicity changes its sign, and along any
+frequency A and B have zeros of even order only: where B vanishes, A - c^2 B has no simple zero, and
+nothing need be known of B.
 
-**What is answered.** The zeros that are proven (``waves``) are put in order for each set, and the answers are read off them
-(``Pass``). Where the criterion is a region's, its sign between the zeros is that of the largest of the smallest of its functions
-(``changes``). Floats are doubles; what these leave is tried in wider ones where there are no waves, and what is left then comes
-from the certified chart of an evaluation (``exact_answers``).
+**What is answered.** The zeros that are proven (``waves``) are put in order for each set, and the
+answers are read off them (``Pass``). Where the criterion is a region's, its sign between the zeros
+is that of the largest of the smallest of its functions (``changes``). Floats are doubles; what
+these leave is tried in wider ones where there are no waves, and what is left then comes from the
+certified chart of an evaluation (``exact_answers``).
 
-Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0. In floats where the characteristic function is a
-polynomial in s, by Routh's array. H_perc is in lowest terms for symbols, but perhaps not for a set of values. A zero that both
-parts of the quotient then share is no root; there is none in Re s >= 0 where the denominator is proven to have all its zeros
-in Re s < 0, those at 0 apart, which the array does not allow. All other sets, and all with delays, powers of s or a clock, are
-counted exactly.
+Held in a hand: how many roots H_perc + m s^2 + b s + k has in Re s >= 0. In floats where the
+characteristic function is a polynomial in s, by Routh's array. H_perc is in lowest terms for
+symbols, but perhaps not for a set of values. A zero that both parts of the quotient then share is
+no root; there is none in Re s >= 0 where the denominator is proven to have all its zeros in Re s <
+0, those at 0 apart, which the array does not allow. All other sets, and all with delays, powers of
+s or a clock, are counted exactly.
 """
 
 from __future__ import annotations
@@ -51,8 +56,26 @@ from haptisym.model.jnd import Part
 from haptisym.model.parameters import values as values_of
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.verbs.stability.held import characteristic, unstable_roots
-from haptisym.verbs.sweep.axes import ABSENT, EXACT, FLOAT, INFINITE, OPEN, SYSTEMS, UNKNOWN, Told, held_name
-from haptisym.verbs.sweep.batch import BITS, Array, Monomial, Powers, count_right, monomial, within_reach
+from haptisym.verbs.sweep.axes import (
+    ABSENT,
+    EXACT,
+    FLOAT,
+    INFINITE,
+    OPEN,
+    SYSTEMS,
+    UNKNOWN,
+    Told,
+    held_name,
+)
+from haptisym.verbs.sweep.batch import (
+    BITS,
+    Array,
+    Monomial,
+    Powers,
+    count_right,
+    monomial,
+    within_reach,
+)
 from haptisym.verbs.sweep.delayterms import (
     Exponents,
     Factor,
@@ -71,7 +94,8 @@ _Factors: TypeAlias = list[tuple[Polynomial, int]]
 
 @dataclass(frozen=True)
 class ThresholdPolynomial:
-    """r^2 - c^2 times its denominator: ``above`` - ``below``, each a product. None of it where r is 0 everywhere."""
+    """r^2 - c^2 times its denominator: ``above`` - ``below``, each a product. None of it where r is
+    0 everywhere."""
 
     above: FamilyProduct
     below: FamilyProduct
@@ -79,7 +103,8 @@ class ThresholdPolynomial:
 
 @dataclass(frozen=True)
 class SignedProduct:
-    """A function as the signs that make its own: ``sign`` times those of factors. ``begins_at_0``: it is 0 at omega = 0."""
+    """A function as the signs that make its own: ``sign`` times those of factors. ``begins_at_0``:
+    it is 0 at omega = 0."""
 
     sign: int
     factors: tuple[Family, ...]
@@ -110,9 +135,10 @@ Excess: TypeAlias = ThresholdPolynomial | FamilyLattice
 class Curves:
     """What is asked of a scene, as functions of (omega/scale)^step.
 
-    ``excess`` : by the name of the criterion. ``changeovers``: of the environment and as perceived, a product whose zeros are the
-    changeovers, None if there can be none. ``definite``: what must not vanish on the band, or the zeros of the others are not the
-    answer (poles, double zeros). ``has_waves`` : whether there are delays, holds or powers s^alpha.
+    ``excess`` : by the name of the criterion. ``changeovers``: of the environment and as perceived,
+    a product whose zeros are the changeovers, None if there can be none. ``definite``: what must
+    not vanish on the band, or the zeros of the others are not the answer (poles, double zeros).
+    ``has_waves`` : whether there are delays, holds or powers s^alpha.
     """
 
     step: int
@@ -134,7 +160,8 @@ class Curves:
 
 
 def curves_of(scene: Scene, swept: Sequence[Knob]) -> Curves | None:
-    """The curves of a scene; None where it has none, a limit is not rational, or sines are needed and not to be trusted here.
+    """The curves of a scene; None where it has none, a limit is not rational, or sines are needed
+    and not to be trusted here.
 
     A power s^alpha needs a number for alpha, a delay a number times powers of parameters.
     """
@@ -164,7 +191,8 @@ def _is_readable(functions: Sequence[RealFunction]) -> bool:
 
 @dataclass(frozen=True)
 class _ClosedForms:
-    """What is judged, whose zeros are the changeovers, and the squares that must not vanish for there to be dynamics."""
+    """What is judged, whose zeros are the changeovers, and the squares that must not vanish for
+    there to be dynamics."""
 
     measures: Mapping[Criterion, Signed]
     turning: tuple[RealFunction, ...]
@@ -178,17 +206,22 @@ class _ClosedForms:
 
 
 def _closed_forms(scene: Scene, swept: Sequence[Knob]) -> _ClosedForms | None:
-    """Those of a scene; None where there are no dynamics, a delay needs a number, or a limit is not rational."""
+    """Those of a scene; None where there are no dynamics, a delay needs a number, or a limit is not
+    rational."""
     given = {x.symbol for x in swept}
     chain = scene.chain.at({p.symbol: p.value for p in scene.parameters if p.symbol not in given})
     try:
         d = Distortion.of(chain, Ring.of([*chain.entries(), *_LIMITS.values()]))
-        measures = {x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))}
+        measures = {
+            x: _measure(x, d) for x in (_opened(x, swept) for x in noticed(scene.threshold))
+        }
     except HaptisymError:
         return None
     turning = tuple(part_of(r, Part.REAL) for r in (d.env_response, d.perc_response))
     # where there is a real part its changeovers tell that there are dynamics
-    return _ClosedForms(measures, turning, () if any(not x.is_zero for x in turning) else (d.squared_modulus,))
+    return _ClosedForms(
+        measures, turning, () if any(not x.is_zero for x in turning) else (d.squared_modulus,)
+    )
 
 
 _LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
@@ -196,7 +229,8 @@ _LIMITS = {part: Symbol(f"c_{part.value}", positive=True) for part in Part}
 
 
 def _opened(x: Criterion, swept: Sequence[Knob]) -> Criterion:
-    """With symbols for the limits of a region that are swept; of a part alone they come in as numbers."""
+    """With symbols for the limits of a region that are swept; of a part alone they come in as
+    numbers."""
     limits = {part: _LIMITS[knob.parts[0]] for knob in swept for part in knob.parts}
     if x.region:
         return replace(x, region=x.region.opened(limits)) if limits else x
@@ -204,7 +238,8 @@ def _opened(x: Criterion, swept: Sequence[Knob]) -> Criterion:
 
 
 def _measure(x: Criterion, d: Distortion) -> Signed:
-    """What is held against one number; of a region, and of a limit that depends on the frequency, what must not be positive."""
+    """What is held against one number; of a region, and of a limit that depends on the frequency,
+    what must not be positive."""
     return x.function(d) if x.region or x.threshold.has(omega) else x.measure(d)
 
 
@@ -215,14 +250,18 @@ def _functions(x: Signed) -> Iterator[RealFunction]:
 class _Curves:
     """Reads the families off the exact closed forms."""
 
-    def __init__(self, scene: Scene, swept: Sequence[Knob], asked: _ClosedForms, *, has_waves: bool) -> None:
+    def __init__(
+        self, scene: Scene, swept: Sequence[Knob], asked: _ClosedForms, *, has_waves: bool
+    ) -> None:
         self.scene, self.swept, self.asked, self.has_waves = scene, swept, asked, has_waves
         forms = [f.half_angled for f in asked.functions]
         polynomials = [p for f in forms for p in (f.numerator, f.denominator)]
         is_even = not has_waves and all(int(e[0]) % 2 == 0 for p in polynomials for e in p.monoms())
         self.step = 2 if is_even else 1
         symbols = [_LIMITS[x.parts[0]] if x.parts else x.symbol for x in swept]
-        self.reader = FamilyReader(symbols, scene.band[1], self.step, asked.turning[0] if has_waves else None)
+        self.reader = FamilyReader(
+            symbols, scene.band[1], self.step, asked.turning[0] if has_waves else None
+        )
         self.definite: list[Family] = []
 
     def read(self) -> Curves | None:
@@ -230,7 +269,9 @@ class _Curves:
         excess = {x.name: self._judged(f, x) for x, f in self.asked.measures.items()}
         environment, perceived = map(self._changeover, self.asked.turning)
         for form in (f.half_angled for f in self.asked.present):
-            self.definite += self._all_but_zero(form.ring, (g for g, _ in form.ring.factors(form.numerator)[1]))
+            self.definite += self._all_but_zero(
+                form.ring, (g for g, _ in form.ring.factors(form.numerator)[1])
+            )
         turning = (f.half_angled for f in self.asked.turning)
         if self.step == 1 and self.scene.band[0] == 0 and any(map(_odd_at_zero, turning)):
             return None  # a function that is odd in omega changes its sign at 0 itself
@@ -238,17 +279,29 @@ class _Curves:
         return Curves(self.step, excess, (environment, perceived), definite, self.has_waves)
 
     def _judged(self, measure: Signed, criterion: Criterion) -> Excess | None:
-        if isinstance(measure, RealFunction) and not criterion.region and not criterion.threshold.has(omega):
+        if (
+            isinstance(measure, RealFunction)
+            and not criterion.region
+            and not criterion.threshold.has(omega)
+        ):
             return self._excess(measure, criterion)
         terms = measure.terms if isinstance(measure, Lattice) else ((measure,),)
-        listed = [[f for f in term if isinstance(f, RealFunction)] for term in terms]  # no other are there
-        found = tuple(tuple(map(self._signs, term)) for term in listed if not any(f.is_zero for f in term))
-        return FamilyLattice(found) if found else None  # where a function is 0 everywhere its term is nowhere positive
+        listed = [
+            [f for f in term if isinstance(f, RealFunction)] for term in terms
+        ]  # no other are there
+        found = tuple(
+            tuple(map(self._signs, term)) for term in listed if not any(f.is_zero for f in term)
+        )
+        return (
+            FamilyLattice(found) if found else None
+        )  # where a function is 0 everywhere its term is nowhere positive
 
     def _signs(self, f: RealFunction) -> SignedProduct:
         form = f.half_angled
         ring = form.ring
-        (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
+        (unit, above), (lower, below) = (
+            ring.factors(p) for p in (form.numerator, form.denominator)
+        )
         even = [g for g, n in above if n % 2 == 0]
         self.definite += self._all_but_zero(ring, [*(g for g, _ in below), *even])
         odd = [g for g, n in (*above, *below) if n % 2 and not self._is_trivial(ring, g)]
@@ -261,7 +314,9 @@ class _Curves:
             return None
         form = f.half_angled
         ring = form.ring
-        (unit, above), (lower, below) = (ring.factors(p) for p in (form.numerator, form.denominator))
+        (unit, above), (lower, below) = (
+            ring.factors(p) for p in (form.numerator, form.denominator)
+        )
         column = next((i for i, x in enumerate(self.swept) if criterion.depends_on(x.parts)), None)
         limit = lower * criterion.limit if column is None else lower
         product = self._product(ring, below, limit)
@@ -284,9 +339,13 @@ class _Curves:
 
     def _product(self, ring: PolynomialRing, factors: _Factors, unit: Expr) -> FamilyProduct:
         """The families of a product, the unit in the first."""
-        powers = [(g**n, 1) if g == ring.variable else (g, n) for g, n in factors] or [(ring.constant(1), 1)]
+        powers = [(g**n, 1) if g == ring.variable else (g, n) for g, n in factors] or [
+            (ring.constant(1), 1)
+        ]
         listed = [g for g, n in powers for _ in range(n)]
-        return tuple(self.reader.family(ring, g, Integer(1) if i else unit) for i, g in enumerate(listed))
+        return tuple(
+            self.reader.family(ring, g, Integer(1) if i else unit) for i, g in enumerate(listed)
+        )
 
     def _all_but_zero(self, ring: PolynomialRing, factors: Iterable[Polynomial]) -> list[Family]:
         return [self.reader.family(ring, g) for g in factors if not self._is_trivial(ring, g)]
@@ -302,21 +361,34 @@ class _Curves:
 
 def _odd_at_zero(f: RationalFunction) -> bool:
     """Whether the power of omega in a real function is odd."""
-    powers = [n for p in (f.numerator, f.denominator) for g, n in f.ring.factors(p)[1] if g == f.ring.variable]
+    powers = [
+        n
+        for p in (f.numerator, f.denominator)
+        for g, n in f.ring.factors(p)[1]
+        if g == f.ring.variable
+    ]
     return sum(powers) % 2 == 1
 
 
 class FamilyReader:
-    """Reads polynomials of a ring, the ``parameters`` being the only symbols in them, as families on (omega/scale)^step.
+    """Reads polynomials of a ring, the ``parameters`` being the only symbols in them, as families
+    on (omega/scale)^step.
 
-    ``function`` : one whose axis has the angles and powers that are variables of the ring; None where there are none.
+    ``function`` : one whose axis has the angles and powers that are variables of the ring; None
+    where there are none.
     """
 
     def __init__(
-        self, parameters: Sequence[Symbol], scale: Expr, step: int = 1, function: RealFunction | None = None
+        self,
+        parameters: Sequence[Symbol],
+        scale: Expr,
+        step: int = 1,
+        function: RealFunction | None = None,
     ) -> None:
         self.parameters, self.scale, self.step = tuple(parameters), scale, step
-        self.orders, self.angles = (function.axis.orders, function.axis.angles) if function else ((), ())
+        self.orders, self.angles = (
+            (function.axis.orders, function.axis.angles) if function else ((), ())
+        )
         self.ring = function.half_angled.ring if function else None
 
     def constant(self, value: Monomial) -> Family:
@@ -335,7 +407,11 @@ class FamilyReader:
                 found[key] = found.get(key, arb(0)) + ball * arb(coefficient) * unit
             rows = sorted({row for row, _ in found})
             place = {row: i for i, row in enumerate(rows)}
-            terms = sorted((place[row], exponents, ball) for (row, exponents), ball in found.items() if ball != 0)
+            terms = sorted(
+                (place[row], exponents, ball)
+                for (row, exponents), ball in found.items()
+                if ball != 0
+            )
             return Family(tuple(monomial(*term) for term in terms), self._variables, tuple(rows))
 
     def _term(
@@ -367,7 +443,12 @@ class FamilyReader:
         known = {x: i for i, x in enumerate(self.ring.meanings)}
         f = self.ring.convert(rate).reduced()
         [(given, coefficient)] = f.numerator.to_dict().items()
-        ball = arb(coefficient) / arb(f.denominator.leading_coefficient()) * arb.pi() ** int(given[1]) / 2
+        ball = (
+            arb(coefficient)
+            / arb(f.denominator.leading_coefficient())
+            * arb.pi() ** int(given[1])
+            / 2
+        )
         return ball, tuple(int(given[known[x]]) if x in known else 0 for x in self.parameters)
 
     @cached_property
@@ -396,7 +477,8 @@ class Found:
 class Ordered:
     """All zeros of some functions, for each set in ascending order behind a row for its low end.
 
-    ``kinds`` : whose zero it is, -1 for a low end. ``signs``: in rows, of each function from there on.
+    ``kinds`` : whose zero it is, -1 for a low end. ``signs``: in rows, of each function from there
+    on.
     """
 
     sets: Array
@@ -428,11 +510,14 @@ class Ordered:
         return found
 
 
-def changes(lattice: FamilyLattice, zeros: Mapping[Family, Found], low: float, near: float) -> tuple[Found, Array]:
+def changes(
+    lattice: FamilyLattice, zeros: Mapping[Family, Found], low: float, near: float
+) -> tuple[Found, Array]:
     """Where the lattice changes its sign, and for which sets that is certain.
 
-    Not where two zeros lie so near each other (relatively, ``near``) that their order is not known, nor where the lattice is 0
-    between equal signs, as where several of its functions have one zero, nor where one that is 0 at omega = 0 decides there.
+    Not where two zeros lie so near each other (relatively, ``near``) that their order is not known,
+    nor where the lattice is 0 between equal signs, as where several of its functions have one zero,
+    nor where one that is 0 at omega = 0 decides there.
     """
     listed = list(zeros.values())
     count = len(listed[0].first)
@@ -457,17 +542,25 @@ def changes(lattice: FamilyLattice, zeros: Mapping[Family, Found], low: float, n
 
 
 def _positive(
-    lattice: FamilyLattice, signs: Mapping[Family, Array], *, or_0: bool = False, at_0: int | None = None
+    lattice: FamilyLattice,
+    signs: Mapping[Family, Array],
+    *,
+    or_0: bool = False,
+    at_0: int | None = None,
 ) -> Any:
     """Where the lattice is positive, ``or_0``; ``at_0`` : with that sign for what begins with 0."""
 
     def of(x: SignedProduct) -> Any:
-        own = np.full_like(next(iter(signs.values())), x.sign if at_0 is None or not x.begins_at_0 else at_0)
+        own = np.full_like(
+            next(iter(signs.values())), x.sign if at_0 is None or not x.begins_at_0 else at_0
+        )
         for f in x.factors if at_0 is None or not x.begins_at_0 else ():
             own = own * signs[f]
         return own >= 0 if or_0 else own > 0
 
-    return np.logical_or.reduce([np.logical_and.reduce([of(x) for x in term]) for term in lattice.terms])
+    return np.logical_or.reduce(
+        [np.logical_and.reduce([of(x) for x in term]) for term in lattice.terms]
+    )
 
 
 TOLERANCE = 1e-10
@@ -517,7 +610,9 @@ class Pass:
         with np.errstate(all="ignore"):
             self._no_zero_in(self.curves.definite)
             parts = {name: self._crossings(e) for name, e in self.curves.excess.items()}
-            turns = [self._zeros(None if x is None else self._at(x)) for x in self.curves.changeovers]
+            turns = [
+                self._zeros(None if x is None else self._at(x)) for x in self.curves.changeovers
+            ]
         columns: Columns = {"method": np.full(self.sets, FLOAT, dtype=np.int8)}
         for name, found in parts.items():
             columns[f"crossings_{name}"], columns[f"first_crossing_{name}"] = self._told(found)
@@ -580,7 +675,10 @@ class Pass:
     def _transparency(self, parts: Mapping[str, Found], columns: Columns) -> Columns:
         clear = np.logical_and.reduce([found.first < 0 for found in parts.values()])
         ends = np.fmin.reduce(
-            [*(columns[f"first_crossing_{name}"] for name in parts), np.full(self.sets, self.band.high)]
+            [
+                *(columns[f"first_crossing_{name}"] for name in parts),
+                np.full(self.sets, self.band.high),
+            ]
         )
         return {
             "bandwidth": np.where(clear, ends, ABSENT),
@@ -595,7 +693,9 @@ def _fraction(parts: list[Found], low: float) -> Array:
     following = np.append(rows.omega[1:], 1.0)
     following[:-1][rows.begins[1:]] = 1.0
     clear = (rows.signs < 0).all(axis=0)
-    return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count) / (1.0 - low)
+    return np.bincount(rows.sets, weights=(following - rows.omega) * clear, minlength=count) / (
+        1.0 - low
+    )
 
 
 AnswerRow: TypeAlias = dict[str, float]
@@ -604,7 +704,8 @@ LONGEST = 10.0  # s for one set
 
 
 def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) -> AnswerRow:
-    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers that the floats are.
+    """All variables of a sweep for one set of values, which are taken as exactly the binary numbers
+    that the floats are.
 
     None of it where that takes longer than ``LONGEST`` seconds.
     """
@@ -612,7 +713,10 @@ def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) 
     try:
         with limited(LONGEST):
             found = _chart(scene, swept, exact)
-    except (SceneError, UndecidedError):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
+    except (
+        SceneError,
+        UndecidedError,
+    ):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
         return Told.of(scene).no_answer()
     return Told.of(scene).no_answer() if found.undecided else _row(found)
 
@@ -663,14 +767,18 @@ def _first(points: Sequence[Point]) -> float:
 
 @dataclass(frozen=True)
 class HandCurve:
-    """The characteristic polynomial in s of a display in a hand, and the denominator of H_perc without its zeros at 0."""
+    """The characteristic polynomial in s of a display in a hand, and the denominator of H_perc
+    without its zeros at 0."""
 
     top: Family
     bottom: Family
 
     def count(self, values: Array) -> tuple[Array, Array]:
         """For each set the number of roots in Re s >= 0, and whether it is proven."""
-        powers, decided = Powers(values), within_reach(values, [(self.top.terms,), (self.bottom.terms,)])
+        powers, decided = (
+            Powers(values),
+            within_reach(values, [(self.top.terms,), (self.bottom.terms,)]),
+        )
         counts, certain = count_right(self.top.polynomial(powers))
         poles, proper = count_right(self.bottom.polynomial(powers))
         return counts, decided & certain & proper & (poles == 0)
@@ -703,9 +811,13 @@ def _curve(scene: Scene, hand: Hand, swept: Sequence[Knob]) -> HandCurve | None:
 def held(
     scene: Scene, swept: Sequence[Knob], curves: Sequence[HandCurve | None], values: Array
 ) -> Iterator[tuple[str, Array, Array]]:
-    """For each hand of a scene the name of its variable, the numbers of roots, and by which method they were found."""
+    """For each hand of a scene the name of its variable, the numbers of roots, and by which method
+    they were found."""
     for place, (hand, curve) in enumerate(zip(scene.hands, curves, strict=True)):
-        counts, method = np.full(values.shape[1], UNKNOWN), np.full(values.shape[1], EXACT, dtype=np.int8)
+        counts, method = (
+            np.full(values.shape[1], UNKNOWN),
+            np.full(values.shape[1], EXACT, dtype=np.int8),
+        )
         for wide in _KINDS if curve else ():
             assert curve
             left = np.flatnonzero(method == EXACT)
@@ -718,8 +830,12 @@ def held(
 
 
 def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequence[float]) -> int:
-    """The same for one set, whose values are taken as exactly the binary numbers that the floats are."""
-    given = {x.path: Rational(*Fraction(float(v)).as_integer_ratio()) for x, v in zip(swept, values, strict=True)}
+    """The same for one set, whose values are taken as exactly the binary numbers that the floats
+    are."""
+    given = {
+        x.path: Rational(*Fraction(float(v)).as_integer_ratio())
+        for x, v in zip(swept, values, strict=True)
+    }
     try:
         at = scene.with_values({x.path: given[x.path] for x in swept if not x.parts})
         with limited(LONGEST):
@@ -731,13 +847,17 @@ def exact_count(scene: Scene, place: int, swept: Sequence[Knob], values: Sequenc
 
 _AT_ONCE = 4096
 """Sets: so many that the work arrays stay in the processor's cache."""
-_KINDS = (np.float64, np.longdouble) if np.finfo(np.longdouble).nmant in (63, 112) else (np.float64,)
-"""Of floats: NumPy's longdouble where it is a wider IEEE format, and neither a double by another name nor a pair of doubles."""
+_KINDS = (
+    (np.float64, np.longdouble) if np.finfo(np.longdouble).nmant in (63, 112) else (np.float64,)
+)
+"""Of floats: NumPy's longdouble where it is a wider IEEE format, and neither a double by another
+name nor a pair of doubles."""
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """What a sweep computes, for any values of the swept parameters; can be sent to other processes."""
+    """What a sweep computes, for any values of the swept parameters; can be sent to other
+    processes."""
 
     scene: Scene
     swept: tuple[Knob, ...]
@@ -747,7 +867,8 @@ class Kernel:
 
     @classmethod
     def of(cls, scene: Scene, swept: Sequence[Knob]) -> Kernel:
-        """Of a scene and the numbers that are swept: curves in floats where there are such, else the exact machinery alone."""
+        """Of a scene and the numbers that are swept: curves in floats where there are such, else
+        the exact machinery alone."""
         curves = curves_of(scene, swept)
         band = Band.of(*scene.band, curves.step if curves else 1)
         return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
@@ -759,7 +880,8 @@ class Kernel:
 
     @property
     def has_waves(self) -> bool:
-        """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles have with a bound."""
+        """Whether there are delays, holds or powers s^alpha: these need sines, which only doubles
+        have with a bound."""
         return self.curves is not None and self.curves.has_waves
 
     def answers(self, values: Array) -> Columns:

@@ -1,17 +1,21 @@
-"""What holds for a scene whose parameters are known as ranges: proven for all values in the box, or for none.
+"""What holds for a scene whose parameters are known as ranges: proven for all values in the box, or
+for none.
 
-Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor models and by certified
-charts of single sets of values; the enclosures of the crossings. Estimated: quantiles over sets drawn at random.
+Two things are kept apart. Proven: the verdict, by branch and bound over band and box in Taylor
+models and by certified charts of single sets of values; the enclosures of the crossings. Estimated:
+quantiles over sets drawn at random.
 
-Cells in which the excess keeps its sign are left out, proven. What stays are leaves: crossings, at which r equals its
-threshold, lie in them and nowhere else. Leaves that touch form a ``Cluster``. Where the slope by omega keeps its sign on
-all of a cluster away from the ends of the band, every crossing in it goes on through the whole box: the implicit function
-theorem continues it to all values, and it cannot leave the cluster, whose surroundings hold none.
+Cells in which the excess keeps its sign are left out, proven. What stays are leaves: crossings, at
+which r equals its threshold, lie in them and nowhere else. Leaves that touch form a ``Cluster``.
+Where the slope by omega keeps its sign on all of a cluster away from the ends of the band, every
+crossing in it goes on through the whole box: the implicit function theorem continues it to all
+values, and it cannot leave the cluster, whose surroundings hold none.
 
-How far the crossings of a cluster go: where they are regular they move one way with each parameter whose slope keeps its sign,
-so that they go farthest on the face of the box on which all these stand at their ends. On that face the crossings take up less of
-the band, and there further slopes may keep their signs: so it goes on, until a corner is left, which is answered exactly, or a
-face that is bounded.
+How far the crossings of a cluster go: where they are regular they move one way with each parameter
+whose slope keeps its sign, so that they go farthest on the face of the box on which all these stand
+at their ends. On that face the crossings take up less of the band, and there further slopes may
+keep their signs: so it goes on, until a corner is left, which is answered exactly, or a face that
+is bounded.
 """
 
 from __future__ import annotations
@@ -61,9 +65,11 @@ _NARROWER = 100  # times than another: a side that is not cut where nothing is k
 
 @dataclass(frozen=True)
 class Cluster:
-    """Leaves that hang together, (cells, sides, 2) in shares; ``signs``: of the slopes on all of them, 0 where not the same.
+    """Leaves that hang together, (cells, sides, 2) in shares; ``signs``: of the slopes on all of
+    them, 0 where not the same.
 
-    ``regular``: the slope by omega keeps its sign. ``low``, ``high``: bounds on the crossings in it, shares of the band.
+    ``regular``: the slope by omega keeps its sign. ``low``, ``high``: bounds on the crossings in
+    it, shares of the band.
     """
 
     cells: Array
@@ -88,7 +94,8 @@ class Cluster:
 
 @dataclass(frozen=True)
 class _Bounded:
-    """Cells with the signs of value and slopes (0: not known), where their crossings lie, and the side to split."""
+    """Cells with the signs of value and slopes (0: not known), where their crossings lie, and the
+    side to split."""
 
     cells: Array
     signs: Array
@@ -97,7 +104,8 @@ class _Bounded:
 
 
 def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Cluster, ...]:
-    """All clusters of one part, in ascending order of frequency: outside them no r equals its threshold, proven.
+    """All clusters of one part, in ascending order of frequency: outside them no r equals its
+    threshold, proven.
 
     ``within`` : between which shares of the band is looked.
     """
@@ -120,7 +128,8 @@ def _grouped(leaves: _Bounded) -> list[Cluster]:
 
 
 def _apart(found: list[Cluster]) -> Iterator[Cluster]:
-    """Clusters whose frequencies overlap as one, so that a frequency tells to which a crossing belongs."""
+    """Clusters whose frequencies overlap as one, so that a frequency tells to which a crossing
+    belongs."""
     waiting = found[0]
     for x in found[1:]:
         if x.low > waiting.high + _OVERLAP:
@@ -128,14 +137,18 @@ def _apart(found: list[Cluster]) -> Iterator[Cluster]:
             waiting = x
             continue
         signs = tuple(a if a == b else 0 for a, b in zip(waiting.signs, x.signs, strict=True))
-        waiting = Cluster(np.concatenate([waiting.cells, x.cells]), signs, waiting.low, max(waiting.high, x.high))
+        waiting = Cluster(
+            np.concatenate([waiting.cells, x.cells]), signs, waiting.low, max(waiting.high, x.high)
+        )
     yield waiting
 
 
 def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
     first = np.tile([0.0, 1.0], (_FIRST, excess.sides, 1))
     first[:, 0] = sliding_window_view(np.linspace(*within, _FIRST + 1), 2)
-    waiting = Batches(Columns((first, np.zeros(_FIRST, int))), size=_BATCH, what="cells of band and ranges")
+    waiting = Batches(
+        Columns((first, np.zeros(_FIRST, int))), size=_BATCH, what="cells of band and ranges"
+    )
     kept: list[_Bounded] = []
     try:
         for cells, depths in waiting:
@@ -148,18 +161,26 @@ def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
             leaf = unclear & ((steady & regular & clear_of_ends) | enough)
             kept.append(_chosen(found, leaf))
             rest = unclear & ~leaf
-            waiting.add(Columns((halves(found.cells[rest], found.split[rest]), np.tile(depths[rest] + 1, 2))))
+            waiting.add(
+                Columns(
+                    (halves(found.cells[rest], found.split[rest]), np.tile(depths[rest] + 1, 2))
+                )
+            )
     except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
         rest, _ = waiting.rest
         signs = np.zeros((len(rest), 1 + excess.sides), int)
         kept.append(_Bounded(rest, signs, rest[:, 0].copy(), signs[:, 0]))
     return _Bounded(
-        *(np.concatenate([getattr(x, name) for x in kept]) for name in ("cells", "signs", "omega", "split"))
+        *(
+            np.concatenate([getattr(x, name) for x in kept])
+            for name in ("cells", "signs", "omega", "split")
+        )
     )
 
 
 def _unclear(excess: Excess, found: _Bounded) -> Array:
-    """Where the excess may vanish: not where it is > 0 at the corner where it is least, or < 0 where it is greatest."""
+    """Where the excess may vanish: not where it is > 0 at the corner where it is least, or < 0
+    where it is greatest."""
     unclear = found.signs[:, 0] == 0
     which = np.flatnonzero(unclear)
     if len(which):
@@ -170,7 +191,8 @@ def _unclear(excess: Excess, found: _Bounded) -> Array:
 
 
 def _corner(cells: Array, signs: Array, to: int) -> Array:
-    """Each cell with the parameters along which the excess is monotonic at the end where it is greatest (1) or least (-1)."""
+    """Each cell with the parameters along which the excess is monotonic at the end where it is
+    greatest (1) or least (-1)."""
     moved = cells.copy()
     at = np.where(signs * to > 0, cells[:, 1:, 1], cells[:, 1:, 0])
     moved[:, 1:] = np.where(signs[..., None] != 0, at[..., None], cells[:, 1:])
@@ -194,7 +216,8 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
 
 
 def _widest(model: Model, cells: Array, signs: Array, spread: Array) -> Array:
-    """The side of each cell along which the excess, and those of its slopes whose signs are open, change most."""
+    """The side of each cell along which the excess, and those of its slopes whose signs are open,
+    change most."""
     width = cells[:, :, 1] - cells[:, :, 0]
     with np.errstate(all="ignore"):
         weight = np.where((signs == 0) & np.isfinite(spread), 1 / spread, 0.0)
@@ -202,14 +225,16 @@ def _widest(model: Model, cells: Array, signs: Array, spread: Array) -> Array:
         changes[:, : model.c2.shape[1]] += np.abs(model.c2).sum(-1)
         known = weight[:, :1] > 0
         score = np.where(known, (weight[:, :, None] * changes).sum(1), changes[:, 0])
-        # near a pole the value's alone tell, but cutting one side for ever does not help where another is too wide
+        # near a pole the value's alone tell, but cutting one side for ever does not help where
+        # another is too wide
         score[~known & (width * _NARROWER < width.max(-1, keepdims=True))] = 0.0
     told = np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True)
     return np.argmax(np.where(width > 0, np.where(told, score, width) + 1e-300, -1), -1)
 
 
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
-    """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where none goes beyond."""
+    """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where
+    none goes beyond."""
     out = 1 if highest else -1
     near, far = (0, 1) if highest else (1, 0)
 
@@ -219,7 +244,9 @@ def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> fl
         own[:, 0, near] = out * np.maximum(out * own[:, 0, near], out * reached)
         return own
 
-    waiting = Batches(further(cells), size=_BATCH, rank=lambda x: -out * x[:, 0, far], most=_MOST_BEYOND + 1)
+    waiting = Batches(
+        further(cells), size=_BATCH, rank=lambda x: -out * x[:, 0, far], most=_MOST_BEYOND + 1
+    )
     with suppress(LimitError):
         for own in waiting:
             found = bounded(excess, own)
@@ -235,7 +262,8 @@ def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> fl
 
 @dataclass(frozen=True)
 class One:
-    """One set of values, certified: the crossings by the names of criteria, without touches; whether it is transparent."""
+    """One set of values, certified: the crossings by the names of criteria, without touches;
+    whether it is transparent."""
 
     values: Mapping[str, Expr]
     crossings: Mapping[str, tuple[RealNumber, ...]]
@@ -250,7 +278,8 @@ class One:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A set of values that was drawn: what is told of it in floats, rad/s, and, where it is asked for, exactly."""
+    """A set of values that was drawn: what is told of it in floats, rad/s, and, where it is asked
+    for, exactly."""
 
     box: Box
     values: Mapping[str, Expr]
@@ -270,9 +299,13 @@ class Drawn:
 
 
 def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
-    """Sets of values drawn uniformly from the box, each answered with certainty: in floats with a bound, or exactly."""
+    """Sets of values drawn uniformly from the box, each answered with certainty: in floats with a
+    bound, or exactly."""
     draw = Random(seed)
-    shares = ({side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides} for _ in range(samples))
+    shares = (
+        {side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides}
+        for _ in range(samples)
+    )
     sets = [box.values(x) for x in shares]
     if not sets:
         return ()
@@ -291,7 +324,9 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
         if n in unknown:
             x = one(box, sets[n])
             return Drawn(box, sets[n], _float(x.first), _float(x.bandwidth), x.transparent)
-        low, width = (None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n]))
+        low, width = (
+            None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n])
+        )
         return Drawn(box, sets[n], low, width, bool(crossings[n] == 0) and width is not None)
 
     return tuple(in_time(map(told, range(samples))))
@@ -315,13 +350,16 @@ def one(box: Box, values: Mapping[str, Expr]) -> One:
     criteria = noticed(scene.threshold)
     table = chart({x: x.function(d) for x in criteria}, *scene.band)
     crossings = {  # at zeros of odd order, which change the sign
-        x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2) for x in criteria
+        x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2)
+        for x in criteria
     }
     intervals = kept(table)
     first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
     whole = first is not None and first.high is table.points[-1]
     shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
-    return One(shown, crossings, first.high.omega if first else None, None if table.undecided else whole)
+    return One(
+        shown, crossings, first.high.omega if first else None, None if table.undecided else whole
+    )
 
 
 TOLERANCE = Fraction(1, 1000)
@@ -336,8 +374,8 @@ End: TypeAlias = tuple[RealNumber, Mapping[str, Expr] | None]
 class Face:
     """Of a box the sets of values in which some sides stand at an end.
 
-    ``name`` : of the criterion; ``fixed``: 0 for sides at their low end, 1 for those at their high one; ``one``: answers a set
-    of values of the whole box with certainty.
+    ``name`` : of the criterion; ``fixed``: 0 for sides at their low end, 1 for those at their high
+    one; ``one``: answers a set of values of the whole box with certainty.
     """
 
     whole: Box
@@ -348,19 +386,32 @@ class Face:
     @cached_property
     def box(self) -> Box:
         """What still varies."""
-        return Box(self.whole.scene.with_values(self._values(self.fixed))) if self.fixed else self.whole
+        return (
+            Box(self.whole.scene.with_values(self._values(self.fixed)))
+            if self.fixed
+            else self.whole
+        )
 
     @cached_property
     def form(self) -> Excess:
         """The excess of the criterion of that name on this face."""
-        return excess_of(self.box, next(x for x in noticed(self.box.scene.threshold) if x.name == self.name))
+        return excess_of(
+            self.box, next(x for x in noticed(self.box.scene.threshold) if x.name == self.name)
+        )
 
     def _values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
-        return {side.name: side.at(shares[side.name]) for side in self.whole.sides if side.name in shares}
+        return {
+            side.name: side.at(shares[side.name])
+            for side in self.whole.sides
+            if side.name in shares
+        }
 
     def end(self, form: Excess, cluster: Cluster, *, highest: bool) -> End | None:
-        """How high (low) the crossings of a cluster go on this face; None if it is proven that there is none."""
-        moves = {x: n for x, n in self.moves(form, cluster, highest=highest).items() if n is not None}
+        """How high (low) the crossings of a cluster go on this face; None if it is proven that
+        there is none."""
+        moves = {
+            x: n for x, n in self.moves(form, cluster, highest=highest).items() if n is not None
+        }
         settled = cluster.regular and cluster.clear_of(highest=highest)
         if settled and moves and len(moves) < len(self.box.sides):
             face = Face(self.whole, self.name, {**self.fixed, **moves}, self.one)
@@ -368,30 +419,45 @@ class Face:
                 found = clusters(face.form, (cluster.low, cluster.high))
             except LimitError:
                 return self._bound(form, cluster, None, highest=highest)
-            ends = (face.end(face.form, x, highest=highest) for x in (reversed(found) if highest else found))
+            ends = (
+                face.end(face.form, x, highest=highest)
+                for x in (reversed(found) if highest else found)
+            )
             return next((x for x in ends if x), None)
         corners = list(in_time(self._corners(form, cluster, highest=highest)))
-        reached = [(x, at.values) for at in corners for x in at.crossings[self.name] if within(self.whole, x, cluster)]
+        reached = [
+            (x, at.values)
+            for at in corners
+            for x in at.crossings[self.name]
+            if within(self.whole, x, cluster)
+        ]
         best = (max if highest else min)(reached, key=lambda x: float(x[0]), default=None)
         if settled and corners and len(moves) == len(self.box.sides) and (best or cluster.inside):
             return best  # without a crossing at its one corner a cluster has none
         return self._bound(form, cluster, best, highest=highest)
 
     def moves(self, form: Excess, cluster: Cluster, *, highest: bool) -> dict[str, Fraction | None]:
-        """For each side the end at which the crossings of a cluster are highest (lowest), None where that is not known."""
+        """For each side the end at which the crossings of a cluster are highest (lowest), None
+        where that is not known."""
         way = -cluster.signs[0] * (1 if highest else -1)
         signs = dict(
-            zip((x.name for x in self.box.sides), zip(form.matters[1:], cluster.signs[1:], strict=True), strict=True)
+            zip(
+                (x.name for x in self.box.sides),
+                zip(form.matters[1:], cluster.signs[1:], strict=True),
+                strict=True,
+            )
         )
         return {
-            x: Fraction(int(way * sign > 0)) if way * sign or not used else None for x, (used, sign) in signs.items()
+            x: Fraction(int(way * sign > 0)) if way * sign or not used else None
+            for x, (used, sign) in signs.items()
         }
 
     def _corners(self, form: Excess, cluster: Cluster, *, highest: bool) -> Iterator[One]:
         """The corners at which crossings may be highest (lowest), each answered exactly."""
         moves = {**self.moves(form, cluster, highest=highest), **self.fixed}
         choices = [
-            [x] if x is not None else [Fraction(0), Fraction(1)] for x in (moves[y.name] for y in self.whole.sides)
+            [x] if x is not None else [Fraction(0), Fraction(1)]
+            for x in (moves[y.name] for y in self.whole.sides)
         ]
         names = [side.name for side in self.whole.sides]
         for _, shares in zip(range(MOST_CORNERS), product(*choices), strict=False):
@@ -405,7 +471,9 @@ class Face:
             slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
             reached = (float(best[0]) + slack - float(low)) / float(high - low)
             share = beyond(form, cluster.cells, reached, highest=highest)
-            share = min(share, leaf) if highest else max(share, leaf)  # not into the frequencies of another cluster
+            share = (
+                min(share, leaf) if highest else max(share, leaf)
+            )  # not into the frequencies of another cluster
         return at_share(self.whole, share), None
 
 
@@ -429,7 +497,8 @@ LEVELS = (5, 50, 95)
 
 @dataclass(frozen=True)
 class Quantiles:
-    """Per cent to rad/s, of the first crossing and of the bandwidth; None where there is none in so many of the sets.
+    """Per cent to rad/s, of the first crossing and of the bandwidth; None where there is none in so
+    many of the sets.
 
     ``transparent`` : how many of the sets are transparent on the whole band.
     """
@@ -441,7 +510,10 @@ class Quantiles:
 
 def quantiles(samples: Sequence[Drawn]) -> Quantiles:
     """The quantiles of an answer's samples, of which there must be one at least."""
-    beyond, never = float("inf"), -float("inf")  # no crossing on the band: beyond it; no bandwidth: less than any
+    beyond, never = (
+        float("inf"),
+        -float("inf"),
+    )  # no crossing on the band: beyond it; no bandwidth: less than any
     first = sorted(samples, key=lambda x: beyond if x.first is None else x.first)
     width = sorted(samples, key=lambda x: never if x.bandwidth is None else x.bandwidth)
     places = {
@@ -469,12 +541,15 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Enclosure(Judged):
-    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values; guaranteed.
+    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values;
+    guaranteed.
 
-    ``count`` : how many there are for every set of values, touches apart; None if that depends or is not known. ``at_low``,
-    ``at_high``: the corner of the box at which the end is reached, which then is exact; None for an end that is a bound only, at
-    most ``TOLERANCE`` or what the budget allowed beyond. ``monotonic``: for each parameter 1 if the crossing grows with it
-    throughout the box, -1 if it falls, 0 if neither is proven.
+    ``count`` : how many there are for every set of values, touches apart; None if that depends or
+    is not known. ``at_low``,
+    ``at_high``: the corner of the box at which the end is reached, which then is exact; None for an
+    end that is a bound only, at most ``TOLERANCE`` or what the budget allowed beyond.
+    ``monotonic``: for each parameter 1 if the crossing grows with it throughout the box, -1 if it
+    falls, 0 if neither is proven.
     """
 
     criterion: Criterion
@@ -497,11 +572,13 @@ _FINEST, _MOST_PIECES = (
 class Tolerances(Answer):
     """The answers for a box of parameters.
 
-    ``box`` : the parameters that vary, each with its range, SI. ``verdict`` : noticed by none, by some or by all of its members,
-    or undecided; ``bandwidth`` : the smallest and the largest, rad/s; ``enclosures`` : of each crossing, the range it moves
-    over, where it exists for all. All of these are proven.
-    ``samples`` : members that were drawn for quantiles, at most ``count`` with ``seed``: estimates, on which nothing proven
-    depends. ``held`` : of each hand, whether all members are stable in it. ``budget`` : what the search was allowed.
+    ``box`` : the parameters that vary, each with its range, SI. ``verdict`` : noticed by none, by
+    some or by all of its members, or undecided; ``bandwidth`` : the smallest and the largest,
+    rad/s; ``enclosures`` : of each crossing, the range it moves over, where it exists for all. All
+    of these are proven.
+    ``samples`` : members that were drawn for quantiles, at most ``count`` with ``seed``: estimates,
+    on which nothing proven depends. ``held`` : of each hand, whether all members are stable in it.
+    ``budget`` : what the search was allowed.
 
     >>> import haptisym as hs
     >>> found = hs.tolerances("fu2019-tolerances", samples=3)
@@ -523,7 +600,10 @@ class Tolerances(Answer):
     def _line(self) -> str:
         sides = ", ".join(x.name for x in self.box.sides)
         found = counted(len(self.enclosures), "enclosure")
-        return f"{titled(self.box.scene.title)}: {sides} in their ranges, transparent for {self.verdict.value}, {found}"
+        return (
+            f"{titled(self.box.scene.title)}: {sides} in their ranges, transparent for "
+            f"{self.verdict.value}, {found}"
+        )
 
     @property
     def _about(self) -> Scene:
@@ -572,7 +652,8 @@ class Tolerances(Answer):
 
     @cached_property
     def _search(self) -> dict[Criterion, tuple[Excess, tuple[Cluster, ...]]]:
-        """Of each criterion what is judged, with its clusters; nothing where the time is over before that is known."""
+        """Of each criterion what is judged, with its clusters; nothing where the time is over
+        before that is known."""
         try:
             forms = {x: excess_of(self.box, x) for x in self.criteria}
         except LimitError:
@@ -585,10 +666,17 @@ class Tolerances(Answer):
 
     @cached_property
     def enclosures(self) -> tuple[Enclosure, ...]:
-        """Where crossings lie, for all values: outside these there is none, for no values of the box."""
+        """Where crossings lie, for all values: outside these there is none, for no values of the
+        box."""
         low, high = map(ExactNumber, self.box.scene.band)
-        anywhere = [Enclosure(x, low, high, None, None, None, {}) for x in self.criteria if x not in self._search]
-        known = (self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own)
+        anywhere = [
+            Enclosure(x, low, high, None, None, None, {})
+            for x in self.criteria
+            if x not in self._search
+        ]
+        known = (
+            self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own
+        )
         found = [*anywhere, *known]
         with spared():
             return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
@@ -598,7 +686,10 @@ class Tolerances(Answer):
         """The box's corners, or as many of them as are looked at."""
         ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
         names = [side.name for side in self.box.sides]
-        shares = [dict(zip(names, x, strict=True)) for _, x in zip(range(MOST_CORNERS), ends, strict=False)]
+        shares = [
+            dict(zip(names, x, strict=True))
+            for _, x in zip(range(MOST_CORNERS), ends, strict=False)
+        ]
         return tuple(in_time(self.one(self.box.values(x)) for x in shares))
 
     @cached_property
@@ -607,7 +698,8 @@ class Tolerances(Answer):
         return drawn(self.box, self.count, self.seed) if self.box.sides else ()
 
     def settle(self) -> None:
-        """Find everything that is told, so that a limit is kept to; LimitError if not even the nominal values are."""
+        """Find everything that is told, so that a limit is kept to; LimitError if not even the
+        nominal values are."""
         _ = self.nominal
         with share(1 - _FOR_SAMPLES):  # what is proven comes first
             _ = self._search, self.enclosures, self.verdict
@@ -630,29 +722,40 @@ class Tolerances(Answer):
 
     @property
     def _is_one(self) -> bool:
-        """Whether one set of values tells of all: nothing varies, or no ratio equals its threshold for any."""
-        return not self.box.sides or (bool(self._search) and not any(own for _, own in self._search.values()))
+        """Whether one set of values tells of all: nothing varies, or no ratio equals its threshold
+        for any."""
+        return not self.box.sides or (
+            bool(self._search) and not any(own for _, own in self._search.values())
+        )
 
     def _never_noticed(self) -> bool:
-        """Whether for no values any frequency is, as where a ratio just reaches its threshold for some.
+        """Whether for no values any frequency is, as where a ratio just reaches its threshold for
+        some.
 
-        Where a cluster is steady, the values along which r grows everywhere lead to one corner, and r - c, once above 0, stays so
-        on the way: outside of clusters it is nowhere 0. So nothing is noticed if nothing is at those corners; and where a slope
-        does not keep its sign, if nothing is on the face to which all others lead. The same holds of open cells that hang
-        together, of which several may have the same frequencies, where r < c in all others: the way does not leave them.
+        Where a cluster is steady, the values along which r grows everywhere lead to one corner, and
+        r - c, once above 0, stays so on the way: outside of clusters it is nowhere 0. So nothing is
+        noticed if nothing is at those corners; and where a slope does not keep its sign, if nothing
+        is on the face to which all others lead. The same holds of open cells that hang together, of
+        which several may have the same frequencies, where r < c in all others: the way does not
+        leave them.
         """
         searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
-        faces: Sequence[Mapping[str, Expr] | None] = [self._greatest(form, x) for form, own in searched for x in own]
+        faces: Sequence[Mapping[str, Expr] | None] = [
+            self._greatest(form, x) for form, own in searched for x in own
+        ]
         if any(len(x or ()) < len(self.box.sides) for x in faces):
             _, faces = self._by_cells
         different = list({tuple((x or {}).items()): x for x in faces}.values())
         try:
-            return self.nominal.transparent is True and all(x is not None and self._is_kept_on(x) for x in different)
+            return self.nominal.transparent is True and all(
+                x is not None and self._is_kept_on(x) for x in different
+            )
         except LimitError:
             return False
 
     def _is_kept_on(self, face: Mapping[str, Expr]) -> bool:
-        """Whether nothing is noticed on a face, given by what is fixed: of one value, or of all values of one parameter."""
+        """Whether nothing is noticed on a face, given by what is fixed: of one value, or of all
+        values of one parameter."""
         free = [x for x in self.box.sides if x.name not in face]
         if len(free) > 1:
             return False
@@ -676,13 +779,22 @@ class Tolerances(Answer):
         return False
 
     def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr]:
-        """The values for which r - c is greatest in a cluster, of the parameters of which that is known."""
-        signs = [x if matters else 1 for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)]
-        return {x.name: x.at(Fraction(int(n > 0))) for x, n in zip(self.box.sides, signs, strict=True) if n}
+        """The values for which r - c is greatest in a cluster, of the parameters of which that is
+        known."""
+        signs = [
+            x if matters else 1
+            for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)
+        ]
+        return {
+            x.name: x.at(Fraction(int(n > 0)))
+            for x, n in zip(self.box.sides, signs, strict=True)
+            if n
+        }
 
     @cached_property
     def transparent(self) -> One | None:
-        """A set of values for which the display is transparent on the band, certified; None if none was found."""
+        """A set of values for which the display is transparent on the band, certified; None if none
+        was found."""
         return self._witness(transparent=True)
 
     @cached_property
@@ -707,18 +819,23 @@ class Tolerances(Answer):
             yield self.one(middles[transparent])
 
     @cached_property
-    def _by_cells(self) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
-        """Values in a cell that is kept, and in one that is broken, for all of its values, by whether it is kept.
+    def _by_cells(
+        self,
+    ) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
+        """Values in a cell that is kept, and in one that is broken, for all of its values, by
+        whether it is kept.
 
-        And where none is broken, for all that hangs together of the open ones what is known of where r is greatest; None where
-        one is broken, or nothing is known.
+        And where none is broken, for all that hangs together of the open ones what is known of
+        where r is greatest; None where one is broken, or nothing is known.
         """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
         pieces = sliding_window_view(band, 2)[:, None]
         first = Cells.of(np.tile([0.0, 1.0], (1, len(self.box.sides), 1)), [pieces] * len(forms))
         judges = [form.curve for form in forms]
-        search = Search(judges, first, wide=lambda x: x[..., 1] - x[..., 0] > _FINEST, most=_MOST_PIECES)
+        search = Search(
+            judges, first, wide=lambda x: x[..., 1] - x[..., 0] > _FINEST, most=_MOST_PIECES
+        )
         middles = dict[bool, dict[str, Expr]]()
         for cells in search:
             for cell, ceiling in zip(cells.outer, cells.ceiling, strict=True):
@@ -730,9 +847,17 @@ class Tolerances(Answer):
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
         """What is known of the values for which what hangs together of open cells is greatest."""
-        own = [(form, x.cells(left.outer)) for form, x in zip(forms, left.pieces, strict=True) if len(x)]
+        own = [
+            (form, x.cells(left.outer))
+            for form, x in zip(forms, left.pieces, strict=True)
+            if len(x)
+        ]
         with suppress(LimitError):
-            return [self._greatest(form, x) for form, cells in own for x in _grouped(bounded(form, cells))]
+            return [
+                self._greatest(form, x)
+                for form, cells in own
+                for x in _grouped(bounded(form, cells))
+            ]
         return [None]
 
     def _middle(self, cell: Array) -> dict[str, Expr]:
@@ -741,11 +866,13 @@ class Tolerances(Answer):
         return self.box.values({x.name: n for x, n in zip(self.box.sides, middles, strict=True)})
 
     def _always_noticed(self) -> bool:
-        """Whether some frequency is noticed whatever the values: one between clusters, at which a ratio exceeds for all."""
+        """Whether some frequency is noticed whatever the values: one between clusters, at which a
+        ratio exceeds for all."""
         return any(self._exceeds_between(x) is not None for x in self.criteria)
 
     def _exceeds_between(self, criterion: Criterion) -> float | None:
-        """The lowest share of the band outside all clusters at which r exceeds c, for the nominal and so for all values."""
+        """The lowest share of the band outside all clusters at which r exceeds c, for the nominal
+        and so for all values."""
         form, own = self._search.get(criterion, (None, ()))
         if form is None or form.is_zero:
             return None
@@ -762,25 +889,31 @@ class Tolerances(Answer):
 
     @cached_property
     def bandwidth(self) -> tuple[RealNumber, RealNumber] | None:
-        """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent from the low end on."""
+        """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent
+        from the low end on."""
         low, high = (ExactNumber(x) for x in self.box.scene.band)
         if self.verdict is Verdict.ALL:
             return high, high
-        if self.nominal.bandwidth is None or any(float(x.low) <= float(low) for x in self.enclosures):
+        if self.nominal.bandwidth is None or any(
+            float(x.low) <= float(low) for x in self.enclosures
+        ):
             return None
         least = min([x.low for x in self.enclosures] or [high], key=float)
         ends = [self._end_of_first(x) for x in self.criteria]
         return least, min([x for x in ends if x is not None] or [high], key=float)
 
     def _end_of_first(self, criterion: Criterion) -> RealNumber | None:
-        """From where on r exceeds c whatever the values, at the latest; None if nowhere for certain."""
+        """From where on r exceeds c whatever the values, at the latest; None if nowhere for
+        certain."""
         share = self._exceeds_between(criterion)
         if share is None:
             return None
         before = [x for x in self.enclosures if x.criterion == criterion and x.high is not None]
         low, high = self.box.scene.band
         edge = float(low) + share * float(high - low)
-        return max((x.high for x in before if float(x.high) <= edge * (1 + 1e-9)), key=float, default=None)
+        return max(
+            (x.high for x in before if float(x.high) <= edge * (1 + 1e-9)), key=float, default=None
+        )
 
     @property
     def certified(self) -> bool:
@@ -794,7 +927,9 @@ class Tolerances(Answer):
         own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
         count = 0 if self.verdict is Verdict.ALL else len(own) if alone and own else None
         face = Face(self.box, criterion.name, {}, self.one)
-        (low, at_low), (high, at_high) = (self._end(face, form, cluster, highest=end) for end in (False, True))
+        (low, at_low), (high, at_high) = (
+            self._end(face, form, cluster, highest=end) for end in (False, True)
+        )
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
 
     def _end(self, face: Face, form: Excess, cluster: Cluster, *, highest: bool) -> End:
@@ -805,23 +940,37 @@ class Tolerances(Answer):
         return found or (at_share(self.box, cluster.high if highest else cluster.low), None)
 
     def _body(self) -> dict[str, Any]:
-        sides = [{"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides]
+        sides = [
+            {"name": x.name, "low": float(x.low), "high": float(x.high)} for x in self.box.sides
+        ]
         return {
-            "band": [float(x) for x in self.box.scene.band], "varying": sides, "verdict": self.verdict.value,
-            "witnesses": {"transparent": _witness_row(self.transparent), "noticed": _witness_row(self.noticed)},
+            "band": [float(x) for x in self.box.scene.band],
+            "varying": sides,
+            "verdict": self.verdict.value,
+            "witnesses": {
+                "transparent": _witness_row(self.transparent),
+                "noticed": _witness_row(self.noticed),
+            },
             "crossings": [self._enclosure_row(x) for x in self.enclosures],
             "bandwidth": None if self.bandwidth is None else [float(x) for x in self.bandwidth],
-            **({"held": [x.row() for x in self.held]} if self.held else {}), "estimates": self._estimates(),
+            **({"held": [x.row() for x in self.held]} if self.held else {}),
+            "estimates": self._estimates(),
             "certified": self.certified,
-        }  # fmt: skip
+        }
 
     def _left(self) -> dict[str, Any]:
-        return ({} if self.limit is None else {"limit": self.limit}) | ({"reason": self.why} if self.why else {})
+        return ({} if self.limit is None else {"limit": self.limit}) | (
+            {"reason": self.why} if self.why else {}
+        )
 
     def _enclosure_row(self, x: Enclosure) -> dict[str, Any]:
         corners = {"low": _values(x.at_low), "high": _values(x.at_high)}
         enclosure = [x.low.enclosure()[0], x.high.enclosure()[1]]
-        row = {"part": x.criterion.name, "omega": [float(x.low), float(x.high)], "enclosure": enclosure}
+        row = {
+            "part": x.criterion.name,
+            "omega": [float(x.low), float(x.high)],
+            "enclosure": enclosure,
+        }
         return {**row, "count": x.count, "reached_at": corners, "monotonic": dict(x.monotonic)}
 
     def _estimates(self) -> dict[str, Any] | None:
@@ -830,7 +979,12 @@ class Tolerances(Answer):
         q = quantiles(self.samples)
         rows = {"first_crossing": q.first, "bandwidth": q.bandwidth}
         shown = {key: {str(p): x for p, x in row.items()} for key, row in rows.items()}
-        return {"samples": len(self.samples), "seed": self.seed, **shown, "transparent": q.transparent}
+        return {
+            "samples": len(self.samples),
+            "seed": self.seed,
+            **shown,
+            "transparent": q.transparent,
+        }
 
 
 def _witness_row(one: One | None) -> dict[str, str] | None:
@@ -855,16 +1009,20 @@ def tolerances(
 ) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
 
-    Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the enclosures and nowhere else; how many
-    there are where a count is given; ends said to be reached at a corner are exact. Estimated: quantiles over ``samples`` sets
-    of values, each answered with certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
+    Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the
+    enclosures and nowhere else; how many there are where a count is given; ends said to be reached
+    at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each answered with
+    certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
     nothing of what is felt. SceneError where nothing has a range.
 
-    ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not given. Of each it is told, in
-    ``held``, whether the display is stable in it for all values of display and hand, for some, or for none.
-    ``limit`` : seconds of processor time after which the work is cut short: enclosures are then wider than they need be, the
-    verdict may be undecided and fewer sets be drawn; None for no limit. ``told`` : is called now and then with how much is done,
-    of how much, and what it is. LimitError if not even the nominal values were answered in time.
+    ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not
+    given. Of each it is told, in
+    ``held``, whether the display is stable in it for all values of display and hand, for some, or
+    for none.
+    ``limit`` : seconds of processor time after which the work is cut short: enclosures are then
+    wider than they need be, the verdict may be undecided and fewer sets be drawn; None for no
+    limit. ``told`` : is called now and then with how much is done, of how much, and what it is.
+    LimitError if not even the nominal values were answered in time.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.mass_spring_damper(k="100 N/m +- 10 %")
