@@ -17,7 +17,7 @@ from mpmath import iv
 from timing import machine, medians, table
 
 import haptisym as hs
-from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
+from haptisym.judge.crossings import Criterion, PerceptFunction, find_crossings, noticed
 from haptisym.kernel.budget import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
@@ -34,7 +34,7 @@ def fresh(scene: hs.Scene) -> hs.Scene:
 def questions(scene: hs.Scene) -> dict[object, object]:
     """What tells the crossings: where r^2 - c^2 vanishes, and the sign of dH."""
     d = scene.distortion()
-    signs = {(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
+    signs = {(PerceptFunction.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
     return {x: x.function(d) for x in noticed(scene.threshold)} | signs
 
 

@@ -20,7 +20,7 @@ import sympy
 from timing import least, machine, table
 
 import haptisym as hs
-from haptisym.judge.crossings import Curve, find_crossings, noticed
+from haptisym.judge.crossings import PerceptFunction, find_crossings, noticed
 from haptisym.kernel.budget import forget
 from haptisym.kernel.roots import chart
 from haptisym.model.distortion import part_of
@@ -43,7 +43,7 @@ def crossings_only() -> list[float]:
     forget()
     d = hs.distort(SCENE.environment, *SCENE.effects)
     asked = {x: x.function(d) for x in noticed(SCENE.threshold)}
-    asked |= {(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
+    asked |= {(PerceptFunction.DIFFERENCE, part): part_of(d.difference_response, part) for part in hs.Part}
     return [float(c.omega) for c in find_crossings(chart(asked, *SCENE.band))]
 
 

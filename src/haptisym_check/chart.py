@@ -7,11 +7,11 @@ from itertools import chain, groupby, pairwise
 from math import ceil, floor, prod
 from typing import Any
 
-from haptisym_check.polynomials import PI, Factor, affordable, order, signs, sliced, turns
-from haptisym_check.scene import PARTS, Product, Scene, link
+from haptisym_check.polynomials import PI, OmegaFactor, affordable, order, signs, sliced, turns
+from haptisym_check.scene import PARTS, FactoredNumber, SceneFile, link
 from haptisym_check.values import (
     ONE,
-    Point,
+    ChainPoint,
     Polynomial,
     Ratio,
     keyed,
@@ -24,22 +24,22 @@ from haptisym_check.values import (
 # Rules 2, 3 and 4: the places of the band, and what follows from the signs around them.
 
 
-def ends_of_band(scene: Scene) -> list[list[Fraction]]:
+def ends_of_band(scene: SceneFile) -> list[list[Fraction]]:
     """Bounds of its low end, and of its high end."""
     low, high = (sorted(x.value * Fraction(*pi) ** x.pi for pi in PI) for x in scene.band)
     need(low[1] < high[0], "the band is empty")
     return [low, high]
 
 
-class Chart:
+class PlaceTable:
     """The places of the band in order, with the orders of all factors there, and their signs in
     between."""
 
     def __init__(
         self,
-        scene: Scene,
+        scene: SceneFile,
         points: list[Fraction],
-        factors: list[Factor],
+        factors: list[OmegaFactor],
         told: list[list[Fraction]],
     ) -> None:
         """``told``: the enclosures of the places."""
@@ -93,10 +93,10 @@ def away(order: Fraction | int) -> int:
     return ceil(order) if order > 0 else floor(order)
 
 
-class Curve:
+class SignRow:
     """The orders of a function at the places, and its signs before, at and after each."""
 
-    def __init__(self, x: Product, chart: Chart) -> None:
+    def __init__(self, x: FactoredNumber, chart: PlaceTable) -> None:
         self.order = [
             away(sum(n * found[i] for i, n in x.powers.items())) for found in chart.orders
         ]
@@ -128,7 +128,7 @@ def runs(line: Iterable[Any]) -> list[tuple[int, int, Any]]:
     return [(row[0] // 2, (row[-1] + 1) // 2, x) for x, row in rows if x]
 
 
-def where(test: Callable[[int], bool], *curves: Curve) -> list[list[int]]:
+def where(test: Callable[[int], bool], *curves: SignRow) -> list[list[int]]:
     """As few closed intervals as possible, of places and of what is between: where all curves
     pass."""
     return [
@@ -137,7 +137,7 @@ def where(test: Callable[[int], bool], *curves: Curve) -> list[list[int]]:
     ]
 
 
-def claimed(curves: dict[str, Curve], *, from_0: bool) -> dict[str, Any]:
+def claimed(curves: dict[str, SignRow], *, from_0: bool) -> dict[str, Any]:
     """All that is said of a band, from the chart alone."""
     excess, active = {part: curves[f"excess.{part}"] for part in PARTS}, curves["perceived.imag"]
     places, crossings = range(len(active.order)), []
@@ -173,7 +173,7 @@ PROPERTIES = {
 
 
 def percepts(
-    part: str, env: Curve, perc: Curve, excess: Curve, change: Curve, both: Curve
+    part: str, env: SignRow, perc: SignRow, excess: SignRow, change: SignRow, both: SignRow
 ) -> list[dict[str, Any]]:
     """What is felt where a ratio exceeds its threshold."""
     line: list[Any] = []
@@ -231,12 +231,12 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
     return at_0 + (n - left - n % 2 * last) // 2
 
 
-def zeros(x: Any, function: Callable[[Point], Ratio], length: int, share: int = 1) -> int:
+def zeros(x: Any, function: Callable[[ChainPoint], Ratio], length: int, share: int = 1) -> int:
     """Those in Re s >= 0 of a function of s and pi, counted with multiplicity; ``length``,
     ``share``: as ``link`` has them."""
     told, product, cells = keyed(x, "factors", "function", "cells")
-    factors = [Factor(polynomial(p)) for p in listed(told, 100)]
-    values = lambda s, pi: {"it": function(Point((s, ONE), pi))}  # noqa: E731
+    factors = [OmegaFactor(polynomial(p)) for p in listed(told, 100)]
+    values = lambda s, pi: {"it": function(ChainPoint((s, ONE), pi))}  # noqa: E731
     own = link({"it": product}, ["it"], factors, values, length, share=share)["it"]
     need(own.number, "a function is zero everywhere")
     rows, count = listed(cells, len(factors), len(factors)), 0

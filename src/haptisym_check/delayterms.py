@@ -10,7 +10,7 @@ from math import factorial, lcm
 from operator import mul
 from typing import Any
 
-from haptisym_check.polynomials import PI, Factor, moved, pairs
+from haptisym_check.polynomials import PI, OmegaFactor, moved, pairs
 from haptisym_check.scene import Numbers
 from haptisym_check.values import Polynomial, keyed, listed, need, polynomial, whole
 
@@ -86,7 +86,7 @@ Series = tuple[list[int], int]
 """Coefficients of v^n, n from 0 to ORDER, in parts of one, and a bound of the sum of all their
 errors."""
 Terms = list[tuple[tuple[int, ...], list[Ball]]]
-"""Products of powers (as of ``Place``), each with the coefficients of a polynomial in omega."""
+"""Products of powers (as of ``SeriesPoint``), each with the coefficients of a polynomial in omega."""
 
 
 def times(p: Series, q: Series) -> Series:
@@ -126,7 +126,7 @@ def binomial(alpha: Fraction, low: Fraction, high: Fraction, step: Fraction, cou
     return [first, *(map(abs, later) if low < high else later)], errors
 
 
-class Place:
+class SeriesPoint:
     """Powers of omega, sines, cosines, Re and Im of (j omega)^alpha, as series with the step h: at
     a number, or from low to high, where coefficients are the largest sizes of theirs. From 0 on the
     last two are those of h: before them is a power of omega/h.
@@ -188,14 +188,14 @@ class Place:
         )
 
 
-place = lru_cache(maxsize=8)(Place)
+place = lru_cache(maxsize=8)(SeriesPoint)
 
 
 # Rules 7 and 8: signs of factors with sines, cosines and powers of omega, from Taylor's sums and
 # his remainder.
 
 
-class WaveFactor(Factor):
+class WaveFactor(OmegaFactor):
     """A sum of polynomials in omega times powers of sines and cosines to a common degree, and of Re
     and Im of (j omega)^alpha."""
 
@@ -264,9 +264,9 @@ class WaveFactor(Factor):
             terms = list(rows)
             width = max(len(row) for _, p in terms for row in p)
             each = [
-                self.numbers(terms, lambda row, i=i: (sum(row[i : i + 1]) * SCALE, 0))
+                self.numbers(terms, lambda row, i=i: (sum(row[i : i + 1]) * SCALE, 0))  # type: ignore[misc]
                 for i in range(width)
-            ]  # type: ignore[misc]
+            ]
             there = [
                 any(column) for column in zip(*(here.total(x)[0][:-1] for x in each), strict=True)
             ]
@@ -324,13 +324,13 @@ def strict(x: int, lost: int) -> int:
     return 1 if x > 0 else -1
 
 
-def polynomial_factor(x: Any, delays: Numbers = (), orders: Numbers = ()) -> Factor:
+def polynomial_factor(x: Any, delays: Numbers = (), orders: Numbers = ()) -> OmegaFactor:
     """One without sines and powers."""
     step, rows = keyed(x, "step", "polynomial")
-    return Factor(polynomial(rows), whole(step, 1, 2), len(delays), len(orders))
+    return OmegaFactor(polynomial(rows), whole(step, 1, 2), len(delays), len(orders))
 
 
-def factor_of(x: Any, delays: Numbers, orders: Numbers) -> Factor:
+def factor_of(x: Any, delays: Numbers, orders: Numbers) -> OmegaFactor:
     """Of a proof."""
     return (WaveFactor if isinstance(x, dict) and "waves" in x else polynomial_factor)(
         x, delays, orders

@@ -6,7 +6,7 @@ from functools import cached_property, lru_cache
 from itertools import pairwise
 from math import prod
 
-from haptisym_check.values import MOST_OTHERS, Polynomial, Value, need
+from haptisym_check.values import MOST_OTHERS, GaussianValue, Polynomial, need
 
 Point = tuple[int, int]  # numerator and denominator; (1, 0) is infinity
 
@@ -85,7 +85,7 @@ def affordable(numbers: Iterable[Fraction], cost: int) -> None:
     need(bits * cost < 5 * 10**9, "the cells are too many, or too fine")
 
 
-class Factor:
+class OmegaFactor:
     """A polynomial in omega^step, as sum of one term; others have sines in their terms."""
 
     step, powers = 1, False
@@ -125,11 +125,11 @@ class Factor:
             for _, p in self.terms
         ]
 
-    def at(self, x: int, pi: int, others: list[int]) -> Value:
+    def at(self, x: int, pi: int, others: list[int]) -> GaussianValue:
         """The value, over cos(omega tau/2)^n for each delay, where tangents, and Re and Im of
         powers, are whole numbers."""
         each = zip(self.terms, self.values(x, pi), strict=True)
-        return Value(
+        return GaussianValue(
             sum(own * prod(map(pow, others, turns)) for (turns, _), own in each), 0, self.degrees
         )
 

@@ -5,10 +5,10 @@ import json
 from functools import partial
 from typing import Any
 
-from haptisym_check.chart import CURVES, Chart, Curve, claimed, zeros
+from haptisym_check.chart import CURVES, PlaceTable, SignRow, claimed, zeros
 from haptisym_check.delayterms import factor_of
 from haptisym_check.requirement import requirement
-from haptisym_check.scene import PARTS, Element, Scene, functions, link
+from haptisym_check.scene import PARTS, Element, SceneFile, functions, link
 from haptisym_check.values import (
     UnreadableError,
     combined,
@@ -57,7 +57,7 @@ def check(text: bytes, scene_file: bytes) -> str:
         if isinstance(claim, dict) and claim.get("question") == x
     ]
     need(known, "the claim answers no question that is known")
-    follows = known[0](claim, proof, Scene(scene_file, name, claim.get("free")))
+    follows = known[0](claim, proof, SceneFile(scene_file, name, claim.get("free")))
     keyed(claim, "question", *follows)
     for key, x in follows.items():
         same = json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True)
@@ -65,7 +65,7 @@ def check(text: bytes, scene_file: bytes) -> str:
     return "\n  ".join(words(claim))
 
 
-def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
+def evaluation(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
     """All that happens on the band."""
     lags, powers, points, told, products, poles = keyed(proof, *EVALUATION)
     delays, orders = others(lags, powers)
@@ -76,8 +76,8 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any
         [number(x) for x in listed(pair, 2, 2)]
         for pair in listed(claim.get("frequencies"), 2000, 2)
     ]
-    chart = Chart(scene, numbers(points, 2000, 2), factors, enclosures)
-    found = claimed({key: Curve(x, chart) for key, x in proven.items()}, from_0=chart.from_0)
+    chart = PlaceTable(scene, numbers(points, 2000, 2), factors, enclosures)
+    found = claimed({key: SignRow(x, chart) for key, x in proven.items()}, from_0=chart.from_0)
     count = (
         None
         if poles is None
@@ -90,7 +90,7 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any
     }
 
 
-def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
+def stability(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
     """Poles under prescribed motion, and roots in hands, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
     rows, found = listed(claim.get("held"), 100), []
@@ -102,7 +102,7 @@ def stability(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]
     return {"imposed": count, "held": found}
 
 
-def in_hand(hand: Any, scene: Scene) -> Any:
+def in_hand(hand: Any, scene: SceneFile) -> Any:
     """What H_perc + m s^2 + b s + k is at a point: of a hand of the scene file by its name, or as
     claimed."""
     own = (

@@ -9,8 +9,8 @@ from typing import Any
 
 from haptisym_check.chart import ends_of_band
 from haptisym_check.delayterms import WaveFactor, factor_of
-from haptisym_check.polynomials import Factor, Point, affordable, moved, sliced
-from haptisym_check.scene import PARTS, Product, Scene, functions, link
+from haptisym_check.polynomials import OmegaFactor, Point, affordable, moved, sliced
+from haptisym_check.scene import PARTS, FactoredNumber, SceneFile, functions, link
 from haptisym_check.values import keyed, listed, need, number, numbers, others
 
 # Rule 6: over a slab of values a factor is a sum, with positive weights, of slices, which are
@@ -27,7 +27,7 @@ def is_less(x: Point, y: Point) -> bool:
     return x[0] * y[1] < y[0] * x[1]
 
 
-class Slice(WaveFactor):
+class WavedFactor(WaveFactor):
     """A factor with waves that has other coefficients."""
 
     def __init__(self, x: WaveFactor, coefficients: Iterable[int]) -> None:
@@ -41,12 +41,12 @@ class Slice(WaveFactor):
         self.all = self.numbers(self.terms)
 
 
-def rows_of(x: Factor) -> list[list[int]]:
+def rows_of(x: OmegaFactor) -> list[list[int]]:
     """All its coefficients."""
     return [row for _, p in x.terms for row in p]
 
 
-def cost(x: Factor) -> tuple[int, int]:
+def cost(x: OmegaFactor) -> tuple[int, int]:
     """Of the signs of its slices, as the limits have it: for each bit of a point, and with waves
     for each point."""
     n, width = len(rows_of(x)), max(map(len, rows_of(x)))
@@ -60,12 +60,12 @@ def cost(x: Factor) -> tuple[int, int]:
 class Slices:
     """Those of a factor between two values."""
 
-    def __init__(self, x: Factor, low: Point, high: Point) -> None:
+    def __init__(self, x: OmegaFactor, low: Point, high: Point) -> None:
         bits = sum(n.bit_length() for n in low + high)
         need(bits * max(map(len, rows_of(x))) < 10**5, "the ends of a slab are too long")
         self.step, self.rows = x.step, sliced(rows_of(x), low, high)
         self.waves = (
-            [Slice(x, row) if any(row) else None for row in self.rows]
+            [WavedFactor(x, row) if any(row) else None for row in self.rows]
             if isinstance(x, WaveFactor)
             else []
         )
@@ -95,19 +95,19 @@ class Slices:
 
 
 def verify(
-    told: dict[str, Product],
+    told: dict[str, FactoredNumber],
     slices: list[Slices],
     closed: tuple[bool, bool],
     points: Any,
     part: Any,
-    scene: Scene,
+    scene: SceneFile,
 ) -> None:
     """That no excess is positive anywhere on the band, or that the one of a part is at some point
     of it."""
     (first, low), (high, last) = ends_of_band(scene)
     at = numbers(points, 500, 1)
 
-    def sign(x: Product, a: Fraction, b: Fraction) -> int:
+    def sign(x: FactoredNumber, a: Fraction, b: Fraction) -> int:
         found = (x.number > 0) - (x.number < 0)
         for i, n in x.powers.items():
             found *= slices[i].side(a, b, closed if a == b or n < 0 else (False, False)) ** abs(n)
@@ -126,7 +126,7 @@ def verify(
 
 
 def values(
-    told: dict[str, Product], factors: list[Factor], slabs: Any, scene: Scene
+    told: dict[str, FactoredNumber], factors: list[OmegaFactor], slabs: Any, scene: SceneFile
 ) -> list[list[Any]]:
     """Intervals of values, ascending, each with whether the display is transparent for them, and
     which parts bind between."""
@@ -163,7 +163,7 @@ def values(
     return [found, binds]
 
 
-def requirement(claim: dict[str, Any], proof: Any, scene: Scene) -> dict[str, Any]:
+def requirement(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
     """For which values of a free parameter the display is transparent on the band."""
     whole = isinstance(proof, dict) and {"delays": [], "orders": [], **proof}
     *rest, every, products, slabs = keyed(

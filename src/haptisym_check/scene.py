@@ -11,15 +11,15 @@ from operator import getitem
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
-from haptisym_check.polynomials import Factor
+from haptisym_check.polynomials import OmegaFactor
 from haptisym_check.values import (
     ONE,
     ZERO,
-    Point,
+    ChainPoint,
+    GaussianValue,
     Ratio,
     RefusedError,
     UnreadableError,
-    Value,
     combined,
     degree,
     keyed,
@@ -86,7 +86,7 @@ def evaluated(
     return result
 
 
-class Number(NamedTuple):
+class DimensionedNumber(NamedTuple):
     """value * pi^pi, and its dimension, powers of kg, m and s; None without a unit."""
 
     value: Fraction
@@ -96,21 +96,21 @@ class Number(NamedTuple):
     def at(self, pi: int) -> Ratio:
         """With a whole number in place of pi."""
         up, down = max(self.pi, 0), max(-self.pi, 0)
-        top = Value(self.value.numerator * pi**up, 0, degree(1, up)) if self.value else ZERO
-        return top, Value(self.value.denominator * pi**down, 0, degree(1, down))
+        top = GaussianValue(self.value.numerator * pi**up, 0, degree(1, up)) if self.value else ZERO
+        return top, GaussianValue(self.value.denominator * pi**down, 0, degree(1, down))
 
 
-FREE = Number(Fraction(1), 1)  # a parameter that is left free takes the place of pi
+FREE = DimensionedNumber(Fraction(1), 1)  # a parameter that is left free takes the place of pi
 CATALOGUE = tomllib.loads((Path(__file__).parent / "catalogue.toml").read_text(encoding="utf-8"))
 SPELLED: dict[int, str] = {
     ord(x): y for x, y in zip("·×⋅²³", ("*", "*", "*", "^2", "^3"), strict=True)
 }
 
 
-def unit(word: str) -> Number:
+def unit(word: str) -> DimensionedNumber:
     """A number, or a unit by its name, perhaps with a prefix."""
     if word[0] in "+-.0123456789" and "^" not in word:
-        return Number(Fraction(word))
+        return DimensionedNumber(Fraction(word))
     name, _, power = word.partition("^")
     prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
     factor, pi, dimension, prefixed = CATALOGUE["units"].get(base, ["1", 0, [], ""])
@@ -118,10 +118,10 @@ def unit(word: str) -> Number:
     need(fits, f"the unit {word!r} is not understood")
     value = Fraction(factor) * Fraction(10) ** CATALOGUE["prefixes"].get(prefix, 0)
     need(not power or (value == 1 and not pi), f"the power {word!r} is not rational")
-    return Number(value, pi, [Fraction(power or 1) * n for n in dimension])
+    return DimensionedNumber(value, pi, [Fraction(power or 1) * n for n in dimension])
 
 
-def units(sign: str, x: Number, y: Number) -> Number:
+def units(sign: str, x: DimensionedNumber, y: DimensionedNumber) -> DimensionedNumber:
     """The product or the quotient of two."""
     need(sign in "*/", "a quantity is a product of powers")
     n = 1 if sign == "*" else -1
@@ -134,10 +134,12 @@ def units(sign: str, x: Number, y: Number) -> Number:
     both = [
         a + n * b for a, b in zip(x.dimension or [0, 0, 0], y.dimension or [0, 0, 0], strict=True)
     ]
-    return Number(value, x.pi + n * y.pi, None if x.dimension is y.dimension is None else both)
+    return DimensionedNumber(
+        value, x.pi + n * y.pi, None if x.dimension is y.dimension is None else both
+    )
 
 
-def quantity(given: Any, kind: str = "") -> Number:
+def quantity(given: Any, kind: str = "") -> DimensionedNumber:
     """A number with or without a unit, exactly; of a range the nominal value. ``kind``: a key of
     the dimensions."""
     if isinstance(given, list):
@@ -147,10 +149,10 @@ def quantity(given: Any, kind: str = "") -> Number:
         low, *between, high = (quantity(x, kind) for x in given)
         need(low[1:] == high[1:], "the ends of a range have different units")
         return between[0] if between else low._replace(value=(low.value + high.value) / 2)
-    if isinstance(given, Number):
+    if isinstance(given, DimensionedNumber):
         return given
     if isinstance(given, int | Fraction) and not isinstance(given, bool):
-        return Number(Fraction(given))
+        return DimensionedNumber(Fraction(given))
     need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
     text, *deviation = re.split(r"\+/?-|±", given)
     found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
@@ -280,7 +282,7 @@ class Element:
         self.order = order and order.value
 
     @staticmethod
-    def number(given: Any, kind: str, felt: "Element | None") -> Number:
+    def number(given: Any, kind: str, felt: "Element | None") -> DimensionedNumber:
         """A parameter's value, or that of the environment's parameter that it refers to."""
         if isinstance(given, str) and felt and given.strip().startswith("environment."):
             name = re.sub(r"\[(\d+)\]$", r"_\1", given.strip().removeprefix("environment."))
@@ -288,10 +290,14 @@ class Element:
             return felt.numbers[name]
         return quantity(given, kind)
 
-    def at(self, point: Point) -> list[Ratio]:
+    def at(self, point: ChainPoint) -> list[Ratio]:
         """The formulas' values; u/v is exp(-s lag), z is s^alpha."""
         known = {name: x.at(point.pi) for name, x in self.numbers.items()}
-        known |= {"s": point.s, "j": (Value(0, 1), ONE), "pi": Number(Fraction(1), 1).at(point.pi)}
+        known |= {
+            "s": point.s,
+            "j": (GaussianValue(0, 1), ONE),
+            "pi": DimensionedNumber(Fraction(1), 1).at(point.pi),
+        }
         if self.lag is not None:
             u = point.delayed(self.lag)
             known |= {"u": (u, ONE), "v": (u.conjugate(), ONE)}
@@ -305,9 +311,9 @@ class Element:
                 word in known or ("^" not in word and word[0] in "+-.0123456789"),
                 f"the name {word!r} is not known",
             )
-            return known[word] if word in known else Number(Fraction(word)).at(point.pi), Fraction(
-                0
-            )
+            return known[word] if word in known else DimensionedNumber(Fraction(word)).at(
+                point.pi
+            ), Fraction(0)
 
         def shifted(x: Ratio, n: Fraction) -> Ratio:
             return combined("*", x, point.raised(n)) if n else x
@@ -388,7 +394,7 @@ MOST_STEPS = 10_000_000
 """For the keys of a scene: to read one takes as many as the square of its dots."""
 
 
-class Scene:
+class SceneFile:
     """Band, thresholds and hands of a scene file, and its chain."""
 
     def __init__(self, data: bytes, name: str | None, free: list[str | int] | None = None) -> None:
@@ -467,7 +473,7 @@ class Scene:
         need(len(found) == 1 and "model" not in found[0], f"the scene has not one hand {name!r}")
         return {key: x for key, x in found[0].items() if key not in ("name", "source")}
 
-    def at(self, point: Point) -> tuple[Ratio, Ratio]:
+    def at(self, point: ChainPoint) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s
         of its method."""
         effects = [effect.at(point) for effect in self.effects]
@@ -489,14 +495,14 @@ class Scene:
 # Rule 1: the functions of a proof are those of the scene.
 
 PARTS = "real", "imag"
-Sides = tuple[Value, Value, Value, Value]
+Sides = tuple[GaussianValue, GaussianValue, GaussianValue, GaussianValue]
 Numbers = tuple[Fraction, ...]
 
 
-class Product:
+class FactoredNumber:
     """number * product of factor^exponent."""
 
-    def __init__(self, x: Any, factors: list[Factor]) -> None:
+    def __init__(self, x: Any, factors: list[OmegaFactor]) -> None:
         value, powers = keyed(x, "number", "powers")
         rows = [listed(row, 2, 2) for row in listed(powers, 500)]
         self.number, self.powers = (
@@ -518,10 +524,10 @@ class Product:
         need(not any(n % 2 for n in waves), "a product changes its sign in a turn")
         self.circles = [-n // 2 for n in waves]  # cos^2 = 1/(1 + t^2)
 
-    def at(self, factors: list[Value], circles: list[Value]) -> Ratio:
+    def at(self, factors: list[GaussianValue], circles: list[GaussianValue]) -> Ratio:
         """Numerator and denominator, with values of the factors and of 1 + t^2 for each tangent
         t."""
-        found = [Value(self.number.numerator), Value(self.number.denominator)]
+        found = [GaussianValue(self.number.numerator), GaussianValue(self.number.denominator)]
         for x, n in [
             *((factors[i], n) for i, n in self.powers.items()),
             *zip(circles, self.circles, strict=False),
@@ -531,10 +537,10 @@ class Product:
 
 
 def functions(
-    scene: Scene, delays: Numbers, orders: Numbers, x: Value, pi: int, *others: Any
+    scene: SceneFile, delays: Numbers, orders: Numbers, x: GaussianValue, pi: int, *others: Any
 ) -> dict[str, Ratio]:
     """The ten functions, numerator and denominator, at a frequency."""
-    h, g = scene.at(Point((x.times(Value(0, 1)), ONE), pi, delays, orders, others))
+    h, g = scene.at(ChainPoint((x.times(GaussianValue(0, 1)), ONE), pi, delays, orders, others))
     pairs = {
         "environment": h,
         "perceived": g,
@@ -558,14 +564,14 @@ Values = Callable[..., dict[str, Ratio]]
 Counts = tuple[int, int]
 
 
-class Grid:
+class FunctionGrid:
     """Functions of a scene, and as told, at whole numbers in place of omega (or s), pi, tangents
     and powers."""
 
     def __init__(
         self,
-        told: dict[str, Product],
-        factors: list[Factor],
+        told: dict[str, FactoredNumber],
+        factors: list[OmegaFactor],
         scene: Values,
         delays: int,
         orders: int,
@@ -582,13 +588,14 @@ class Grid:
     def sides(self, x: int, pi: int, *others: Any) -> dict[str, Sides]:
         """Numerator and denominator of each function in the scene, and as told."""
         circles = [
-            Value(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(others[: self.delays])
+            GaussianValue(1 + t * t, 0, degree(2 + i, 2))
+            for i, t in enumerate(others[: self.delays])
         ]
         values = [
             own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])])
             for own in self.factors
         ]
-        functions = self.scene(Value(x, 0, degree(0)), pi, *others)
+        functions = self.scene(GaussianValue(x, 0, degree(0)), pi, *others)
         return {
             name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()
         }
@@ -599,7 +606,7 @@ class Grid:
         return self.sides(k, k + 1, *range(k + 2, k + 2 + self.delays), *powers)
 
     def zero(
-        self, names: set[str], rests: Callable[[str, Sides], list[Value]], cost: int
+        self, names: set[str], rests: Callable[[str, Sides], list[GaussianValue]], cost: int
     ) -> set[str]:
         """Those of which polynomials vanish on a grid that shows that they are zero; on it left
         bottom must be right top."""
@@ -626,7 +633,7 @@ class Grid:
         return names
 
 
-def across(_: str, x: Sides) -> list[Value]:
+def across(_: str, x: Sides) -> list[GaussianValue]:
     """left bottom - right top: zero where both fractions are one function."""
     return [x[2].times(x[1]).plus(x[3].times(x[0]), -1)]
 
@@ -634,29 +641,34 @@ def across(_: str, x: Sides) -> list[Value]:
 def link(
     x: Any,
     names: list[str],
-    factors: list[Factor],
+    factors: list[OmegaFactor],
     scene: Values,
     length: int,
     waves: Counts = (0, 0),
     share: int = 1,
-) -> dict[str, Product]:
+) -> dict[str, FactoredNumber]:
     """Products, proven to be functions of a scene, which it gives for omega (or s), pi, tangents
     and powers: on a grid.
 
     ``length``: of the scene's formulas. ``waves``: how many delays and how many orders there are.
     ``share``: one of how many such questions it is, which together may take so long as one.
     """
-    told = {name: Product(y, factors) for name, y in zip(names, keyed(x, *names), strict=True)}
+    told = {
+        name: FactoredNumber(y, factors) for name, y in zip(names, keyed(x, *names), strict=True)
+    }
     cost = share * (
         sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100
     )
-    grid, fixed = Grid(told, factors, scene, *waves), dict[str, tuple[Value, Value]]()
+    grid, fixed = (
+        FunctionGrid(told, factors, scene, *waves),
+        dict[str, tuple[GaussianValue, GaussianValue]](),
+    )
     for k in range(17, 25):
         other = grid.elsewhere(k) if len(fixed) < len(told) else {}
         fixed |= {name: (x[3], x[1]) for name, x in other.items() if x[3].re and x[1][:2] != (0, 0)}
     need(len(fixed) == len(told), "a function is nowhere defined")
 
-    def multiples(name: str, x: Sides) -> list[Value]:
+    def multiples(name: str, x: Sides) -> list[GaussianValue]:
         """What vanishes where the scene's numerator and denominator are those told, times one
         number."""
         u, v = (y._replace(degrees=degree(0, 0)) for y in fixed[name])

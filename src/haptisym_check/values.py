@@ -37,7 +37,7 @@ def degree(place: int, n: int = 1) -> Degrees:
     return (0,) * place + (n,) + (0,) * (MOST_OTHERS + 1 - place)
 
 
-class Value(NamedTuple):
+class GaussianValue(NamedTuple):
     """A Gaussian integer, the value of a polynomial at some point, with bounds on its degrees in
     each variable."""
 
@@ -45,37 +45,37 @@ class Value(NamedTuple):
     im: int = 0
     degrees: Degrees = degree(0, 0)
 
-    def plus(self, x: "Value", sign: int = 1) -> "Value":
+    def plus(self, x: "GaussianValue", sign: int = 1) -> "GaussianValue":
         """x + y, or x - y."""
-        return Value(
+        return GaussianValue(
             self.re + sign * x.re, self.im + sign * x.im, tuple(map(max, self.degrees, x.degrees))
         )
 
-    def times(self, x: "Value") -> "Value":
+    def times(self, x: "GaussianValue") -> "GaussianValue":
         """x y."""
         re, im = self.re * x.re - self.im * x.im, self.re * x.im + self.im * x.re
         need(re.bit_length() + im.bit_length() < MOST_BITS, "a number is too large")
-        return Value(re, im, tuple(map(add, self.degrees, x.degrees)))
+        return GaussianValue(re, im, tuple(map(add, self.degrees, x.degrees)))
 
-    def power(self, n: int) -> "Value":
+    def power(self, n: int) -> "GaussianValue":
         """x^n for n >= 0."""
-        return reduce(Value.times, [self] * n) if n else ONE
+        return reduce(GaussianValue.times, [self] * n) if n else ONE
 
-    def conjugate(self) -> "Value":
+    def conjugate(self) -> "GaussianValue":
         """For s = j omega a polynomial in omega, of the same degree."""
-        return Value(self.re, -self.im, self.degrees)
+        return GaussianValue(self.re, -self.im, self.degrees)
 
 
 Ratio = tuple[
-    Value, Value
+    GaussianValue, GaussianValue
 ]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
 ONE, ZERO = (
-    Value(1),
-    Value(0, 0, (-(10**6),) * (MOST_OTHERS + 2)),
+    GaussianValue(1),
+    GaussianValue(0, 0, (-(10**6),) * (MOST_OTHERS + 2)),
 )  # the polynomial 0 has a degree below all others
 
 
-class Point(NamedTuple):
+class ChainPoint(NamedTuple):
     """Where a chain is computed: s, and whole numbers in place of pi and of what depends on omega
     otherwise.
 
@@ -98,9 +98,9 @@ class Point(NamedTuple):
         top, bottom = (x.power(abs(n)) for x in self.s[:: 1 if n >= 0 else -1])
         i = len(self.delays) + self.orders.index(order) if order else 0
         re, im = self.others[i] if order else (1, 0)
-        return top.times(Value(re, im, degree(2 + i, int(order > 0)))), bottom
+        return top.times(GaussianValue(re, im, degree(2 + i, int(order > 0)))), bottom
 
-    def delayed(self, lag: Fraction) -> Value:
+    def delayed(self, lag: Fraction) -> GaussianValue:
         """(1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n."""
         if not lag:
             return ONE
@@ -109,7 +109,7 @@ class Point(NamedTuple):
             i is not None and lag / self.delays[i or 0] <= 64,
             "a delay: the proof has none that it is a multiple of",
         )
-        return Value(1, -self.others[i or 0], degree(2 + (i or 0))).power(
+        return GaussianValue(1, -self.others[i or 0], degree(2 + (i or 0))).power(
             int(lag / self.delays[i or 0])
         )
 

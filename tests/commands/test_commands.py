@@ -28,7 +28,7 @@ from haptisym.commands import shipped, verbs
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.objects import packed, unpacked
 from haptisym.model.files import write_whole
-from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, LevelAnswers
 from haptisym.writing.schemas import json_schema, schema_names
 
 
@@ -487,7 +487,9 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "cost": lambda: hs.cost("fu2019"),
     "published": hs.published,
     "jnd": lambda: hs.jnd(
-        Answers("answers", tuple(Row(x, k, 40) for x, k in [(4.4, 5), (4.7, 11), (5.0, 19), (5.3, 26), (5.6, 33)]))
+        Answers(
+            "answers", tuple(LevelAnswers(x, k, 40) for x, k in [(4.4, 5), (4.7, 11), (5.0, 19), (5.3, 26), (5.6, 33)])
+        )
     ),
     "identify": lambda: hs.identify("fu2019-clipped-bench", effects=["second-order-lowpass"]),
 }

@@ -31,10 +31,10 @@ from haptisym.figures.layers import draw
 from haptisym.figures.sweep import is_logarithmic
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.sets import Point, Stretch
-from haptisym.verbs.cost.entry import Cost, Measurement
+from haptisym.kernel.sets import SingleValue, Stretch
+from haptisym.verbs.cost.entry import Cost, CostMeasurement
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
-from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, LevelAnswers
 from haptisym.verbs.sweep.axes import UNKNOWN
 
 DAMPED = hs.Scene(mass_spring_damper(k=100), (shunt(b=2),), (0, 15), "0.1")
@@ -72,8 +72,8 @@ def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_wi
     found = hs.require(DAMPED, "effects.shunt.b")
     one, two = (ExactNumber(Rational(n)) for n in (1, 2))
     known = Stretch(holds=True)
-    low_part = hs.ValueSet((Point(two, holds=True),), (Stretch(None), known))
-    two_parts = hs.ValueSet((Point(one), Point(two, holds=False)), (known, Stretch(None), Stretch(None)))
+    low_part = hs.ValueSet((SingleValue(two, holds=True),), (Stretch(None), known))
+    two_parts = hs.ValueSet((SingleValue(one), SingleValue(two, holds=False)), (known, Stretch(None), Stretch(None)))
     for own, undecided in ((low_part, [(None, 2)]), (two_parts, [(1, 2), (2, None)])):
         ax = axes()
         draw(ax, requirement_charts.requirement(replace(found, values=own)))
@@ -473,7 +473,7 @@ def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_value
 # What accuracy costs.
 
 CROSSINGS = tuple(
-    Measurement("crossings", method, digits, seconds, proven, missed)
+    CostMeasurement("crossings", method, digits, seconds, proven, missed)
     for method, digits, seconds, proven, missed in (
         ("grid of 10^2", 4.8, 5.5e-4, False, 0), ("grid of 10^5", 10.8, 5e-2, False, 0), ("lost", 9.0, 1e-3, False, 2),
         ("nothing right", 0.5, 2e-3, False, 0), ("certified, 15 digits", 15, 2.4e-2, True, 0),
@@ -494,8 +494,8 @@ def test_marks_stand_at_time_and_digits_and_what_is_wrong_on_the_strip() -> None
 
 def test_a_figure_of_costs_has_a_panel_for_each_question() -> None:
     others = (
-        Measurement("evaluate", "fast", 14, 1e-7, proven=False),
-        Measurement("effects", "without it", 1, 1e-2, proven=False),
+        CostMeasurement("evaluate", "fast", 14, 1e-7, proven=False),
+        CostMeasurement("effects", "without it", 1, 1e-2, proven=False),
     )
     figure = cost_figure(Cost(hs.Scene(mass_spring_damper(k=100), title="A spring"), (*CROSSINGS, *others), (), {}, {}))
     titles = [x.get_title(loc="left") for x in figure.axes]
@@ -534,7 +534,7 @@ def test_a_table_of_hard_cases_counts_right_answers_and_tells_the_worst() -> Non
 
 
 def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken() -> None:
-    rows = tuple(Row(4.4 + 0.3 * i, k, 40 - 5 * (i % 2)) for i, k in enumerate((3, 9, 14, 20, 25, 30)))
+    rows = tuple(LevelAnswers(4.4 + 0.3 * i, k, 40 - 5 * (i % 2)) for i, k in enumerate((3, 9, 14, 20, 25, 30)))
     p, ax = hs.jnd(Answers("answers", rows)), axes()
     curve, *dots = draw(ax, jnd_charts.answers(p))
     assert [points(x)[0] for x in dots] == [(x.level, x.share) for x in rows]

@@ -22,9 +22,9 @@ import haptisym as hs
 from haptisym.figures import evaluation as evaluation_charts
 from haptisym.figures import pen
 from haptisym.figures.files import draw_figure, save_as, save_figures, sheet
-from haptisym.figures.layers import Axis, Chart, Curve, draw
+from haptisym.figures.layers import DrawnAxis, Panel, Polyline, draw
 from haptisym.figures.pen import checked_report
-from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, LevelAnswers
 from haptisym.verbs.sweep.entry import Swept
 
 SHEETS = ["ratios", "nyquist", "projections-real", "projections-imag", "jnd-square"]
@@ -48,7 +48,7 @@ def swept(**values: Any) -> list[Figure]:
 
 def answered(alternatives: int | None) -> list[Figure]:
     base = 20 if alternatives else 3
-    rows = tuple(Row(4.4 + 0.3 * i, base + (i * (30 - base)) // 5, 40) for i in range(6))
+    rows = tuple(LevelAnswers(4.4 + 0.3 * i, base + (i * (30 - base)) // 5, 40) for i in range(6))
     return [hs.jnd(Answers("answers", rows), alternatives=alternatives).figure()]
 
 
@@ -185,10 +185,10 @@ def test_hands_whose_marks_cover_each_other_have_one_name() -> None:
 # Sheets.
 
 
-def legended(count: int, height: float = 2.2) -> Chart:
+def legended(count: int, height: float = 2.2) -> Panel:
     """A drawing with a legend of so many rows above it."""
-    return Chart(
-        [Curve([0, 1], [0, 1], label=f"a long entry that has a row of its own, {n}") for n in range(count)],
+    return Panel(
+        [Polyline([0, 1], [0, 1], label=f"a long entry that has a row of its own, {n}") for n in range(count)],
         height=height,
     )
 
@@ -202,7 +202,7 @@ def test_a_legend_has_room_above_a_drawing_that_keeps_its_height() -> None:
 
 
 def test_a_drawing_at_equal_scales_is_as_high_as_it_needs() -> None:
-    figure = sheet(Chart([], Axis(ends=(0, 4)), Axis(ends=(0, 2)), 2.6, equal=True))
+    figure = sheet(Panel([], DrawnAxis(ends=(0, 4)), DrawnAxis(ends=(0, 2)), 2.6, equal=True))
     box = figure.axes[0].get_window_extent()
     assert box.width / box.height == pytest.approx(2, rel=0.02)
     assert figure.get_figheight() < 2.6

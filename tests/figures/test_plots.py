@@ -18,7 +18,7 @@ from haptisym.figures import pen
 from haptisym.figures.files import drawings_of
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
-from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, LevelAnswers
 from haptisym.writing.schemas import schema_names
 
 PAPER = hs.load_scene("fu2019")
@@ -50,7 +50,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
         (HardRow("evaluate", "proof", 15, 1.0, proven=True, family="f", case="s", condition=1, ours=True, verdict="right"),),
         {},
     ),
-    "jnd": lambda _: hs.jnd(Answers("answers", tuple(Row(4.4 + 0.3 * i, 3 + 5 * i, 40) for i in range(6)))),
+    "jnd": lambda _: hs.jnd(Answers("answers", tuple(LevelAnswers(4.4 + 0.3 * i, 3 + 5 * i, 40) for i in range(6)))),
 }  # fmt: skip
 NOTHING = {("evaluation", "bandwidths"), ("measured", "plane"), ("metrics", "verdicts"), ("hardcosts", "cases")}
 """What a scene without a range has not; and what is told apart by its place."""

@@ -29,7 +29,7 @@ from haptisym.kernel.delayterms import (
     taylor_coefficients,
 )
 from haptisym.kernel.delayterms import power_series as power_coefficients
-from haptisym.kernel.enclosures import Stretch, over_circle, range_of
+from haptisym.kernel.enclosures import FunctionPiece, over_circle, range_of
 from haptisym.kernel.factors import AnalyticFactor
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
 
@@ -472,7 +472,7 @@ def test_signs_on_a_stretch_and_on_its_parts_are_those_of_exact_values(seed: int
     true = with_slopes(roots, sign)
     with flint.ctx.workprec(128):
         parts = sorted({*ends, *(ends[0] + (ends[1] - ends[0]) * Fraction(n, 8) for n in pick.sample(range(1, 8), 3))})
-        stretches = [Stretch.of(around(roots, sign), *map(dyadic, x)) for x in [tuple(ends), *pairwise(parts)]]
+        stretches = [FunctionPiece.of(around(roots, sign), *map(dyadic, x)) for x in [tuple(ends), *pairwise(parts)]]
         for x in stretches:
             low, high = bounds(x.low)[0], bounds(x.high)[0]
             for order in range(3):
@@ -493,7 +493,7 @@ def test_a_zero_between_an_end_and_that_of_the_basis_is_never_overlooked(seed: i
         low = Fraction(pick.getrandbits(100) | 1 << 100, 1 << 99)
         high = low + Fraction(pick.getrandbits(90) | 1 << 90, 1 << pick.choice([89, 91, 95]))
         with flint.ctx.workprec(128):
-            plain = Stretch.of(around([], 1), dyadic(low), dyadic(high))
+            plain = FunctionPiece.of(around([], 1), dyadic(low), dyadic(high))
             ends = [bounds(x)[0] for x in plain.ends]
             assert ends[0] <= low < high <= ends[1]
             for end, inner, outer in ((0, low, ends[0]), (-1, high, ends[1])):
@@ -506,7 +506,7 @@ def test_a_zero_between_an_end_and_that_of_the_basis_is_never_overlooked(seed: i
                     for _ in range(pick.choice([0, 2]))
                 ]
                 sign = pick.choice([-1, 1])
-                x = Stretch.of(around([root, *others], sign), dyadic(low), dyadic(high))
+                x = FunctionPiece.of(around([root, *others], sign), dyadic(low), dyadic(high))
                 true = with_slopes([root, *others], sign)[0](fmpq(inner.numerator, inner.denominator))
                 assert x.sign_at(end) in (0, 1 if true > 0 else -1)
 

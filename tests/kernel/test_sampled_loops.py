@@ -19,7 +19,7 @@ from marks import examples
 from scipy.linalg import expm
 from sympy import Expr, Integer, Rational, Symbol, pi
 
-from haptisym.kernel.enclosures import Line
+from haptisym.kernel.enclosures import LinearEnclosure
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.sampledloop import (
     Plant,
@@ -562,7 +562,7 @@ def test_a_pair_on_the_axis_for_some_number_is_never_passed_by(seed: int) -> Non
         for beside in (0, 3):  # of all moves, in the lowest coefficient: at that number, and far from it
             at = [c - x * there for c, x in zip(middle, slopes, strict=True)]
             at[0] += beside * sum(map(abs, slopes)) * (1 + nu2)
-            lines = [Line(arb(c), arb(x)) for c, x in zip(at, slopes, strict=True)]
+            lines = [LinearEnclosure(arb(c), arb(x)) for c, x in zip(at, slopes, strict=True)]
             clear = has_no_pair([x.ball for x in lines], lines)
             assert not (clear and not beside)
             told += clear
@@ -571,7 +571,12 @@ def test_a_pair_on_the_axis_for_some_number_is_never_passed_by(seed: int) -> Non
 
 def test_moves_that_a_combination_shows_to_miss_the_axis_are_told() -> None:
     """v^3 + a v^2 + b v + 1/2 has a pair on the axis where a b = 1/2: not where a = 1 + y/2 and b = 1 - y/2, y^2 < 1."""
-    lines = [Line(arb("0.5"), arb(0)), Line(arb(1), arb("-0.5")), Line(arb(1), arb("0.5")), Line(arb(1), arb(0))]
+    lines = [
+        LinearEnclosure(arb("0.5"), arb(0)),
+        LinearEnclosure(arb(1), arb("-0.5")),
+        LinearEnclosure(arb(1), arb("0.5")),
+        LinearEnclosure(arb(1), arb(0)),
+    ]
     assert not has_no_pair([x.ball for x in lines])  # 1/2 < a, b < 3/2
     assert has_no_pair([x.ball for x in lines], lines)  # a b >= 3/4
     wider = [x._replace(slope=x.slope * arb("1.6")) for x in lines]

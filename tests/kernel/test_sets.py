@@ -26,12 +26,12 @@ from haptisym.kernel.sets import (
     STOPPED,
     Bisected,
     Cell,
-    Change,
-    Changes,
+    CriticalValue,
+    CriticalValues,
     Domain,
     Open,
-    Point,
     Question,
+    SingleValue,
     Stretch,
     Verdict,
     combined,
@@ -91,14 +91,14 @@ class Line:
             raise UndecidedError("it is dark below 0")
         return self.of(float(value))
 
-    def told(self, x: Change) -> bool | None:
+    def told(self, x: CriticalValue) -> bool | None:
         return self.of(float(x.value))
 
-    def changes(self) -> Changes:
-        return Changes([Change(NUMBERS[x], (f"at {x:.3f}",)) for x in self.marks])
+    def changes(self) -> CriticalValues:
+        return CriticalValues([CriticalValue(NUMBERS[x], (f"at {x:.3f}",)) for x in self.marks])
 
     def question(self, *open_: Open, **more: Any) -> Question:
-        known = {"changes": lambda: [Changes(self.changes().values, open_)], "at": self.told, "lone": self.told}
+        known = {"changes": lambda: [CriticalValues(self.changes().values, open_)], "at": self.told, "lone": self.told}
         return Question(self.verdict, **(known | more))
 
     def probes(self, *more: float) -> list[float]:
@@ -132,7 +132,9 @@ def test_a_set_is_told_by_one_verdict_between_each_two_values_at_which_it_may_ch
     a, b, c, d = sorted(pick.sample([*NUMBERS], 4))
     known = line.changes().values
     wide, narrow = (Open(NUMBERS[x], NUMBERS[y], "in the gap") for x, y in ((a, d), (b, c)))
-    found = solve(line.question(changes=lambda: iter([Changes(known, [wide]), Changes(known, [narrow])])), domain)
+    found = solve(
+        line.question(changes=lambda: iter([CriticalValues(known, [wide]), CriticalValues(known, [narrow])])), domain
+    )
     for x in (y for y in line.probes(a, b, c, d, *ends(domain)) if has(domain, y)):
         is_open = b < x < c and x not in {0.0, *ends(domain)} and not (x in line.marks and x in FRACTIONS)
         own = said(found, x)
@@ -165,12 +167,12 @@ def test_what_is_told_when_the_time_is_over_is_true_and_all_else_is_open_for_tha
         for start, end in pairwise(places):
             yield Cell(start, end, None)
 
-    def looks() -> Iterator[Changes]:
+    def looks() -> Iterator[CriticalValues]:
         known = line.changes().values
         for reach in (2, 4, 6, 8):
             around = ExactNumber(Integer(-reach)), ExactNumber(Integer(reach))
-            yield Changes(known, [Open(None, around[0]), Open(around[1], None)])
-        yield Changes(known)
+            yield CriticalValues(known, [Open(None, around[0]), Open(around[1], None)])
+        yield CriticalValues(known)
 
     question = line.question(own=Rational(1, 3), changes=looks, cells=cells, alone=(Integer(5),))
     whole = solve(question, domain)
@@ -231,8 +233,8 @@ def thirds(low: RealNumber | None, high: RealNumber | None) -> Iterator[Cell]:
         yield Cell(*(ExactNumber(Rational(x.numerator, x.denominator)) for x in (a, b)), holds)
 
 
-def bisected(low: RealNumber, high: RealNumber, low_holds: bool) -> Point:  # noqa: FBT001 - as the solver calls it
-    return Point(Bisected(is_below, *(x.bounds(64)[0] for x in (low, high)), low_holds), bindings=("root",))
+def bisected(low: RealNumber, high: RealNumber, low_holds: bool) -> SingleValue:  # noqa: FBT001 - as the solver calls it
+    return SingleValue(Bisected(is_below, *(x.bounds(64)[0] for x in (low, high)), low_holds), bindings=("root",))
 
 
 def is_below(q: Rational) -> bool:
@@ -264,7 +266,7 @@ def test_a_critical_value_at_the_end_of_a_cell_is_told_by_the_cell() -> None:
     root = NUMBERS[2**0.5]
     question = Question(
         lambda q: bool(q * q <= 2),
-        changes=lambda: [Changes([Change(root, ("root",))], [Open(None, root)])],
+        changes=lambda: [CriticalValues([CriticalValue(root, ("root",))], [Open(None, root)])],
         at=lambda _: False,
         cells=lambda low, high: [Cell(low, high, holds=True)],
     )
@@ -277,7 +279,7 @@ def test_a_value_alone_between_values_that_fail_is_asked_for_where_it_may_hold(l
     """-(q^2 - 2)^2 >= 0 holds at the roots of 2 alone, where no fraction lies."""
     question = Question(
         lambda q: bool((q * q - 2) ** 2 <= 0),
-        changes=lambda: [Changes([Change(NUMBERS[2**0.5], ("root",))])],
+        changes=lambda: [CriticalValues([CriticalValue(NUMBERS[2**0.5], ("root",))])],
         lone=lone,
     )
     found = solve(question, Domain(Integer(0), Integer(5)))
@@ -289,7 +291,9 @@ def test_a_value_alone_between_values_that_fail_is_asked_for_where_it_may_hold(l
 
 @pytest.mark.parametrize(("beside", "alone"), [(None, 0), (False, 1)])
 def test_a_value_alone_at_the_end_of_what_is_open_is_told_by_itself(beside: Any, alone: int) -> None:
-    found = solve(Question(lambda q: q == 1 or beside, changes=lambda: [Changes()]), Domain(Integer(1), Integer(5)))
+    found = solve(
+        Question(lambda q: q == 1 or beside, changes=lambda: [CriticalValues()]), Domain(Integer(1), Integer(5))
+    )
     assert (said(found, 1), said(found, 3), len(found.feasible)) == (True, beside, 1)
 
 
@@ -299,8 +303,8 @@ def fails(*_: object) -> Any:
 
 @pytest.mark.parametrize("name", ["verdict", "changes", "cells", "end", "at", "lone"])
 def test_what_is_not_known_is_open_for_its_reason(name: str) -> None:
-    root = Change(NUMBERS[2**0.5], ("root",))
-    known: dict[str, Any] = {"verdict": is_below, "changes": lambda: [Changes([root])], "at": lambda _: False}
+    root = CriticalValue(NUMBERS[2**0.5], ("root",))
+    known: dict[str, Any] = {"verdict": is_below, "changes": lambda: [CriticalValues([root])], "at": lambda _: False}
     if name in ("cells", "end"):
         known = {"verdict": is_below, "cells": thirds}
     if name == "lone":
@@ -315,7 +319,9 @@ def test_what_is_not_known_is_open_for_its_reason(name: str) -> None:
 
 
 def test_a_value_is_in_a_set_or_not_or_that_is_an_error_that_says_why() -> None:
-    question = Question(is_below, changes=lambda: [Changes([Change(NUMBERS[2**0.5]), Change(NUMBERS[-(2**0.5)])])])
+    question = Question(
+        is_below, changes=lambda: [CriticalValues([CriticalValue(NUMBERS[2**0.5]), CriticalValue(NUMBERS[-(2**0.5)])])]
+    )
     found = solve(question, Domain(Integer(-2), Integer(2), holds_high=False), Domain(Integer(-2), Rational(3, 2)))
     inside = (1, 1.4142, Fraction(7, 5), Rational(7, 5), "1.41", sympy.sqrt(2) - Rational(1, 100), NUMBERS[0.5], -1)
     assert [x in found for x in inside] == [True] * len(inside)
@@ -333,7 +339,7 @@ def some(pick: Random) -> hs.ValueSet:
     whole = hs.ValueSet.all_of(domain, holds=None)
     inner = [x for x in sorted(pick.sample([*NUMBERS], 5)) if has(domain, x) and x not in ends(domain)]
     listed = {float(x.value): x.holds for x in whole.points} | {x: pick.choice([True, False, None]) for x in inner}
-    points = [Point(NUMBERS[x], listed[x], (f"at {x:.3f}",) if x in inner else ()) for x in sorted(listed)]
+    points = [SingleValue(NUMBERS[x], listed[x], (f"at {x:.3f}",) if x in inner else ()) for x in sorted(listed)]
     stretches = [Stretch(pick.choice([True, False, None])) for _ in range(len(points) + 1)]
     edges = [x is None for x in (domain.low, domain.high)]
     return hs.ValueSet(

@@ -12,7 +12,7 @@ import pytest
 
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import LimitError
-from haptisym.kernel.where import Batches, Cells, Curve, Search, halves, no_better, no_worse, search, told, zeros
+from haptisym.kernel.where import Batches, Cells, LineBound, Search, halves, no_better, no_worse, search, told, zeros
 
 Array = Any
 ROUNDED = 1e-12  # some twenty terms of at most 1.5 in a box of numbers up to 1
@@ -25,7 +25,7 @@ class Cubic:
     terms: dict[tuple[int, ...], float]
     looked: int = 0
 
-    def __call__(self, cells: Array) -> Curve:
+    def __call__(self, cells: Array) -> LineBound:
         """Terms up to second order about the middles, x_i = m_i + h_i t_i, and the sizes of those of third order."""
         self.looked += len(cells)
         m, h = cells.mean(-1), (cells[..., 1] - cells[..., 0]) / 2
@@ -40,7 +40,7 @@ class Cubic:
                 if len(among) < 3:
                     (c0 if not among else c1[:, among[0]] if len(among) == 1 else c2[:, among[0], among[1]])[:] += size
                 r += 1e-15 * abs(size) + (abs(size) if len(among) == 3 else 0.0)
-        return Curve.of(c0, c1, c2, r)
+        return LineBound.of(c0, c1, c2, r)
 
     def at(self, points: Array) -> Array:
         """Its values, to within ROUNDED."""
@@ -172,11 +172,11 @@ def test_a_stricter_rule_between_rounds_and_more_of_the_band_lose_no_value() -> 
 
 
 def test_where_nothing_is_known_nothing_is_told_and_beside_it_all_is() -> None:
-    def judge(cells: Array) -> Curve:
+    def judge(cells: Array) -> LineBound:
         """-1, but for q from 0.4 to 0.41 and omega from 0.5 to 0.6, where it may be anything."""
         (a, b), (low, high) = cells[:, 0].T, cells[:, 1].T
         lost = (a < 0.6) & (b > 0.5) & (low < 0.41) & (high > 0.4)
-        return Curve.between(np.where(lost, -inf, -1.0), np.where(lost, inf, -1.0), np.zeros(cells.shape[:2]))
+        return LineBound.between(np.where(lost, -inf, -1.0), np.where(lost, inf, -1.0), np.zeros(cells.shape[:2]))
 
     found = search([judge], unit(1), unit(1), wide=wider(2.0**-10))
     assert not len(found.broken)
@@ -188,12 +188,12 @@ def test_where_nothing_is_known_nothing_is_told_and_beside_it_all_is() -> None:
 def test_a_remainder_of_what_cancels_is_not_cut_along_omega_alone() -> None:
     looked = 0
 
-    def judge(cells: Array) -> Curve:
+    def judge(cells: Array) -> LineBound:
         nonlocal looked
         looked += len(cells)
         h = (cells[..., 1] - cells[..., 0]) / 2
         c1 = np.stack([1e-6 * h[:, 0], 1e-12 * h[:, 1]], -1)  # F = -1 + 1e-6 omega, all but free of q
-        return Curve.of(np.full(len(cells), -1.0), c1, np.zeros((len(cells), 2, 2)), 100 * h[:, 1] ** 3)
+        return LineBound.of(np.full(len(cells), -1.0), c1, np.zeros((len(cells), 2, 2)), 100 * h[:, 1] ** 3)
 
     found = search([judge], unit(1), unit(1), wide=wider(2.0**-10))
     assert volume(found.kept) == 1
@@ -229,7 +229,7 @@ def test_a_curve_is_negative_where_its_largest_value_is(seed: int) -> None:
     bend[:10] = slope[10:20] = 0.0
     bend[20:30] = slope[20:30] = 0.0
     rest = np.abs(rng.normal(size=50))
-    curve = Curve(middle, slope, bend, rest, np.zeros((50, 1)))
+    curve = LineBound(middle, slope, bend, rest, np.zeros((50, 1)))
     with np.errstate(all="ignore"):
         top = np.nan_to_num(np.clip(-slope / (2 * bend), -1, 1))
     largest = np.max(
@@ -240,7 +240,7 @@ def test_a_curve_is_negative_where_its_largest_value_is(seed: int) -> None:
     assert not (curve.never_positive().middle - curve.never_positive().rest > 0).any()
     which = np.flatnonzero(~curve.negative)
     assert curve.known_negative(which).negative.all()
-    unknown = Curve(middle, slope, bend, np.where(middle > 0, np.nan, rest), np.zeros((50, 1)))
+    unknown = LineBound(middle, slope, bend, np.where(middle > 0, np.nan, rest), np.zeros((50, 1)))
     assert (unknown.known == (middle <= 0)).all()
     assert not unknown.negative[middle > 0].any()
 

@@ -23,7 +23,7 @@ from scipy.stats import f as fisher
 
 import haptisym as hs
 from haptisym.model.estimating import WINDOWS
-from haptisym.model.measured import Slope, Welch, averages_for, coherence_for, disc_radius, read_slope
+from haptisym.model.measured import SlopeBound, Welch, averages_for, coherence_for, disc_radius, read_slope
 from haptisym.model.measuring import write_sampled
 from haptisym.model.quantities import MotionKind
 from haptisym.model.responsefile import read_record
@@ -60,7 +60,7 @@ def test_a_swept_disc_is_as_large_as_the_bound_allows_to_the_last_digits_and_nev
     bound = 10.0 ** rng.uniform(-4, -0.5)
     with mp.workdps(40):
         for relative in (False, True):
-            found = Slope(bound, relative, "").grown(size, radius, apart)
+            found = SlopeBound(bound, relative, "").grown(size, radius, apart)
             for row in zip(found.tolist(), size.tolist(), radius.tolist(), apart.tolist(), strict=True):
                 told, s, r, d = map(mpf, row)
                 way = mpf(bound) * d
@@ -71,17 +71,17 @@ def test_a_swept_disc_is_as_large_as_the_bound_allows_to_the_last_digits_and_nev
 def test_two_swept_discs_are_least_together_where_a_search_finds_it() -> None:
     rng = np.random.default_rng(12)
     for bound in (0.05, 0.4, 2.0):
-        s = Slope(bound, relative=True, text="")
+        s = SlopeBound(bound, relative=True, text="")
         first, second, apart = 10.0 ** rng.uniform(-1, 1, 20), 10.0 ** rng.uniform(-1, 1, 20), rng.uniform(0.1, 3, 20)
         for a, b, d, at in zip(first, second, apart, s.nearest((first, second), apart), strict=True):
 
-            def together(x: float, a: float = a, b: float = b, d: float = d, s: Slope = s) -> float:
+            def together(x: float, a: float = a, b: float = b, d: float = d, s: SlopeBound = s) -> float:
                 return float(s.grown(a, 0, x) + s.grown(b, 0, d - x))
 
             best = min((minimize_scalar(together, bounds=(0, d), method="bounded").fun, together(0), together(d)))
             assert 0 <= at <= d
             assert together(at) <= best * (1 + 1e-9)
-    for plain in (Slope(0.4, relative=False, text=""), Slope(0.0, relative=True, text="")):
+    for plain in (SlopeBound(0.4, relative=False, text=""), SlopeBound(0.0, relative=True, text="")):
         assert plain.nearest((np.array([1.0, 2]), np.array([3.0, 1])), np.array([1.0, 5])).tolist() == [0, 0]
 
 
@@ -107,7 +107,7 @@ def test_a_bound_on_a_slope_tells_by_its_unit_what_it_bounds(
     assert (found.bound, found.relative, found.motion, found.text, found.unit) == (
         pytest.approx(bound, rel=1e-15), relative, motion, text, unit,
     )  # fmt: skip
-    assert Slope(1.0, relative=False, text="1").unit == "N*s/m"
+    assert SlopeBound(1.0, relative=False, text="1").unit == "N*s/m"
 
 
 @pytest.mark.parametrize(

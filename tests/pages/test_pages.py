@@ -27,7 +27,7 @@ import haptisym as hs
 from haptisym.kernel.reals import ExactNumber, Way, in_unit, printed
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.shipped import scene_names
-from haptisym.verbs.jnd.tables import Answers, Row
+from haptisym.verbs.jnd.tables import Answers, LevelAnswers
 from haptisym.verbs.sweep.entry import Swept
 from haptisym.writing.document import (
     Block,
@@ -92,7 +92,7 @@ PAGES: dict[str, Callable[[], Any]] = {
     "peaks": lambda: hs.peaks("steering-wheel"),
     "family": lambda: hs.evaluate_all(hs.load_scenes("palpation-device")),
     "jnd": lambda: hs.jnd(
-        Answers("stiffness", tuple(Row(4.4 + 0.3 * i, k, 40) for i, k in enumerate(YES))), reference=5, lapse=0.02
+        Answers("stiffness", tuple(LevelAnswers(4.4 + 0.3 * i, k, 40) for i, k in enumerate(YES))), reference=5, lapse=0.02
     ),
     "published": hs.published,
     "measured": lambda: hs.evaluate(

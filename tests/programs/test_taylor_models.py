@@ -22,7 +22,7 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
 from haptisym.programs.onaxis import OnAxis
 from haptisym.programs.program import Writer
-from haptisym.programs.taylormodels import Model, Modelled, between, constant, floated, valued, variable
+from haptisym.programs.taylormodels import Modelled, TaylorModel, between, constant, floated, valued, variable
 
 Array = Any
 
@@ -62,7 +62,7 @@ class Points:
         t[extreme] = random.choice([-1.0, 1.0], (boxes, sides))[extreme]
         return cls(t, extreme, order)
 
-    def operand(self, random: np.random.Generator, middle: Array, reach: Array) -> tuple[Model, Array]:
+    def operand(self, random: np.random.Generator, middle: Array, reach: Array) -> tuple[TaylorModel, Array]:
         """A model, and what it may stand for: rows of any kind, but with values up to ``reach`` away from ``middle``."""
         boxes, n = self.t.shape
         first = rows_of(random, self, middle[:, None], reach[:, None])
@@ -71,7 +71,7 @@ class Points:
         both = [np.concatenate(pair, 1) for pair in zip(first, slopes, strict=True)]
         if self.order == 1:
             both[2] = both[2][:, :1]
-        model = Model(*both[:4])
+        model = TaylorModel(*both[:4])
         return model, at(model, self.t) + exactly(both[4]) * exactly(model.r)
 
 
@@ -95,7 +95,7 @@ def ten_to(random: np.random.Generator, shape: Any, low: float, high: float) -> 
     return 10.0 ** random.uniform(low, high, shape)
 
 
-def at(model: Model, t: Array) -> Array:
+def at(model: TaylorModel, t: Array) -> Array:
     """The polynomials of all rows at t, without rounding."""
     t, c2 = exactly(t), exactly(model.c2)
     found = exactly(model.c0) + (exactly(model.c1) * t[:, None, :]).sum(-1)
@@ -103,7 +103,7 @@ def at(model: Model, t: Array) -> Array:
     return found
 
 
-def known(model: Model) -> Array:
+def known(model: TaylorModel) -> Array:
     """Where something is known; there all numbers are finite."""
     finite = np.isfinite(model.r)
     for array in (model.c0, model.c1, model.c2):
@@ -111,7 +111,7 @@ def known(model: Model) -> Array:
     return finite
 
 
-def outside(model: Model, t: Array, true: Array) -> Array:
+def outside(model: TaylorModel, t: Array, true: Array) -> Array:
     """Boxes and rows of which the model, or its bounds, do not hold what is true."""
     low, high = model.bounds()
     far = certainly_above(abs(true - at(model, t)), exactly(model.r)).astype(bool) & known(model)
@@ -125,7 +125,7 @@ def outside(model: Model, t: Array, true: Array) -> Array:
 
 SIZES = [(-1, 1), (-18, 18), (-323, -290), (-160, -140), (100, 150)]
 
-RULES: dict[str, tuple[Callable[..., Model], Callable[..., Any], Callable[..., Any]]] = {
+RULES: dict[str, tuple[Callable[..., TaylorModel], Callable[..., Any], Callable[..., Any]]] = {
     "sum": (lambda x, y: x + y, lambda v, w: v + w, lambda v, w, a, b: a + b),
     "difference": (lambda x, y: x - y, lambda v, w: v - w, lambda v, w, a, b: a - b),
     "product": (lambda x, y: x * y, lambda v, w: v * w, lambda v, w, a, b: v * b + w * a),
@@ -135,7 +135,7 @@ RULES: dict[str, tuple[Callable[..., Model], Callable[..., Any], Callable[..., A
 
 def pair_of_operands(
     random: np.random.Generator, boxes: int, sides: int, order: int = 2
-) -> tuple[Points, list[tuple[Model, Array]]]:
+) -> tuple[Points, list[tuple[TaylorModel, Array]]]:
     points, operands = Points.drawn(random, boxes, sides, order), []
     for _ in range(2):
         low, high = np.array([SIZES[i] for i in random.choice(len(SIZES), boxes, p=[0.4, 0.3, 0.1, 0.1, 0.1])]).T
@@ -239,7 +239,7 @@ def test_a_function_to_a_power_holds_that_of_all_that_both_may_be(slopes: int) -
     with np.errstate(all="ignore"):
         found = x.to_the(order)
         kept = np.flatnonzero(real)
-        cut = Model(found.c0[kept], found.c1[kept], found.c2[kept], found.r[kept])
+        cut = TaylorModel(found.c0[kept], found.c1[kept], found.c2[kept], found.r[kept])
         assert outside(cut, points.t[kept], np.concatenate([whole, slopes], 1)[kept]).tolist() == []
         assert known(found)[:, 0].mean() > 0.98
         low, high = (end[x.deviation[:, 0] > x.c0[:, 0], 0] for end in found.bounds())
@@ -282,7 +282,7 @@ def test_a_sum_of_many_coefficients_is_rounded_up() -> None:
     c2 = np.full((3, 1, 60, 60), 2.0**-54, order="F")
     c2[..., 0, 0] = 1
     none = np.zeros((3, 1), order="F")
-    _, high = Model(none, np.zeros((3, 1, 60), order="F"), c2, none).bounds()
+    _, high = TaylorModel(none, np.zeros((3, 1, 60), order="F"), c2, none).bounds()
     assert min(map(Fraction, high.ravel().tolist())) >= 1 + Fraction(3599, 2**54)
 
 
@@ -374,7 +374,7 @@ def exponents(random: np.random.Generator, boxes: int) -> tuple[Array, Array]:
 
 @dataclass(frozen=True)
 class Function:
-    ours: Callable[[Model], Model]
+    ours: Callable[[TaylorModel], TaylorModel]
     value: Callable[[arb], arb]
     slope: Callable[[arb], arb]
     operands: Callable[..., tuple[Array, Array]]
@@ -385,10 +385,10 @@ class Function:
 FUNCTIONS = {
     "cosine": Function(lambda x: x.cosine_and_sine()[0], arb.cos, lambda v: -v.sin(), angles, lambda x, y: 1.0),
     "sine": Function(lambda x: x.cosine_and_sine()[1], arb.sin, arb.cos, angles, lambda x, y: 1.0),
-    "sinc": Function(Model.sinc, arb.sinc, slope_of_sinc, angles, lambda x, y: 0.25),
-    "log": Function(Model.log, arb.log, lambda v: 1 / v, positive, lambda x, y: 2 / x**3),
-    "exp": Function(Model.exp, arb.exp, arb.exp, exponents, lambda x, y: np.exp(y)),
-    "sinc less 1": Function(Model.sincm1, lambda v: v.sinc() - 1, slope_of_sinc, angles, lambda x, y: 0.25),
+    "sinc": Function(TaylorModel.sinc, arb.sinc, slope_of_sinc, angles, lambda x, y: 0.25),
+    "log": Function(TaylorModel.log, arb.log, lambda v: 1 / v, positive, lambda x, y: 2 / x**3),
+    "exp": Function(TaylorModel.exp, arb.exp, arb.exp, exponents, lambda x, y: np.exp(y)),
+    "sinc less 1": Function(TaylorModel.sincm1, lambda v: v.sinc() - 1, slope_of_sinc, angles, lambda x, y: 0.25),
     "reciprocal": Function(
         lambda x: x.number(1.0) / x, lambda v: 1 / v, lambda v: -1 / v**2, away_from_zero, lambda x, y: 6 / x**4
     ),
@@ -438,9 +438,9 @@ def test_nothing_is_known_where_a_pole_or_the_log_of_zero_may_lie_in_the_box(nam
 # How near
 
 
-def flat(middle: float) -> Model:
+def flat(middle: float) -> TaylorModel:
     """A number without error, as a function on one side, whose slope is 1."""
-    return Model(np.array([[middle, 1.0]]), np.zeros((1, 2, 1)), np.zeros((1, 2, 1, 1)), np.zeros((1, 2)))
+    return TaylorModel(np.array([[middle, 1.0]]), np.zeros((1, 2, 1)), np.zeros((1, 2, 1, 1)), np.zeros((1, 2)))
 
 
 @pytest.mark.parametrize("name", FUNCTIONS)
@@ -484,7 +484,7 @@ def test_what_a_product_misses_is_attained() -> None:
     for _ in range(30):
         n = int(random.integers(1, 4))
         x, y = (
-            Model(
+            TaylorModel(
                 *(random.choice([0.0, 1.0, 2.5], (1, 1, *(n,) * order)) for order in (0, 1, 2)),
                 random.choice([0.0, 1.0], (1, 1)),
             )
@@ -519,12 +519,12 @@ OTHERS: list[Expr] = [
 ]  # fmt: skip
 
 
-def boxes(draw: random.Random, radius: float) -> list[Model]:
+def boxes(draw: random.Random, radius: float) -> list[TaylorModel]:
     middles = np.array([[draw.uniform(0.5, 3) for _ in range(2)] for _ in range(6)])
     return [variable(middles[:, i], np.full(6, radius), 4.0, i, 2) for i in range(2)]
 
 
-def assert_holds(found: Model, given: list[Model], formula: Expr, radius: float) -> None:
+def assert_holds(found: TaylorModel, given: list[TaylorModel], formula: Expr, radius: float) -> None:
     """The value and both slopes, in units of half a box, at corners and inside; nothing is given away in points."""
     exact = [lambdify((X, Y), f, "mpmath") for f in (formula, radius * diff(formula, X), radius * diff(formula, Y))]
     low, high = found.bounds()
@@ -544,7 +544,7 @@ def test_a_program_has_the_values_and_slopes_of_its_formula(formula: Expr, radiu
     write = Writer((X, Y))
     given = boxes(random.Random(str(formula)), radius)
     found = Modelled(write.program({"it": write.expression(formula)})).run(given)["it"]
-    assert isinstance(found, Model)
+    assert isinstance(found, TaylorModel)
     assert_holds(found, given, formula, radius)
 
 

@@ -43,7 +43,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.kernel.reals import RealNumber
 from haptisym_check.__main__ import main as checker_main
-from haptisym_check.scene import CATALOGUE, Scene
+from haptisym_check.scene import CATALOGUE, SceneFile
 from haptisym_check.values import RefusedError
 
 QUICK = {"fu2019", "a device", "zener-tissue", "integrator", "touches", "delayed-spring", "a clock", "a spring-pot"}
@@ -356,7 +356,7 @@ def test_the_checker_knows_what_the_hand_carries_of_each_device() -> None:
 )  # fmt: skip
 def test_a_device_that_the_checker_does_not_know_is_refused(old: str, new: str, why: str) -> None:
     with pytest.raises(RefusedError, match=why):
-        Scene(text_of("a device").replace(old, new).encode(), None)
+        SceneFile(text_of("a device").replace(old, new).encode(), None)
 
 
 def test_a_device_of_other_numbers_is_not_what_was_proven() -> None:

@@ -20,9 +20,9 @@ from haptisym.model.quantities import read_unit
 from haptisym_check import RefusedError, chart, delayterms, requirement
 from haptisym_check import scene as scenes
 from haptisym_check.delayterms import ORDER, SCALE
-from haptisym_check.polynomials import PI, Factor
-from haptisym_check.scene import CATALOGUE, FREE, PARTS, Number, Product, Scene
-from haptisym_check.values import ONE, Point, Ratio, Value, combined, degree
+from haptisym_check.polynomials import PI, OmegaFactor
+from haptisym_check.scene import CATALOGUE, FREE, PARTS, DimensionedNumber, FactoredNumber, SceneFile
+from haptisym_check.values import ONE, ChainPoint, GaussianValue, Ratio, combined, degree
 
 MP = mpmath.mp.clone()
 MP.prec = 600
@@ -155,8 +155,8 @@ def test_quantities_are_those_of_pint(seed: int) -> None:
 
 
 def test_quantities_are_exact_and_of_a_range_the_nominal_value_or_the_middle() -> None:
-    def number(value: Any, pi: int = 0, dimension: Any = None) -> Number:
-        return Number(Fraction(value), pi, dimension)
+    def number(value: Any, pi: int = 0, dimension: Any = None) -> DimensionedNumber:
+        return DimensionedNumber(Fraction(value), pi, dimension)
 
     newton, stiffness = [1, 1, -2], [1, 0, -2]
     for given, found in (
@@ -175,8 +175,8 @@ def test_quantities_are_exact_and_of_a_range_the_nominal_value_or_the_middle() -
         assert refused(scenes.quantity, text, kind)
     for text, kind in (("1 kg m^2", "m"), ("1 N m/rad", "k"), ("1 Hz", "o"), ("1 min", "t"), ("1 %", "z"), ("1", "k")):
         assert not refused(scenes.quantity, text, kind)
-    assert Number(Fraction(3, 4), 2).at(5) == (Value(75, 0, degree(1, 2)), Value(4))
-    assert Number(Fraction(3, 4), -1).at(5) == (Value(3), Value(20, 0, degree(1, 1)))
+    assert DimensionedNumber(Fraction(3, 4), 2).at(5) == (GaussianValue(75, 0, degree(1, 2)), GaussianValue(4))
+    assert DimensionedNumber(Fraction(3, 4), -1).at(5) == (GaussianValue(3), GaussianValue(20, 0, degree(1, 1)))
 
 
 # Scenes
@@ -188,8 +188,8 @@ LAG = '[[effects]]\nmodel = "first-order-lag"\nomega_c = 7\n'
 def at(text: str, x: int = 2, name: str | None = None, others: tuple[Any, ...] = (), **named: Any) -> list[complex]:
     """H_env and H_perc at s = j x; in place of pi stands 3."""
     delays, orders = named.get("delays", ()), named.get("orders", ())
-    scene = Scene(text.encode(), name, named.get("free"))
-    found = scene.at(Point((Value(0, x, degree(0)), ONE), 3, delays, orders, others))
+    scene = SceneFile(text.encode(), name, named.get("free"))
+    found = scene.at(ChainPoint((GaussianValue(0, x, degree(0)), ONE), 3, delays, orders, others))
     turned = [(top.times(bottom.conjugate()), bottom.times(bottom.conjugate()).re) for top, bottom in found]
     return [complex(Fraction(top.re, size), Fraction(top.im, size)) for top, size in turned]
 
@@ -274,7 +274,7 @@ def test_of_several_environments_one_is_asked_for_by_its_name_or_its_model() -> 
 
 def test_bands_thresholds_and_hands_are_those_of_the_file() -> None:
     def told(text: str) -> tuple[list[tuple[Fraction, int]], list[tuple[Fraction, int]]]:
-        scene = Scene(f"{ENVIRONMENT}{text}".encode(), None)
+        scene = SceneFile(f"{ENVIRONMENT}{text}".encode(), None)
         return [x[:2] for x in scene.band], [scene.threshold[x][:2] for x in PARTS]
 
     tenth = (Fraction(1, 10), 0)
@@ -294,7 +294,7 @@ def test_bands_thresholds_and_hands_are_those_of_the_file() -> None:
         assert at(ENVIRONMENT.replace("3", way))[0].real == (0.5 if halved else 1)  # every way of TOML
 
     def hand(hands: str, name: str) -> dict[str, Any]:
-        return Scene(f"{ENVIRONMENT}{hands}".encode(), None).hand(name)
+        return SceneFile(f"{ENVIRONMENT}{hands}".encode(), None).hand(name)
 
     two = '[[hands]]\nname = "a"\nm = 1\nsource = "x"\n[[hands]]\nname = "b"\nm = 2\nk = 3\n'
     assert (hand(two, "a"), hand(two, "b")) == ({"m": 1}, {"m": 2, "k": 3})
@@ -311,9 +311,11 @@ def test_a_number_is_left_free_where_its_path_leads_and_pi_is_nowhere_else() -> 
     text = f"{ENVIRONMENT}{LAG}"
     assert at(text, free=["environment", "k"]) == pytest.approx([3 + 10j, (3 + 10j) * 7 / (7 + 2j)])  # 3 stands for it
     assert at(text, free=["effects", 0, "omega_c"])[1] == pytest.approx((3 + 10j) * 3 / (3 + 2j))
-    both = Scene(f"{text}[evaluation]\njnd = 0.2\n".encode(), None, ["evaluation", "jnd"]).threshold
+    both = SceneFile(f"{text}[evaluation]\njnd = 0.2\n".encode(), None, ["evaluation", "jnd"]).threshold
     assert both["real"] is both["imag"] is FREE
-    one = Scene(f"{text}[evaluation]\njnd = {{real = 0.2, imag = 0.3}}\n".encode(), None, ["evaluation", "jnd", "imag"])
+    one = SceneFile(
+        f"{text}[evaluation]\njnd = {{real = 0.2, imag = 0.3}}\n".encode(), None, ["evaluation", "jnd", "imag"]
+    )
     assert (one.threshold["real"].value, one.threshold["imag"]) == (Fraction(1, 5), FREE)
     for path in (
         ["environment"], ["environment", "m"], ["environment", "model"], ["effects", "omega_c"], ["effects", 1, "omega_c"], ["effects", -1, "omega_c"],
@@ -397,15 +399,15 @@ def test_a_clock_comes_first_and_turns_the_s_of_what_is_rendered() -> None:
 
 
 def test_delays_and_powers_that_a_proof_does_not_have_are_refused() -> None:
-    s, third, half = (Value(2, 1, degree(0)), ONE), Fraction(1, 3), Fraction(1, 2)
-    point = Point(s, 4, (Fraction(1, 5), Fraction(1, 7)), (third, half), (2, 5, (11, 13), (17, 19)))
-    assert point.delayed(Fraction(1, 5)) == Value(1, -2, degree(2))
-    assert point.delayed(Fraction(3, 7)) == Value(1, -5, degree(3)).power(3)
+    s, third, half = (GaussianValue(2, 1, degree(0)), ONE), Fraction(1, 3), Fraction(1, 2)
+    point = ChainPoint(s, 4, (Fraction(1, 5), Fraction(1, 7)), (third, half), (2, 5, (11, 13), (17, 19)))
+    assert point.delayed(Fraction(1, 5)) == GaussianValue(1, -2, degree(2))
+    assert point.delayed(Fraction(3, 7)) == GaussianValue(1, -5, degree(3)).power(3)
     assert [refused(point.delayed, Fraction(x)) for x in ("64/7", "65/7", "1/10")] == [False, True, True]
     powers = ("5/2", "-2/3", "1/4", "99", "100", "-99", "-100")
     assert [refused(point.raised, Fraction(x)) for x in powers] == [False, False, True, False, True, False, True]
-    assert not refused(Value(2**29_997).times, Value(2))
-    assert refused(Value(2**29_997).times, Value(4))
+    assert not refused(GaussianValue(2**29_997).times, GaussianValue(2))
+    assert refused(GaussianValue(2**29_997).times, GaussianValue(4))
 
 
 # Rule 1: the ten functions, and what links them to a proof
@@ -423,7 +425,7 @@ def test_the_ten_functions_are_those_of_two_dynamics(seed: int) -> None:
             f'[evaluation]\njnd = {{ real = "{limits[0]}", imag = "{limits[1]}" }}\n'
         )
         x, p = draw.randint(1, 9), 5  # in place of omega and of pi
-        found = scenes.functions(Scene(text.encode(), None), (), (), Value(x, 0, degree(0)), p)
+        found = scenes.functions(SceneFile(text.encode(), None), (), (), GaussianValue(x, 0, degree(0)), p)
         s = MP.mpc(0, x)
         H = (a + b * s) / (s**2 + c * s + 40)
         G = (H + d * s) / e
@@ -442,39 +444,44 @@ def test_the_ten_functions_are_those_of_two_dynamics(seed: int) -> None:
 
 def test_a_function_that_differs_anywhere_is_not_that_of_the_scene() -> None:
     """omega^2 + pi, and polynomials that have its value at many places of a grid."""
-    good, one = Factor([[0, 1], [0], [1]]), {"it": {"number": "1", "powers": [[0, 1]]}}
-    square = lambda x, pi, *_: {"it": (x.times(x).plus(Value(pi, 0, degree(1))), ONE)}  # noqa: E731
+    good, one = OmegaFactor([[0, 1], [0], [1]]), {"it": {"number": "1", "powers": [[0, 1]]}}
+    square = lambda x, pi, *_: {"it": (x.times(x).plus(GaussianValue(pi, 0, degree(1))), ONE)}  # noqa: E731
     linked = lambda told, factors, scene=square: scenes.link(told, ["it"], factors, scene, 5)  # noqa: E731
     assert linked(one, [good])["it"].number == 1
     assert refused(linked, {"it": {"number": "2", "powers": [[0, 1]]}}, [good])
     for rows in ([[0, 1], [1], [1]], [[1, 1], [0], [1]], [[0, 1], [0, 1], [1]], [[0, 0, 1], [0], [1]], [[3], [0], [1]]):
-        assert refused(linked, one, [Factor(rows)])
+        assert refused(linked, one, [OmegaFactor(rows)])
     for n in range(5):
         away = expanded([(-k, 1) for k in range(n)])  # zero at the first places of a grid
         rows = [[c] for c in (x + y for (x,), y in zip([*away, *[[0]] * 3], [0, 0, 1, *[0] * 9], strict=False))]
-        assert refused(linked, one, [Factor([[rows[0][0], 1], *rows[1:][: max(2, n)]])]), n
+        assert refused(linked, one, [OmegaFactor([[rows[0][0], 1], *rows[1:][: max(2, n)]])]), n
         in_pi = [c for (c,) in expanded([(-k, 1) for k in range(1, n + 1)])]
         assert refused(
             linked,
             one,
-            [Factor([[x + y for x, y in zip([0, 1, *[0] * 9], [*in_pi, *[0] * 9], strict=False)], [0], [1]])],
+            [OmegaFactor([[x + y for x, y in zip([0, 1, *[0] * 9], [*in_pi, *[0] * 9], strict=False)], [0], [1]])],
         )
     for n in range(2, 6):  # x (x - 1) ... over one denominator, and over one that differs only where that is not zero
-        above, wrong = Factor(expanded([(-k, 1) for k in range(n)])), expanded([(-k, 1) for k in range(n, 2 * n)])
+        above, wrong = OmegaFactor(expanded([(-k, 1) for k in range(n)])), expanded([(-k, 1) for k in range(n, 2 * n)])
         rows = [[([5, 1][i] if i < 2 else 0) + x] for i, (x,) in enumerate(wrong)]
 
-        def ratio(x: Value, *_: Any, n: int = n) -> dict[str, Ratio]:
-            return {"it": (reduce(Value.times, [x.plus(Value(-k)) for k in range(n)]), x.plus(Value(5)))}
+        def ratio(x: GaussianValue, *_: Any, n: int = n) -> dict[str, Ratio]:
+            return {
+                "it": (
+                    reduce(GaussianValue.times, [x.plus(GaussianValue(-k)) for k in range(n)]),
+                    x.plus(GaussianValue(5)),
+                )
+            }
 
         quotient = {"it": {"number": "1", "powers": [[0, 1], [1, -1]]}}
-        assert not refused(linked, quotient, [above, Factor([[5], [1]])], ratio)
-        assert refused(linked, quotient, [above, Factor(rows)], ratio)
+        assert not refused(linked, quotient, [above, OmegaFactor([[5], [1]])], ratio)
+        assert refused(linked, quotient, [above, OmegaFactor(rows)], ratio)
     twice = {"it": {"number": "1", "powers": [[0, 1], [1, 1], [2, -1]]}}
-    assert linked(twice, [good, Factor([[7], [1]]), Factor([[7], [1]])])["it"].powers == {0: 1, 1: 1, 2: -1}
+    assert linked(twice, [good, OmegaFactor([[7], [1]]), OmegaFactor([[7], [1]])])["it"].powers == {0: 1, 1: 1, 2: -1}
     with pytest.raises(RefusedError, match="too high"):
         scenes.link(one, ["it"], [good], square, 10**7)
     with pytest.raises(RefusedError, match="nowhere defined"):
-        linked(one, [good], lambda x, *_: {"it": (x, Value(0))})
+        linked(one, [good], lambda x, *_: {"it": (x, GaussianValue(0))})
 
 
 @pytest.mark.few(2)
@@ -485,10 +492,10 @@ def test_functions_with_tangents_and_powers_are_told_from_others(seed: int) -> N
     keys = [(k, n, m) for k in range(3) for n in range(3) for m in range(3 - n)]
     rows = {key: draw.randint(1, 9) for key in keys if draw.random() < 0.5} | {(2, 0, 1): 3}
 
-    def scene(_: Value, __: int, *others: Any) -> dict[str, Ratio]:
+    def scene(_: GaussianValue, __: int, *others: Any) -> dict[str, Ratio]:
         t, (re, im) = others
-        terms = [Value(c * t**k * re**n * im**m, 0, (0, 0, k, n + m, 0, 0)) for (k, n, m), c in rows.items()]
-        return {"it": (reduce(Value.plus, terms), Value(1 + t * t, 0, degree(2, 2)))}
+        terms = [GaussianValue(c * t**k * re**n * im**m, 0, (0, 0, k, n + m, 0, 0)) for (k, n, m), c in rows.items()]
+        return {"it": (reduce(GaussianValue.plus, terms), GaussianValue(1 + t * t, 0, degree(2, 2)))}
 
     def accepted(own: dict[tuple[int, int, int], int]) -> bool:
         told = {"waves": [2], "terms": [[list(key), [[str(c)]]] for key, c in own.items() if c]}
@@ -500,8 +507,8 @@ def test_functions_with_tangents_and_powers_are_told_from_others(seed: int) -> N
 
 
 def test_a_product_has_each_factor_once_and_turns_the_circle_whole() -> None:
-    factors = [Factor([[-3], [1]]), Factor([[-3], [2]])]
-    assert Product({"number": "2/3", "powers": [[0, 1], [1, -2]]}, factors).powers == {0: 1, 1: -2}
+    factors = [OmegaFactor([[-3], [1]]), OmegaFactor([[-3], [2]])]
+    assert FactoredNumber({"number": "2/3", "powers": [[0, 1], [1, -2]]}, factors).powers == {0: 1, 1: -2}
     for told, why in (
         ({"number": "2", "powers": [[0, 1], [0, 2]]}, "stands twice"), ({"number": "0", "powers": [[1, 1]]}, "zero everywhere"),
         ({"number": "2", "powers": [[2, 1]]}, "whole number from 0 to 1"), ({"number": "2", "powers": [[-1, 1]]}, "whole number from 0 to 1"),
@@ -510,20 +517,22 @@ def test_a_product_has_each_factor_once_and_turns_the_circle_whole() -> None:
         ({"number": "2", "powers": [[0, 1, 1]]}, "a list of 2 to 2"), ({"number": "2"}, "with the keys"),
     ):  # fmt: skip
         with pytest.raises(RefusedError, match=why):
-            Product(told, factors)
+            FactoredNumber(told, factors)
     turned = [delayterms.WaveFactor({"waves": [n], "terms": [[[0], [["1"]]]]}, (Fraction(1),)) for n in (1, 2)]
     with pytest.raises(RefusedError, match="changes its sign in a turn"):
-        Product({"number": "1", "powers": [[0, 1]]}, turned)
-    top, bottom = Product({"number": "1", "powers": [[0, 2], [1, -3]]}, turned).at([Value(5), Value(7)], [Value(10)])
+        FactoredNumber({"number": "1", "powers": [[0, 1]]}, turned)
+    top, bottom = FactoredNumber({"number": "1", "powers": [[0, 2], [1, -3]]}, turned).at(
+        [GaussianValue(5), GaussianValue(7)], [GaussianValue(10)]
+    )
     assert (top.re, bottom.re) == (25 * 100, 343)  # cos^2 = 1/(1 + t^2)
 
 
 # Rules 2 to 4: charts against signs of the functions at and between all of their zeros
 
 
-def band(low: object, high: object) -> Scene:
+def band(low: object, high: object) -> SceneFile:
     """A scene on that band."""
-    return Scene(f'{ENVIRONMENT}[evaluation]\nband = ["{low}", "{high}"]\n'.encode(), None)
+    return SceneFile(f'{ENVIRONMENT}[evaluation]\nband = ["{low}", "{high}"]\n'.encode(), None)
 
 
 class Drawn:
@@ -534,14 +543,14 @@ class Drawn:
         self.low = draw.choice([0, 1])
         places = draw.sample(range(self.low, 7), draw.randint(1, 5))
         self.roots = [Fraction(n) + (Fraction(draw.randint(-1, 1), 5) if self.low < n < 6 else 0) for n in places]
-        self.factors = [Factor(expanded([(-x.numerator, x.denominator)])) for x in self.roots]
-        self.factors.append(Factor([[9], [0], [1]]))
-        self.told: dict[str, Product] = {}
+        self.factors = [OmegaFactor(expanded([(-x.numerator, x.denominator)])) for x in self.roots]
+        self.factors.append(OmegaFactor([[9], [0], [1]]))
+        self.told: dict[str, FactoredNumber] = {}
         for name in (f"{x}.{part}" for x in chart.CURVES for part in PARTS):
             powers = [[i, draw.choice([-2, -1, 1, 1, 2])] for i in range(len(self.factors)) if draw.random() < 0.6]
             number = draw.choice(["1", "-1", "3/7", "-2", "0"]) if draw.random() < 0.9 else "0"
             row = {"number": number, "powers": [] if number == "0" else powers}
-            self.told[name] = Product(row, self.factors)
+            self.told[name] = FactoredNumber(row, self.factors)
         self.inside = sorted(x for x in self.roots if self.low < x < 6)
         self.places = [Fraction(self.low), *self.inside, Fraction(6)]
         self.between = [(a + b) / 2 for a, b in pairwise(self.places)]
@@ -551,8 +560,8 @@ class Drawn:
             for x in self.places
         ]
 
-    def chart(self) -> chart.Chart:
-        return chart.Chart(band(self.low, 6), self.points, self.factors, self.enclosures)
+    def chart(self) -> chart.PlaceTable:
+        return chart.PlaceTable(band(self.low, 6), self.points, self.factors, self.enclosures)
 
     def value(self, name: str, x: Fraction) -> int | None:
         """The sign at a place; None at a pole."""
@@ -603,7 +612,7 @@ def merged(line: list[Any]) -> list[tuple[int, int, Any]]:
 def test_what_is_claimed_of_a_band_is_what_signs_at_and_between_zeros_say(seeds: range) -> None:
     for own in map(Drawn, seeds):
         made, places = own.chart(), own.places
-        curves = {name: chart.Curve(x, made) for name, x in own.told.items()}
+        curves = {name: chart.SignRow(x, made) for name, x in own.told.items()}
         if any(not own.told[f"{x}.real"].number for x in ("environment", "perceived")) and any(
             own.value("excess.real", x) == 1 for x in own.between
         ):
@@ -649,7 +658,7 @@ def test_what_is_claimed_of_a_band_is_what_signs_at_and_between_zeros_say(seeds:
 def test_a_chart_whose_cells_or_enclosures_do_not_hold_is_refused(seed: int) -> None:
     own = next(x for n in range(100 * seed, 100 * seed + 99) if len((x := Drawn(n)).inside) > 1 and x.low)
     points, told, a = own.points, own.enclosures, own.inside[0]
-    fails = partial(refused, chart.Chart, band(1, 6))
+    fails = partial(refused, chart.PlaceTable, band(1, 6))
     near, far = Fraction(1, 90), Fraction(1, 70)
     for cells, places in (
         (points, told),
@@ -671,15 +680,15 @@ def test_a_chart_whose_cells_or_enclosures_do_not_hold_is_refused(seed: int) -> 
         (points, [*told[:-1], [Fraction(599, 100)] * 2]),
     ):  # fmt: skip
         assert fails(cells, own.factors, places)
-    assert all(refused(chart.Chart, band(6, x), points, own.factors, told) for x in (6, 1))
+    assert all(refused(chart.PlaceTable, band(6, x), points, own.factors, told) for x in (6, 1))
 
 
 def test_a_cell_of_an_end_of_the_band_holds_no_zero() -> None:
-    two, other = Factor(expanded([(-2, 1), (-5, 1)])), Factor([[9], [0], [1]])
+    two, other = OmegaFactor(expanded([(-2, 1), (-5, 1)])), OmegaFactor([[9], [0], [1]])
     inner, ends = ([[Fraction(n)] * 2 for n in row] for row in ((1, 2, 5, 6), (1, 6)))
 
-    def fails(points: str, factors: list[Factor], told: Any) -> bool:
-        return refused(chart.Chart, band(1, 6), list(map(Fraction, points.split())), factors, told)
+    def fails(points: str, factors: list[OmegaFactor], told: Any) -> bool:
+        return refused(chart.PlaceTable, band(1, 6), list(map(Fraction, points.split())), factors, told)
 
     for points in ("1 3 6", "1/2 3/2 3 11/2 7", "1 3 11/2 7", "1/2 3/2 3 6"):
         assert not fails(points, [two], inner)
@@ -697,20 +706,22 @@ def test_a_cell_of_an_end_of_the_band_holds_no_zero() -> None:
     ):
         assert fails(points, [two], inner), points
     assert [fails(x, [other], ends) for x in ("1 13/2 7", "1/4 1/2 6", "1/2 7", "1 6")] == [True, True, False, False]
-    for own, zero in ((Factor(expanded([(-1, 2)])), "1/2 6"), (Factor(expanded([(-7, 1)])), "1 7")):
+    for own, zero in ((OmegaFactor(expanded([(-1, 2)])), "1/2 6"), (OmegaFactor(expanded([(-7, 1)])), "1 7")):
         for factors in ([own, other], [other, own], [own]):  # nor at its outer end
             for points, fits in ((zero, False), ("1 6", True), ("3/4 6", True), ("1 27/4", True), ("2/3 20/3", True)):
                 assert fails(points, factors, ends) is not fits
 
 
 def test_the_ends_of_a_band_in_hertz_lie_between_those_with_numbers_below_and_above_pi() -> None:
-    scene = Scene(f'{ENVIRONMENT}[evaluation]\nband = ["1 Hz", "3 Hz"]\n'.encode(), None)
+    scene = SceneFile(f'{ENVIRONMENT}[evaluation]\nband = ["1 Hz", "3 Hz"]\n'.encode(), None)
     low, high = (Fraction(*x) for x in PI)
     assert chart.ends_of_band(scene) == [[2 * low, 2 * high], [6 * low, 6 * high]]
     assert exact(low) < MP.pi < exact(high)
     assert high - low < Fraction(1, 10**98)
-    assert not refused(chart.Chart, scene, [Fraction(6), Fraction(19)], [], [[2 * low, 2 * high], [6 * low, 6 * high]])
-    assert refused(chart.Chart, scene, [Fraction(6), Fraction(19)], [], [[2 * low, 2 * low], [6 * low, 6 * high]])
+    assert not refused(
+        chart.PlaceTable, scene, [Fraction(6), Fraction(19)], [], [[2 * low, 2 * high], [6 * low, 6 * high]]
+    )
+    assert refused(chart.PlaceTable, scene, [Fraction(6), Fraction(19)], [], [[2 * low, 2 * low], [6 * low, 6 * high]])
     assert [chart.away(Fraction(n, 2)) for n in range(-3, 4)] == [-2, -1, -1, 0, 1, 1, 2]
 
 
@@ -725,7 +736,7 @@ def test_factors_have_the_zeros_that_they_were_made_of(seed: int) -> None:
         }
         a, b = sorted(draw.sample([Fraction(n, 2) for n in range(13)], 2))
         rows = expanded([((-(x**step)).numerator, (x**step).denominator) for x, n in roots.items() for _ in range(n)])
-        factor = Factor([[side * c for c in row] for row in rows], step)
+        factor = OmegaFactor([[side * c for c in row] for row in rows], step)
 
         def value(x: Fraction, rows: Any = rows, step: int = step, side: int = side) -> int:
             return side * sign(sum(c * x ** (step * i) for i, (c,) in enumerate(rows)))
@@ -741,10 +752,10 @@ def test_factors_have_the_zeros_that_they_were_made_of(seed: int) -> None:
 
 
 def test_signs_that_depend_on_pi_stay_open_where_its_bounds_do_not_tell() -> None:
-    assert Factor([[-314159265358979323846, 10**20]]).sign(Fraction(1)) == 1
-    assert Factor([[0, 1], [-1]]).signs(Fraction(3), Fraction(4)) == (0, [1, -1])
+    assert OmegaFactor([[-314159265358979323846, 10**20]]).sign(Fraction(1)) == 1
+    assert OmegaFactor([[0, 1], [-1]]).signs(Fraction(3), Fraction(4)) == (0, [1, -1])
     for digits, is_open in ((99, False), (130, True)):
-        near = Factor([[-int(MP.pi * 10**digits), 10**digits]])
+        near = OmegaFactor([[-int(MP.pi * 10**digits), 10**digits]])
         assert refused(near.sign, Fraction(1)) is is_open
 
 
@@ -791,9 +802,9 @@ def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
         "cells": [[]] * 3,
     }
 
-    def function(point: Point, power: int = 3) -> Ratio:
+    def function(point: ChainPoint, power: int = 3) -> Ratio:
         """(s - 1)^3 (s + 2)/(s + 3)."""
-        one, two, three = (combined("+", point.s, (Value(n), ONE)) for n in (-1, 2, 3))
+        one, two, three = (combined("+", point.s, (GaussianValue(n), ONE)) for n in (-1, 2, 3))
         return combined("/", reduce(partial(combined, "*"), [one] * power, two), three)
 
     def count(power: int = 3, **other: Any) -> int:
@@ -811,7 +822,7 @@ def test_zeros_are_counted_with_multiplicity_and_poles_left_out() -> None:
     shared = {"number": "1", "powers": [[0, 3], [1, 1], [2, -1], [3, -1]]}  # (s - 1)^3/(s - 1)
     assert refused(count, 2, factors=[*factors, factors[0]], function=shared, cells=[[]] * 4)
     nothing = {"factors": [], "function": {"number": "0", "powers": []}, "cells": []}
-    assert refused(chart.zeros, nothing, lambda _: (Value(0), ONE), 20)
+    assert refused(chart.zeros, nothing, lambda _: (GaussianValue(0), ONE), 20)
 
 
 # Rule 6: slabs of values
@@ -823,12 +834,12 @@ def slab(low: str | None, high: str | None, points: list[str], part: str | None 
 
 def test_values_of_a_requirement_follow_from_their_slabs() -> None:
     """excess = (omega^2 - 3 + p) p, of p in place of pi: on the band from 0 to 1 positive where p > 3, or p < 0 and omega^2 < 3 - p; and omega - 9."""
-    factors = [Factor([[-3, 1], [1]], 2), Factor([[0, 1]]), Factor([[-9], [1]])]
+    factors = [OmegaFactor([[-3, 1], [1]], 2), OmegaFactor([[0, 1]]), OmegaFactor([[-9], [1]])]
     whole = {"excess.real": [[0, 1], [1, 1]], "excess.imag": [[2, 1]]}
 
     def found(*slabs: dict[str, Any], number: str = "1", powers: Any = None) -> Any:
         named = whole if powers is None else {"excess.real": powers}
-        told = {name: Product({"number": number, "powers": x}, factors) for name, x in named.items()}
+        told = {name: FactoredNumber({"number": number, "powers": x}, factors) for name, x in named.items()}
         return requirement.values(told, factors, list(slabs), band(0, 1))
 
     below, good, above = slab(None, "0", ["1/2"], "real"), slab("0", "2", ["0", "1"]), slab("3", None, ["1/2"], "real")
@@ -858,12 +869,12 @@ def test_values_of_a_requirement_follow_from_their_slabs() -> None:
 
 def test_where_two_slabs_join_an_excess_may_vanish_but_has_no_pole_and_a_part_exceeds_there_too() -> None:
     """-(p - 1)^2 and -1/(p - 1)^2, of p in place of pi, at the end p = 1 of two slabs; 1/(p - 4)^2 and its root below 4."""
-    factors = [Factor([[-1, 1]]), Factor([[-4, 1]])]
+    factors = [OmegaFactor([[-1, 1]]), OmegaFactor([[-4, 1]])]
     cells = slab("0", "1", ["0", "1"]), slab("1", "2", ["0", "1/2", "1"])
     points = slab("0", "1", ["1/2"], "real"), slab("1", "2", ["3/4"], "real")
 
     def accepted(slabs: Any, number: int, *powers: tuple[int, int]) -> bool:
-        told = {"excess.real": Product({"number": f"{number}/3", "powers": [list(x) for x in powers]}, factors)}
+        told = {"excess.real": FactoredNumber({"number": f"{number}/3", "powers": [list(x) for x in powers]}, factors)}
         return not refused(requirement.values, told, factors, list(slabs), band(0, 1))
 
     for slabs, number in ((cells, -1), (points, 1)):
@@ -879,7 +890,7 @@ def test_where_two_slabs_join_an_excess_may_vanish_but_has_no_pole_and_a_part_ex
 def test_an_end_belongs_to_a_slab_where_a_factor_is_not_zero_there() -> None:
     """p - 1 above 1 and below it."""
     for low, high, fits in (((1, 1), (2, 1), (False, True)), ((0, 1), (1, 1), (True, False))):
-        made = requirement.Slices(Factor([[-1, 1]]), low, high)
+        made = requirement.Slices(OmegaFactor([[-1, 1]]), low, high)
         assert made.side(Fraction(0), Fraction(1), fits) == (1 if low == (1, 1) else -1)
         assert refused(made.side, Fraction(0), Fraction(1), fits[::-1])
 
@@ -946,7 +957,7 @@ def wave_factor(
         return total
 
     if not delays and not orders:
-        return Factor(rows[()]), value
+        return OmegaFactor(rows[()]), value
     return delayterms.WaveFactor(told, delays, orders), value
 
 

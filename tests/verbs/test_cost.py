@@ -28,16 +28,16 @@ import haptisym as hs
 from haptisym.cli import app
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.errors import SceneError
-from haptisym.verbs.cost.entry import Cost, Measurement, approximated, interleaved, without
+from haptisym.verbs.cost.entry import Cost, CostMeasurement, approximated, interleaved, without
 from haptisym.verbs.cost.hardcosts import hard_cases
 from haptisym.verbs.cost.methods import (
     CROSSINGS,
     DOUBLE,
     RATIO_METHODS,
     Crossings,
-    Found,
+    FoundCrossings,
     RatioQuestion,
-    RefusedError,
+    UnfitMethodError,
     companion_way,
     control_way,
     grid_way,
@@ -95,7 +95,9 @@ def test_right_digits_of_what_is_no_number_or_nothing() -> None:
 
 def matched(given: list[float], true: list[float], band: tuple[int, int] = (0, 15), held: float = 12.0) -> Any:
     question = Crossings.of(lag(20, band))
-    return question.score(Found({"real": given, "imag": []}), Found({"real": [arb(x) for x in true], "imag": []}), held)
+    return question.score(
+        FoundCrossings({"real": given, "imag": []}), FoundCrossings({"real": [arb(x) for x in true], "imag": []}), held
+    )
 
 
 def test_each_crossing_takes_the_nearest_number_that_is_free_within_a_hundredth() -> None:
@@ -171,12 +173,12 @@ def test_a_margin_in_floats_is_positive_where_a_change_is_noticed(jnd: dict[str,
         assert max(found) == pytest.approx(known, abs=1e-12)
 
 
-def known_crossings(c: float, corner: float, band: tuple[float, float]) -> Found:
+def known_crossings(c: float, corner: float, band: tuple[float, float]) -> FoundCrossings:
     """Of a lag: w = wc sqrt(c/(1 - c)), and w/wc + wc/w = 1/c."""
     half = 1 / (2 * c)
     imag = [corner * (half + sign * (half * half - 1) ** 0.5) for sign in (-1, 1)]
     real = [corner * (c / (1 - c)) ** 0.5]
-    return Found(
+    return FoundCrossings(
         {n: sorted(arb(x) for x in row if band[0] <= x <= band[1]) for n, row in (("real", real), ("imag", imag))}
     )
 
@@ -210,7 +212,7 @@ def test_eigenvalues_are_those_of_the_equation_also_where_it_holds_odd_powers() 
     known = sorted(x.real for x in np.roots([1, -9, 9, 9]) if x.real > 0)
     assert companion_way(question)().omegas["real"] == pytest.approx(known, rel=1e-12)
     assert grid_way(question, 500, brent=True)().omegas["real"] == pytest.approx(known, rel=1e-12)
-    with pytest.raises(RefusedError, match="not a polynomial"):
+    with pytest.raises(UnfitMethodError, match="not a polynomial"):
         companion_way(Crossings.of(hs.Scene(SPRING, (hs.effects.delay("0.1 s"),), (0, 15), "0.1")))
 
 
@@ -339,7 +341,7 @@ def test_all_ways_to_a_ratio_agree_where_none_loses_digits() -> None:
         np.array([[1 - np.cos(w / 10), abs(np.sin(w / 10))] for w in omegas]), rel=1e-9
     )
     for way in (control_way, scipy_way):
-        with pytest.raises(RefusedError, match="delays and fractional powers"):
+        with pytest.raises(UnfitMethodError, match="delays and fractional powers"):
             way(late)
 
 
@@ -396,7 +398,7 @@ def test_grids_and_eigenvalues_find_the_certified_crossings_of_a_region(name: st
         assert question.score(companion_way(question)(), truth, 15).digits > 10
         assert question.condition is not None
     else:
-        with pytest.raises(RefusedError, match="border of the JND region"):
+        with pytest.raises(UnfitMethodError, match="border of the JND region"):
             companion_way(question)
 
 
@@ -465,7 +467,7 @@ def test_values_that_are_hard_are_those_of_the_scene_that_their_name_tells() -> 
 @pytest.mark.parametrize("spread", [0.02, 0.4])
 def test_of_times_that_scatter_no_sentence_is_made(spread: float) -> None:
     rows = [
-        Measurement("crossings", f"certified, {n} digits", n, t, proven=True, spread=spread)
+        CostMeasurement("crossings", f"certified, {n} digits", n, t, proven=True, spread=spread)
         for n, t in ((15, 1.0), (50, 1.1))
     ]
     found = Cost(hs.load_scene("fu2019"), tuple(rows), (), {}, {})
@@ -476,7 +478,7 @@ def test_of_times_that_scatter_no_sentence_is_made(spread: float) -> None:
 
 def test_a_digit_has_no_price_where_its_time_lies_within_the_spread() -> None:
     def said(spread: float) -> str:
-        rows = [Measurement("crossings", "x", n, t, proven=True, spread=spread) for n, t in ((15, 1.0), (50, 1.07))]
+        rows = [CostMeasurement("crossings", "x", n, t, proven=True, spread=spread) for n, t in ((15, 1.0), (50, 1.07))]
         return Cost(hs.load_scene("fu2019"), tuple(rows), (), {}, {}).summary
 
     assert "2 ms a digit" in said(0.03)

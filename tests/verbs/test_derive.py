@@ -27,7 +27,7 @@ from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo
 import haptisym as hs
 from haptisym.commands.terminal import spelt
 from haptisym.kernel.rings import X, omega, s
-from haptisym.kernel.roots import Lattice, Piece
+from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect
 from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.parameters import Slot
@@ -158,7 +158,7 @@ def test_what_is_judged_is_told_by_its_pieces_and_each_piece_by_its_factors(seed
     lattices = {own: own.function(d.distortion) for own in d.criteria}
     for name, function in lattices.items():
         for key in function.pieces(name) if isinstance(function, Lattice) else (name,):
-            at = lambdify(omega, (d.piece(key) if isinstance(key, Piece) else d.excess(key)).factored(), "math")
+            at = lambdify(omega, (d.piece(key) if isinstance(key, LatticePiece) else d.excess(key)).factored(), "math")
             signs[key] = [1 if at(w) > 0 else -1 for w in places]
             factors = [(lambdify(omega, x.ring.expression(x.F), "math"), n) for x, n in d.factors(key)]
             product = [prod(f(w) ** n for f, n in factors) for w in places]

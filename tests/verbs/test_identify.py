@@ -43,7 +43,7 @@ from haptisym.verbs.identify.entry import (
     threshold_value,
     verdict,
 )
-from haptisym.verbs.identify.fitting import Curve, Free, Noise, fit, noise_of, usable, wanted
+from haptisym.verbs.identify.fitting import Free, Noise, WantedResponse, fit, noise_of, usable, wanted
 
 Called = Callable[..., tuple[int, str, str]]
 
@@ -403,7 +403,7 @@ def test_a_fraction_is_a_polynomial_over_one_that_begins_with_1(above: int, belo
     bottom = 1 + sum(values[f"d{i}"] * S**i for i in range(1, below + 1))
     assert found.words == "expression, delay"
     assert pytest.approx(top / bottom, rel=1e-12) == hs.sampled(hs.Scene(own, (), (0, 20)), W).H
-    curve = Curve(found, W)
+    curve = WantedResponse(found, W)
     at = np.array([values[x.name] for x in found.free])
     assert pytest.approx(top / bottom * np.exp(-S * values["tau"]), rel=1e-12) == curve.at(at)
     both = curve(np.array([at, 2 * at]))
@@ -785,7 +785,7 @@ def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> 
     [other] = found.fit.others or ()
     k, b, w = found.fit.values
     assert other == pytest.approx([b * w, b, k / b], rel=1e-5)
-    assert Curve(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-6)
+    assert WantedResponse(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-6)
     assert sorted([k, other[0]]) == pytest.approx([72, 300], rel=0.05)
     assert found.ambiguous == ("environment.k", "effects.first-order-lag.omega_c")
     assert "The same response" in str(found)
@@ -817,7 +817,7 @@ def test_as_many_answers_are_named_as_there_are_orders_of_what_changes_places(
     assert found.fit.others is not None
     assert len(found.fit.others) == count
     for other in found.fit.others:
-        assert Curve(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-5)
+        assert WantedResponse(found.wanted, OMEGA).at(other) == pytest.approx(found.fit.model, rel=1e-5)
 
 
 def test_of_delays_that_evenly_spaced_lines_cannot_tell_apart_the_shortest_is_kept() -> None:

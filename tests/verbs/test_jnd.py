@@ -27,8 +27,16 @@ from scipy.stats import chi2, norm
 import haptisym as hs
 from haptisym.cli import app
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.entry import Asked, Curve, Deviance, Estimate, Fit, Likelihood, Psychometric
-from haptisym.verbs.jnd.tables import TOLD, Answers, Row, collected, find_columns, read_answers
+from haptisym.verbs.jnd.entry import (
+    CurveFit,
+    Deviance,
+    IntervalEstimate,
+    Likelihood,
+    Psychometric,
+    PsychometricCurve,
+    WantedJnd,
+)
+from haptisym.verbs.jnd.tables import TOLD, Answers, LevelAnswers, collected, find_columns, read_answers
 
 LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37), 40
 
@@ -36,7 +44,7 @@ LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37)
 TABLE = "level,k,n\n" + "".join(f"{x},{k},{TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True))
 
 
-ROWS = tuple(Row(x, k, TRIALS) for x, k in zip(LEVELS, COUNTS, strict=True))
+ROWS = tuple(LevelAnswers(x, k, TRIALS) for x, k in zip(LEVELS, COUNTS, strict=True))
 
 
 DATA = Answers("answers", ROWS)
@@ -93,7 +101,7 @@ def test_the_ends_of_the_interval_are_where_the_profile_of_the_likelihood_has_fa
 @pytest.mark.slow
 def test_the_interval_reaches_to_curves_whose_middle_is_far_away() -> None:
     told = [(1.02, 11, 14), (1.23, 14, 22), (1.85, 26, 28)]
-    found = hs.jnd(Answers("flat", tuple(Row(*x) for x in told)))
+    found = hs.jnd(Answers("flat", tuple(LevelAnswers(*x) for x in told)))
     top = likelihood(told, *best_probit(told))
     for end in (found.jnd.low, found.jnd.high):
         assert end is not None
@@ -110,9 +118,9 @@ def test_another_proportion_is_the_same_sigma() -> None:
 @pytest.mark.few(1)
 @pytest.mark.parametrize("alternatives", [2, 3, 4])
 def test_a_forced_choice_has_its_threshold_at_the_proportion_asked_for(alternatives: int) -> None:
-    curve = Curve(0.12, 0.05, 1 / alternatives)
+    curve = PsychometricCurve(0.12, 0.05, 1 / alternatives)
     level = np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.24])
-    rows = tuple(Row(float(x), round(p * 10**7), 10**7) for x, p in zip(level, curve(level), strict=True))
+    rows = tuple(LevelAnswers(float(x), round(p * 10**7), 10**7) for x, p in zip(level, curve(level), strict=True))
     found = hs.jnd(Answers("choices", rows), alternatives=alternatives, reference=1)
     assert found.asked.proportion == (1 + 1 / alternatives) / 2
     assert found.fraction is not None
@@ -123,9 +131,9 @@ def test_a_forced_choice_has_its_threshold_at_the_proportion_asked_for(alternati
 
 @pytest.mark.slow
 def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
-    curve = Curve(5.0, 0.3, 0.0, 0.05)
+    curve = PsychometricCurve(5.0, 0.3, 0.0, 0.05)
     level = np.linspace(4, 6.5, 9)
-    rows = tuple(Row(float(x), round(p * 10**6), 10**6) for x, p in zip(level, curve(level), strict=True))
+    rows = tuple(LevelAnswers(float(x), round(p * 10**6), 10**6) for x, p in zip(level, curve(level), strict=True))
     free, known, none = (hs.jnd(Answers("lapses", rows), lapse=x) for x in (None, 0.05, 0.0))
     assert free.fit.curve.lapse == pytest.approx(0.05, abs=1e-4)
     assert free.jnd.value == pytest.approx(0.3 * 0.6744897501960817, abs=1e-4)
@@ -139,15 +147,16 @@ def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
 @pytest.mark.parametrize("times", [1e3, 1e5])
 def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, times: float) -> None:
     rows = Answers(
-        "once", tuple(Row(x, k, 40) for x, k in zip((4.0, 4.5, 5.0, 5.5, 6.0), (2, 9, 19, 33, 38), strict=True))
+        "once",
+        tuple(LevelAnswers(x, k, 40) for x, k in zip((4.0, 4.5, 5.0, 5.5, 6.0), (2, 9, 19, 33, 38), strict=True)),
     ).rows
-    many = tuple(Row(r.level, r.count * int(times), r.trials * int(times)) for r in rows)
+    many = tuple(LevelAnswers(r.level, r.count * int(times), r.trials * int(times)) for r in rows)
     once, often = (Likelihood(x, 0.0, lapse).best().curve for x in (rows, many))
     assert (often.mu, often.sigma) == pytest.approx((once.mu, once.sigma), rel=1e-5)
 
 
 def test_a_curve_that_does_not_fit_is_said_not_to() -> None:
-    rows = tuple(Row(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38)))
+    rows = tuple(LevelAnswers(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38)))
     found = hs.jnd(Answers("two people", rows))
     assert found.to_dict()["deviance"]["fits"] is False
 
@@ -163,7 +172,7 @@ def test_the_fit_is_tested_by_chi_squared_of_what_the_likelihood_lacks_to_that_o
 
 
 def test_two_levels_fit_exactly_and_cannot_be_tested() -> None:
-    found = hs.jnd(Answers("two", (Row(1.0, 10, 40), Row(2.0, 30, 40))))
+    found = hs.jnd(Answers("two", (LevelAnswers(1.0, 10, 40), LevelAnswers(2.0, 30, 40))))
     assert found.jnd.value == pytest.approx(0.5, abs=1e-12)  # 25 % at 1, 75 % at 2
     assert found.deviance.p is None
 
@@ -172,7 +181,7 @@ def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
     random = np.random.default_rng(7)
     level = random.uniform(4, 6, 300)
     rows = collected(
-        (float(x), int(y), 1) for x, y in zip(level, random.random(300) < Curve(5, 0.4)(level), strict=True)
+        (float(x), int(y), 1) for x, y in zip(level, random.random(300) < PsychometricCurve(5, 0.4)(level), strict=True)
     )
     found = hs.jnd(Answers("trials", rows))
     assert found.deviance.groups == 60
@@ -182,7 +191,9 @@ def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
 
 @pytest.mark.slow
 def test_a_table_too_small_for_an_interval_has_no_upper_end() -> None:
-    found = hs.jnd(Answers("few", (Row(1.0, 1, 4), Row(2.0, 2, 4), Row(3.0, 3, 4))), reference=2)
+    found = hs.jnd(
+        Answers("few", (LevelAnswers(1.0, 1, 4), LevelAnswers(2.0, 2, 4), LevelAnswers(3.0, 3, 4))), reference=2
+    )
     assert found.jnd.high is None
     assert found.table["real"] == "0.5"  # 25 % at 1, 50 % at 2, 75 % at 3
 
@@ -254,7 +265,7 @@ def test_people_that_are_put_together_are_told(file: Callable[..., Path]) -> Non
         f"{who},{x},{k},{TRIALS}\n" for who in "ab" for x, k in zip(LEVELS, COUNTS, strict=True)
     )
     found = read_answers(file(text), {}, {})
-    assert found.rows[0] == Row(4.4, 10, 80)
+    assert found.rows[0] == LevelAnswers(4.4, 10, 80)
     assert found.notes == ("2 values of participant put together; choose with --where participant=...",)
     assert read_answers(file(text), {}, {"participant": "b"}).rows == ROWS
 
@@ -372,7 +383,7 @@ def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_prop
 
 
 def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted() -> None:
-    rows = tuple(Row(0.04 * i, k, 40) for i, k in enumerate((20, 24, 31, 36, 40)))
+    rows = tuple(LevelAnswers(0.04 * i, k, 40) for i, k in enumerate((20, 24, 31, 36, 40)))
     found = hs.jnd(Answers("choices", rows), alternatives=2, reference=1)
     assert "proportion" not in found.table
     with pytest.raises(hs.SceneError, match="the JND has none of its own"):
@@ -407,8 +418,8 @@ def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
             assert found.loss <= convex_bottom(levels, counts, trials) + 1e-7
 
 
-def rows_of(levels: Array, counts: Array, trials: Array) -> tuple[Row, ...]:
-    return tuple(Row(float(x), int(k), int(n)) for x, k, n in zip(levels, counts, trials, strict=True))
+def rows_of(levels: Array, counts: Array, trials: Array) -> tuple[LevelAnswers, ...]:
+    return tuple(LevelAnswers(float(x), int(k), int(n)) for x, k, n in zip(levels, counts, trials, strict=True))
 
 
 def convex_bottom(levels: Array, counts: Array, trials: Array) -> float:
@@ -423,7 +434,7 @@ def convex_bottom(levels: Array, counts: Array, trials: Array) -> float:
 
 
 def test_a_flat_curve_beside_close_levels_is_found() -> None:
-    rows = (Row(1.15, 6, 14), Row(1.33, 10, 16), Row(1.34, 17, 34))
+    rows = (LevelAnswers(1.15, 6, 14), LevelAnswers(1.33, 10, 16), LevelAnswers(1.34, 17, 34))
     found = Likelihood(rows, 0, 0.0).best()
     assert found.curve.sigma == pytest.approx(0.7107969972, rel=1e-9)
     assert found.loss == pytest.approx(44.0902272396582, abs=1e-12)
@@ -447,19 +458,19 @@ def test_blocks_of_a_level_are_added_and_a_level_without_answers_is_none(drawn: 
     for level, k, n in blocks(drawn):
         sums[level][0] += k
         sums[level][1] += n
-    expected = tuple(Row(x, *sums[x]) for x in sorted(sums) if sums[x][1])
+    expected = tuple(LevelAnswers(x, *sums[x]) for x in sorted(sums) if sums[x][1])
     assert collected(blocks(drawn)) == expected
     assert all(x.share == x.count / x.trials for x in expected)
     assert "2 of 1 responses are impossible" in refusal(collected, [(1.0, 2, 1)])
     assert "-1 of 1 responses are impossible" in refusal(collected, [(1.0, -1, 1)])
     assert "is not a finite number" in refusal(collected, [(float("inf"), 1, 1)])
-    assert collected([(1.0, 1, 1), (1.0, 0, 1), (0.0, 0, 0)]) == (Row(1.0, 1, 2),)
+    assert collected([(1.0, 1, 1), (1.0, 0, 1), (0.0, 0, 0)]) == (LevelAnswers(1.0, 1, 2),)
 
 
 # The likelihood.
 
 
-def by_mpmath(rows: tuple[Row, ...], mu: Any, spread: Any, guess: Any, lapse: Any) -> Any:
+def by_mpmath(rows: tuple[LevelAnswers, ...], mu: Any, spread: Any, guess: Any, lapse: Any) -> Any:
     total = mp.mpf(0)
     for x in rows:
         p = guess + (1 - guess - lapse) * mp.ncdf((mp.mpf(x.level) - mu) / mp.exp(spread))
@@ -490,7 +501,7 @@ def test_the_likelihood_and_its_slopes_are_those_of_many_digits(
         assert [-by_mu, -by_spread] == pytest.approx([-x for x in exact], rel=1e-8, abs=1e-9)
         if lapse:
             assert by_lapse == pytest.approx(float(mp.diff(f, point, (0, 0, 1))), rel=1e-8, abs=1e-9)
-        curve = Curve(mu, float(mp.exp(spread)), guess, lapse)
+        curve = PsychometricCurve(mu, float(mp.exp(spread)), guess, lapse)
         kept = sum((x.count * mp.log(mp.mpf(x.count) / x.trials) if x.count else 0)
                    + ((x.trials - x.count) * mp.log(1 - mp.mpf(x.count) / x.trials) if x.trials > x.count else 0) for x in rows)  # fmt: skip
         assert Likelihood(rows, guess, lapse).deviance(curve) == pytest.approx(
@@ -503,12 +514,12 @@ def test_the_likelihood_and_its_slopes_are_those_of_many_digits(
 
 
 CHOICES = (
-    Row(0.02, 21, 40),
-    Row(0.06, 23, 40),
-    Row(0.1, 28, 40),
-    Row(0.14, 35, 40),
-    Row(0.18, 36, 40),
-    Row(0.24, 39, 40),
+    LevelAnswers(0.02, 21, 40),
+    LevelAnswers(0.06, 23, 40),
+    LevelAnswers(0.1, 28, 40),
+    LevelAnswers(0.14, 35, 40),
+    LevelAnswers(0.18, 36, 40),
+    LevelAnswers(0.24, 39, 40),
 )
 
 
@@ -516,8 +527,8 @@ def test_counting_the_other_answers_on_levels_the_other_way_round_is_the_mirrore
     """Of levels that are too high mu is as far below them as above those of the mirror; so is what is held."""
     way = 5.0
     for counts in ((26, 30, 33, 35), (2, 5, 7, 13)):
-        rows = tuple(Row(1.0 + x, k, 40) for x, k in zip((0.0, 0.2, 0.5, 0.7), counts, strict=True))
-        turned = tuple(Row(way - x.level, x.trials - x.count, x.trials) for x in reversed(rows))
+        rows = tuple(LevelAnswers(1.0 + x, k, 40) for x, k in zip((0.0, 0.2, 0.5, 0.7), counts, strict=True))
+        turned = tuple(LevelAnswers(way - x.level, x.trials - x.count, x.trials) for x in reversed(rows))
         one, other = Likelihood(rows, 0.01, 0.02), Likelihood(turned, 0.02, 0.01)
         best, mirrored = one.best(), other.best()
         assert best.loss == pytest.approx(mirrored.loss, rel=1e-9)
@@ -562,8 +573,8 @@ def test_the_interval_of_a_forced_choice_ends_where_its_profile_has_fallen_by_ha
 
 
 def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
-    assert Estimate(2.0, None, 3.0).scaled(0.5) == Estimate(1.0, None, 1.5)
-    answers = Answers("few", (Row(1.0, 1, 3), Row(2.0, 2, 3)))
+    assert IntervalEstimate(2.0, None, 3.0).scaled(0.5) == IntervalEstimate(1.0, None, 1.5)
+    answers = Answers("few", (LevelAnswers(1.0, 1, 3), LevelAnswers(2.0, 2, 3)))
     for low, high, written in (
         (None, 9.0, "0.1235"),
         (2.0, None, "0.1235"),
@@ -571,8 +582,13 @@ def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
         (0.0, 9.0, "0.1235"),
         (1.00004, 1.98765, "[0.1000, 0.1235, 0.1988]"),
     ):
-        fit = Fit(Curve(1.5, 1), Estimate(1.5, None, None), Estimate(1.23456, low, high), Deviance(0.0, 0, None, 2))
-        assert Psychometric(answers, Asked(0.75, 2), fit, reference=10).table == {
+        fit = CurveFit(
+            PsychometricCurve(1.5, 1),
+            IntervalEstimate(1.5, None, None),
+            IntervalEstimate(1.23456, low, high),
+            Deviance(0.0, 0, None, 2),
+        )
+        assert Psychometric(answers, WantedJnd(0.75, 2), fit, reference=10).table == {
             "real": written,
             "imag": written,
             "confidence": "0.95",
@@ -580,7 +596,7 @@ def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
 
 
 def test_a_jnd_of_a_forced_choice_is_above_zero() -> None:
-    rows = tuple(Row(float(x), k, 40) for x, k in zip(range(-8, -2), (20, 22, 28, 33, 38, 40), strict=True))
+    rows = tuple(LevelAnswers(float(x), k, 40) for x, k in zip(range(-8, -2), (20, 22, 28, 33, 38, 40), strict=True))
     assert "x: the JND would be -" in refusal(hs.jnd, Answers("x", rows), alternatives=2)
 
 
@@ -594,7 +610,7 @@ def test_a_jnd_of_a_forced_choice_is_above_zero() -> None:
 def test_the_jnd_is_a_mu_plus_z_sigma(
     proportion: float | None, alternatives: int | None, value: tuple[int, float]
 ) -> None:
-    asked = Asked.of(proportion, alternatives)
+    asked = WantedJnd.of(proportion, alternatives)
     assert asked.weights == (value[0], pytest.approx(NormalDist().inv_cdf(value[1]), abs=1e-12))
     assert asked.chance == (0.5 if alternatives is None else 1 / alternatives)
 
@@ -611,7 +627,7 @@ def test_the_jnd_is_a_mu_plus_z_sigma(
     ],
 )  # fmt: skip
 def test_what_may_be_asked_has_its_limits(keys: dict[str, Any], told: str) -> None:
-    said = refusal(hs.jnd, Answers("x", (Row(1.0, 10, 40), Row(2.0, 30, 40))), **keys)
+    said = refusal(hs.jnd, Answers("x", (LevelAnswers(1.0, 10, 40), LevelAnswers(2.0, 30, 40))), **keys)
     assert told in said
     assert bool(told) == bool(said)
 

@@ -22,7 +22,7 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.kernel.rings import omega as OMEGA  # noqa: N812
 from haptisym.model.jnd import Part, read_threshold
-from haptisym.model.measured import Slope, averages_for, coherence_for, disc_radius
+from haptisym.model.measured import SlopeBound, averages_for, coherence_for, disc_radius
 from haptisym.verbs.measured.entry import MOST_AVERAGES, MOST_COHERENCE, spread
 from haptisym.verbs.measured.judging import OPEN, joint_distance, lines_of, matched, part_distance, signs, values_of
 
@@ -1273,6 +1273,8 @@ def test_grown_discs_are_no_smaller_than_the_bound_says(relative: bool) -> None:
     for _ in range(500):
         size, radius, apart = (10 ** chance.uniform(-8, 8) for _ in range(3))
         bound = 10 ** chance.uniform(-8, 8) if not relative else 10 ** chance.uniform(-12, 2.5) / apart
-        found = MP.mpf(float(Slope(bound, relative, "").grown(np.float64(size), np.float64(radius), np.float64(apart))))
+        found = MP.mpf(
+            float(SlopeBound(bound, relative, "").grown(np.float64(size), np.float64(radius), np.float64(apart)))
+        )
         size, radius, way = MP.mpf(size), MP.mpf(radius), MP.mpf(bound) * MP.mpf(apart)
         assert found >= radius + (size + radius) * MP.expm1(way) if relative else found >= radius + way

@@ -29,7 +29,7 @@ import haptisym as hs
 from haptisym import effects, environments
 from haptisym.cli import app
 from haptisym.verbs.metrics.freeresponse import FreeResponse, free_response
-from haptisym.verbs.metrics.metric import Measured, Metric, Metrics, Value
+from haptisym.verbs.metrics.metric import Measured, Metric, Metrics, MetricValue
 
 STICK = environments.mass_spring_damper("1.8", 15, 100)
 
@@ -313,7 +313,7 @@ def between(scene: hs.Scene, *bands: Any, high: float | None = None) -> Iterator
             yield from (a + (b - a) * share for share in (0.01, 0.5, 0.99))
 
 
-def row(m: Metric, start: str) -> Value:
+def row(m: Metric, start: str) -> MetricValue:
     [found] = [x for x in m.values if x.what.startswith(start)]
     return found
 

@@ -24,7 +24,7 @@ from haptisym.figures import requirement as requirement_charts
 from haptisym.figures.layers import draw
 from haptisym.judge.bindings import Kind
 from haptisym.kernel.rings import omega
-from haptisym.kernel.sets import Point
+from haptisym.kernel.sets import SingleValue
 from haptisym.pages.derive import when_of_region
 from haptisym.writing.boxes import Name
 from haptisym.writing.code import Language, scene_code
@@ -455,7 +455,7 @@ def _extreme(rows: list[tuple[Fraction, Fraction, Fraction]], band: tuple[int, i
     return (None, set()) if least is None else (sign * least, {w for w, y in values.items() if y == least})
 
 
-def _is(end: Point, value: Fraction, places: set[Fraction], band: tuple[int, int]) -> None:
+def _is(end: SingleValue, value: Fraction, places: set[Fraction], band: tuple[int, int]) -> None:
     low, high = end.value.bounds(80)
     assert low <= value <= high
     assert end.bindings

@@ -22,7 +22,7 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.verbs.simulate.release import Closed, Mode, Release, modes
-from haptisym.verbs.simulate.rightmost import Characteristic, Rightmost, clocked_root, rightmost_pole, rightmost_root
+from haptisym.verbs.simulate.rightmost import QuasiPolynomial, Rightmost, clocked_root, rightmost_pole, rightmost_root
 from haptisym.verbs.stability.held import Held
 
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -305,7 +305,7 @@ def rightmost(form: Expr, at_0: int = 0) -> Rightmost | None:
 
 def chain(form: Expr) -> float | None:
     ring = Ring.of([form])
-    return Characteristic.of(ring.convert(form).numerator, ring).chain
+    return QuasiPolynomial.of(ring.convert(form).numerator, ring).chain
 
 
 def test_the_rightmost_root_of_a_polynomial_is_the_one_that_was_put_there() -> None:
@@ -393,7 +393,7 @@ def test_a_chain_of_roots_tends_to_the_logarithm_of_what_comes_back(share: str) 
 def test_a_root_that_was_not_found_is_not_excluded() -> None:
     """(s + 3)(s - 5/2), of which a search may have found -3 alone; and a root that was found twice stands for itself alone."""
     ring = Ring.of([s])
-    function = Characteristic.of(ring.convert(((s + 3) * (s - Rational(5, 2))).expand()).numerator, ring)
+    function = QuasiPolynomial.of(ring.convert(((s + 3) * (s - Rational(5, 2))).expand()).numerator, ring)
     assert not function.is_rightmost([-3], -3, -inf, 0)
     assert not function.is_rightmost([2.5, 2.5 + 1e-6], 2.5, -3, 0)
     assert not function.is_rightmost([-3, -3 + 1e-6], -3, -inf, 0)
@@ -503,7 +503,7 @@ def test_several_powers_of_pi_before_one_power_of_s_are_one_number() -> None:
     for tau in (Rational(1, 10), Rational(1, 3)):
         formula = (4 - pi) * s + (pi - 3) * s * exp(-s * tau) + 5
         ring = Ring.of([formula])
-        chain = Characteristic.of(ring.convert(formula).numerator, ring).chain
+        chain = QuasiPolynomial.of(ring.convert(formula).numerator, ring).chain
         assert chain == pytest.approx(log(float((pi - 3) / (4 - pi))) / float(tau), rel=1e-12)
 
 

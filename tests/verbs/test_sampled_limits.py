@@ -24,7 +24,7 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.sets import Point, ValueSet, solve
+from haptisym.kernel.sets import SingleValue, ValueSet, solve
 from haptisym.model.valueranges import domain
 from haptisym.verbs.stability.held import held
 from haptisym.verbs.stability.sampled import clocked_question, is_held
@@ -42,7 +42,7 @@ def nearest(scene: hs.Scene, path: str) -> ValueSet:
     return solve(clocked_question(scene, hand, free, asked, stable_in(hand), near=True), asked, near=True)
 
 
-def limits(scene: hs.Scene, path: str) -> list[tuple[Point, str]]:
+def limits(scene: hs.Scene, path: str) -> list[tuple[SingleValue, str]]:
     """The ends of what is stable, each with the side on which it is."""
     return [
         (x, side) for y in nearest(scene, path).feasible for x, side in ((y.first, "above"), (y.last, "below"))

@@ -28,7 +28,7 @@ from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect, environment
 from haptisym.model.motions import Recording
 from haptisym.model.parameters import Slot, Stiffness
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.simulate.entry import Estimate, Simulations, band_frequencies, motion, run
+from haptisym.verbs.simulate.entry import RecoveredResponse, Simulations, band_frequencies, motion, run
 from haptisym.verbs.simulate.network import rates_and_weights
 
 SPRING = environments.mass_spring_damper(k=100)
@@ -431,10 +431,10 @@ def test_a_bank_of_relaxations_is_the_power_along_its_band(alpha: float) -> None
 
 def test_an_estimate_agrees_within_its_error_and_is_left_open_where_the_closed_form_approximates() -> None:
     rows = (
-        Estimate(5.0, 3 + 4j, 3 + 4j, 0.0),
-        Estimate(6.0, 1 + 1j, 1 + 2j, 0.5),
-        Estimate(6.0, 1 + 1j, 1 + 2j, 1.0),
-        Estimate(7.0, 1 + 1j, 1 + 2j, 0.5, "nobody knows"),
+        RecoveredResponse(5.0, 3 + 4j, 3 + 4j, 0.0),
+        RecoveredResponse(6.0, 1 + 1j, 1 + 2j, 0.5),
+        RecoveredResponse(6.0, 1 + 1j, 1 + 2j, 1.0),
+        RecoveredResponse(7.0, 1 + 1j, 1 + 2j, 0.5, "nobody knows"),
     )
     assert [(x.difference, x.agrees) for x in rows] == [(0, True), (1, False), (1, True), (1, None)]
     scene = hs.Scene(SOFT)

@@ -23,7 +23,7 @@ from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.sets import STOPPED, Point, Verdict
+from haptisym.kernel.sets import STOPPED, SingleValue, Verdict
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.held import held, roots_in_hand
@@ -43,14 +43,14 @@ def nearest(scene: hs.Scene, path: str) -> hs.ValueSet:
     return stable_values(scene, hand, knob, ALLOWED[knob.rule], stable_in(hand, what), near=True)
 
 
-def ends_of(scene: hs.Scene, path: str) -> list[tuple[Point, str | None]]:
+def ends_of(scene: hs.Scene, path: str) -> list[tuple[SingleValue, str | None]]:
     """Where that ends, each end with the side that is stable; nothing next to the present value is open."""
     found = nearest(scene, path)
     assert open_beside(scene.knobs[scene.knobs.chosen([path])[0].path], found) == []
     return sides(found)
 
 
-def sides(found: hs.ValueSet) -> list[tuple[Point, str | None]]:
+def sides(found: hs.ValueSet) -> list[tuple[SingleValue, str | None]]:
     return [
         (x, None if piece.is_single else "above" if x is piece.first else "below")
         for piece in found.feasible

@@ -40,7 +40,7 @@ from haptisym.verbs.sweep.batch import (
     MOST_TERMS,
     Batch,
     Monomial,
-    Powers,
+    Monomials,
     coefficients,
     count_right,
     error,
@@ -50,7 +50,7 @@ from haptisym.verbs.sweep.batch import (
 )
 from haptisym.verbs.sweep.delayterms import Family, Variables
 from haptisym.verbs.sweep.entry import SweepGrid, Swept, compute
-from haptisym.verbs.sweep.passes import Band, FamilyLattice, Found, SignedProduct, changes
+from haptisym.verbs.sweep.passes import Band, FamilyLattice, PassFrequencies, SignedProduct, changes
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -383,11 +383,11 @@ def test_a_lattice_changes_its_sign_where_its_values_do_and_says_where_that_is_n
             zeros[draw.choice(families)].append(x)
         rows.append(zeros)
         told.append({f: draw.choice([-1, 1]) for f in families})
-    given: dict[Family, Found] = {}
+    given: dict[Family, PassFrequencies] = {}
     for f in families:
         own = [(i, x) for i, zeros in enumerate(rows) for x in sorted(zeros[f])]
         numbers, omega = (np.array([x[k] for x in own], dtype=kind) for k, kind in ((0, int), (1, float)))
-        given[f] = Found(numbers, omega, np.array([x[f] for x in told], dtype=np.int8))
+        given[f] = PassFrequencies(numbers, omega, np.array([x[f] for x in told], dtype=np.int8))
     found, certain = changes(lattice, given, LOW, NEAR)
     for i, (zeros, first) in enumerate(zip(rows, told, strict=True)):
         places, start, sure = followed(lattice, zeros, first)
@@ -552,7 +552,7 @@ def test_within_reach_no_product_leaves_the_floats_and_coefficients_lie_within_t
             assert within_reach(values, [families])[usual].all()
         values = values * np.array([[1.1], [1 / 3]])  # no powers of two
         with np.errstate(all="ignore"):
-            found = coefficients(families[0], 4, Powers(values))
+            found = coefficients(families[0], 4, Monomials(values))
         for i in np.flatnonzero(within_reach(values, [[families[0]]])):
             for power in range(4):
                 exact = sum(value_of(t, values[:, i]) for t in families[0] if t.power == power)

@@ -20,13 +20,13 @@ from sympy import Rational
 import haptisym as hs
 from haptisym.verbs.sweep import delayterms as libm
 from haptisym.verbs.sweep.axes import axes
-from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Powers
+from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Monomials
 from haptisym.verbs.sweep.delayterms import (
-    Factor,
     Family,
+    FamilyFactor,
     Function,
     Interpolants,
-    Points,
+    VariablePoints,
     Variables,
     halving,
     isolate,
@@ -217,9 +217,9 @@ def test_what_interpolation_leaves_out_is_the_tail_of_a_series(degree: int, rati
 
 def function(families: Any, sets: Array) -> Function:
     """The product of some families at these sets."""
-    powers, variables = Powers(sets), families[0].variables
+    powers, variables = Monomials(sets), families[0].variables
     rates = [powers.monomial(x.exponents) * x.constant for x in variables.rates]
-    factors = tuple(Factor(f, f.at(powers)) for f in families)
+    factors = tuple(FamilyFactor(f, f.at(powers)) for f in families)
     return Function(variables, np.array(rates).reshape(-1, sets.shape[1]), factors)
 
 
@@ -374,9 +374,9 @@ def test_no_term_of_a_sum_of_waves_is_rounded_more_often_than_is_counted(seed: i
         terms = tuple(Monomial(i, 1.0, 0.0, unit) for i in range(len(rows)))
         known = np.full((len(rows), 1), Rounded(pick.randint(0, 30)), dtype=object)
         batch = Batch(known, known, max(x.often for x in known.ravel()))
-        factor = Factor(Family(terms, variables, tuple(rows)), batch)
+        factor = FamilyFactor(Family(terms, variables, tuple(rows)), batch)
         x, waves = np.array([Rounded(3)], dtype=object), [np.array([Rounded(0)], dtype=object)] * 6
-        [value] = factor.at(Points(x, waves), known)
+        [value] = factor.at(VariablePoints(x, waves), known)
         assert value.often <= factor.roundings
 
 

@@ -15,7 +15,7 @@ from blocks import figure
 from sympy import Add, Symbol
 
 from haptisym.kernel.rings import s
-from haptisym.writing.boxes import Fenced, Name, Numeral, Product, Sum
+from haptisym.writing.boxes import Fenced, Name, Numeral, SideBySide, Sum
 from haptisym.writing.document import (
     Block,
     Code,
@@ -443,7 +443,7 @@ def test_a_product_of_long_sums_loses_nothing_on_its_lines_and_each_begins_with_
     crossed = 0
     for _ in range(30):
         kinds = [pick.random() < 0.4 for _ in range(pick.randint(3, 9))]
-        box = Product(tuple(Fenced(spread(pick, 4)) if is_sum else wide(pick.randint(4, 22)) for is_sum in kinds))
+        box = SideBySide(tuple(Fenced(spread(pick, 4)) if is_sum else wide(pick.randint(4, 22)) for is_sum in kinds))
         found = lines_of(display([Line(named("H"), box)]))
         assert [x for x, _ in found] == ["H"] + [""] * (len(found) - 1)
         assert found[0][1].startswith("=")

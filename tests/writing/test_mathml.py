@@ -31,7 +31,7 @@ from sympy import (
 import haptisym as hs
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import X, omega, s
-from haptisym.writing.boxes import Equation
+from haptisym.writing.boxes import Relation
 from haptisym.writing.layout import QUANTITIES, equation
 from haptisym.writing.mathml import markup, mathml
 
@@ -182,7 +182,7 @@ def test_an_equation_names_what_its_left_side_is():
 
 def test_a_ratio_is_explained_by_what_it_compares():
     explained, short = equation("r_r", k, explained=True), equation("r_r", k)
-    assert isinstance(explained, Equation)
+    assert isinstance(explained, Relation)
     assert (len(explained.sides), len(short.sides)) == (3, 2)
     assert markup(explained.sides[1]).startswith("<mrow><mo>|</mo><mfrac>")
 

@@ -83,10 +83,10 @@ def output(flags: str, words: str, checked: Callable[[Path], Path] = Path) -> cl
     ) -> Path | None:
         return None if path is None else checked(_can_be_written(what, path))
 
-    return option(flags, words, type=Place(dir_okay=False, path_type=Path), callback=writable)
+    return option(flags, words, type=PathType(dir_okay=False, path_type=Path), callback=writable)
 
 
-class Place(click.Path):
+class PathType(click.Path):
     """A path; no name at all, which would be the folder of the call, is refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
@@ -155,7 +155,7 @@ CERTIFICATE = output(
 FIGURES = option(
     "--figures DIR",
     "Write the figures to this folder.",
-    type=Place(file_okay=False, path_type=Path),
+    type=PathType(file_okay=False, path_type=Path),
 )
 LIMIT = option(
     "--limit SECONDS",

@@ -25,7 +25,7 @@ from haptisym.commands.options import (
     NO_FILES,
     SCENE,
     Ask,
-    Place,
+    PathType,
     choice,
     draw,
     end,
@@ -617,7 +617,7 @@ def tolerances(ask: Ask) -> Answer:
     option(
         "--out FILE",
         "Write to FILE.zarr or FILE.nc; continues what is there.",
-        type=Place(path_type=Path),
+        type=PathType(path_type=Path),
     ),
     JSON,
     figure("the design chart of one or two parameters"),

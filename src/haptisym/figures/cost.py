@@ -27,8 +27,8 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings
-from haptisym.figures.layers import Chart, Layer, On, Room, dots, number, raised, thin
-from haptisym.verbs.cost.entry import Cost, Measurement, duration, front
+from haptisym.figures.layers import Layer, On, Panel, Room, dots, number, raised, thin
+from haptisym.verbs.cost.entry import Cost, CostMeasurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 from haptisym.writing.characters import printable
 
@@ -47,7 +47,7 @@ _TITLES = {
 }
 
 
-def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
+def draw_cost(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
     """Right digits over time for the methods of one task."""
     ax.set(xscale="log", yscale="log")
     times = [row.seconds for row in rows]
@@ -69,7 +69,7 @@ def draw_cost(ax: Axes, rows: Sequence[Measurement]) -> None:
 class _Panel(Layer):
     """Methods of one task, or a table of hard cases."""
 
-    rows: Sequence[Measurement] | Sequence[HardRow]
+    rows: Sequence[CostMeasurement] | Sequence[HardRow]
     put: Any
 
     def draw(self, on: On) -> list[Artist]:
@@ -77,16 +77,16 @@ class _Panel(Layer):
         return []
 
 
-def task(found: Cost, name: str = "") -> Chart:
+def task(found: Cost, name: str = "") -> Panel:
     """Right digits over time for the methods of one task: the first, if none is named."""
-    return Chart([_Panel(found.task(name or found.rows[0].task), draw_cost)])
+    return Panel([_Panel(found.task(name or found.rows[0].task), draw_cost)])
 
 
-def _place(row: Measurement) -> tuple[float, float]:
+def _place(row: CostMeasurement) -> tuple[float, float]:
     return row.seconds, row.digits if row.complete and row.digits > _LEAST else _STRIP
 
 
-def _draw_front(ax: Axes, rows: Iterable[Measurement], **style: Any) -> None:
+def _draw_front(ax: Axes, rows: Iterable[CostMeasurement], **style: Any) -> None:
     """The steps from which nobody gets more digits in less time."""
     best = front(rows)
     if best:
@@ -95,7 +95,7 @@ def _draw_front(ax: Axes, rows: Iterable[Measurement], **style: Any) -> None:
         ax.plot(*zip(*places, strict=True), drawstyle="steps-post", zorder=2, **style)
 
 
-def _mark(ax: Axes, row: Measurement) -> None:
+def _mark(ax: Axes, row: CostMeasurement) -> None:
     ax.plot(
         *_place(row),
         color=pen.INK,
@@ -119,7 +119,7 @@ def _dress(ax: Axes) -> None:
 # Names beside the marks, clear of marks and of each other.
 
 
-def _draw_names(ax: Axes, rows: Sequence[Measurement]) -> None:
+def _draw_names(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
     """The name of each method beside its mark, where it covers neither a mark nor another name;
     once the axes have their size."""
     room, size = Room(ax), pen.SMALL - 0.5
@@ -205,7 +205,7 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
     ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
 
 
-def _handles(rows: Sequence[Measurement]) -> list[Any]:
+def _handles(rows: Sequence[CostMeasurement]) -> list[Any]:
     """What the legend explains: only what is there."""
     mark = dots(4.6, color=pen.INK, markeredgewidth=0.9)
     proven = any(row.proven for row in rows)
@@ -295,9 +295,9 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
             )
 
 
-def cases(found: HardCosts) -> Chart:
+def cases(found: HardCosts) -> Panel:
     """How many of the hard cases each method answers, for the first task."""
-    return Chart(
+    return Panel(
         [_Panel([row for row in found.rows if row.task == found.rows[0].task], draw_table)]
     )
 

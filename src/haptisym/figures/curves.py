@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Poly, PolynomialError, fraction
 
-from haptisym.judge.crossings import Criterion, Curve
+from haptisym.judge.crossings import Criterion, PerceptFunction
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.regions import Joint, Sided
 from haptisym.kernel.rings import omega, s
@@ -101,7 +101,11 @@ def broken(values: Array, omega: Array, poles: Iterable[Point]) -> Array:
 
 def poles_of(evaluation: Evaluation) -> list[Point]:
     """Where H_env or H_perc is infinite."""
-    keys = [(curve, part) for curve in (Curve.ENVIRONMENT, Curve.PERCEIVED) for part in Part]
+    keys = [
+        (curve, part)
+        for curve in (PerceptFunction.ENVIRONMENT, PerceptFunction.PERCEIVED)
+        for part in Part
+    ]
     return [
         point
         for point in evaluation.chart.points

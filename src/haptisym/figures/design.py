@@ -17,13 +17,13 @@ from matplotlib.artist import Artist
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
+    DrawnAxis,
     Ground,
     Layer,
     Mark,
     On,
+    Panel,
+    Polyline,
     frequency,
     handle,
     parameter,
@@ -31,7 +31,7 @@ from haptisym.figures.layers import (
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
-from haptisym.verbs.design.entry import Design, Question
+from haptisym.verbs.design.entry import Design, DesignQuestion
 
 _VALUES, _GRID = 241, 49
 _WITHIN, _MOST = 1 / 200, 100_000
@@ -40,7 +40,7 @@ _FINEST, _ROOM = {1: 2.0**-12, 2: 2.0**-9}, 1.04
 _REFUSED = {"facecolor": "none", "edgecolor": pen.GREY, "hatch": "////", "linewidth": 0}
 
 
-def design(found: Design) -> Chart:
+def design(found: Design) -> Panel:
     """The bandwidth over one or two free parameters. NothingToDrawError for three."""
     question = found.question
     if question is None or len(found.free) > 2:
@@ -55,18 +55,18 @@ def design(found: Design) -> Chart:
     )
 
 
-def _axis(found: Design, i: int) -> Axis:
+def _axis(found: Design, i: int) -> DrawnAxis:
     low, high = (float(x) for x in found.ranges[i])
     own = parameter(found.free[i], found.free[i].name, (low, high))
-    return Axis(own.label, own.unit, own.ends, own.dimension, log=low > 0 and high > 8 * low)
+    return DrawnAxis(own.label, own.unit, own.ends, own.dimension, log=low > 0 and high > 8 * low)
 
 
-def _places(axis: Axis, count: int) -> Array:
+def _places(axis: DrawnAxis, count: int) -> Array:
     assert axis.ends
     return np.geomspace(*axis.ends, count) if axis.log else np.linspace(*axis.ends, count)
 
 
-def _curve(found: Design, question: Question, axis: Axis) -> Chart:
+def _curve(found: Design, question: DesignQuestion, axis: DrawnAxis) -> Panel:
     values = _places(axis, _VALUES)
     cells, bounds = question.profile(_WITHIN, _MOST)
     (_, bandwidths), end = question.points.bandwidths(values[:, None]), float(found.family.band[1])
@@ -74,18 +74,18 @@ def _curve(found: Design, question: Question, axis: Axis) -> Chart:
     layers: list[Layer] = [
         Ground(_si(found, cells[:, 0], 0), (bounds[:, 0], bounds[:, 1]), label="proven bounds"),
         *_refused(found, question),
-        Curve(values, bandwidths, width=2.0, label=named),
+        Polyline(values, bandwidths, width=2.0, label=named),
         *_parts(question, values, end),
         *_marks(found, lambda values, bandwidth: ([values[0]], [bandwidth])),
     ]
     top = min(1.2 * float(bandwidths.max(initial=end / 100)), end)
-    upright = Axis(
+    upright = DrawnAxis(
         "bandwidth",
         found.family.frequency,
         (0.0, top * _ROOM),
         frequency(found.family.frequency).dimension,
     )
-    return Chart(layers, axis, upright, height=2.3)
+    return Panel(layers, axis, upright, height=2.3)
 
 
 _LOOKS = {
@@ -94,17 +94,17 @@ _LOOKS = {
 }
 
 
-def _parts(question: Question, values: Array, end: float) -> Iterator[Layer]:
+def _parts(question: DesignQuestion, values: Array, end: float) -> Iterator[Layer]:
     """From where on each part is noticed: the lower one limits the bandwidth."""
     for part, first in question.points.first_crossings(values[:, None]).items():
         if (first < end).any():
             label, color, stroke = _LOOKS[part]
-            yield Curve(
+            yield Polyline(
                 values, np.where(first < end, first, np.nan), color, stroke, 0.9, label=label
             )
 
 
-def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
+def _map(found: Design, question: DesignQuestion, x: DrawnAxis, y: DrawnAxis) -> Panel:
     u, v = _places(x, _GRID), _places(y, _GRID)
     sets = np.stack(np.meshgrid(u, v), -1).reshape(-1, 2)
     levels = _Levels(
@@ -118,7 +118,7 @@ def _map(found: Design, question: Question, x: Axis, y: Axis) -> Chart:
         levels,
         *_marks(found, lambda values, _: ([values[0]], [values[1]])),
     ]
-    return Chart(layers, x, y, height=2.6)
+    return Panel(layers, x, y, height=2.6)
 
 
 def _si(found: Design, shares: Array, i: int) -> tuple[Array, Array]:
@@ -127,7 +127,7 @@ def _si(found: Design, shares: Array, i: int) -> tuple[Array, Array]:
     return ends[:, 0], ends[:, 1]
 
 
-def _refused(found: Design, question: Question) -> Iterator[Layer]:
+def _refused(found: Design, question: DesignQuestion) -> Iterator[Layer]:
     """Where what must be kept is proven to be broken."""
     cells = question.refused(_FINEST[len(found.free)], _MOST) if found.keep else np.empty((0, 1, 2))
     if not len(cells):

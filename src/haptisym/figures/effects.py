@@ -27,12 +27,12 @@ from haptisym.figures.curves import ends_of, is_share, limit_of, sampled, writte
 from haptisym.figures.evaluation import along
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
+    DrawnAxis,
     Layer,
     Limit,
     On,
+    Panel,
+    Polyline,
     draw,
     frequency,
     number,
@@ -60,7 +60,7 @@ _DECADES = 3.5  # below the tolerance that are shown
 _STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (5, 1.5, 1, 1.5)))
 
 
-def influences(found: Relevance, part: Part) -> Chart:
+def influences(found: Relevance, part: Part) -> Panel:
     """``|r(full) - r(without it)|`` of each effect over the band: bold where it matters, thin grey
     where it is left out.
 
@@ -68,7 +68,7 @@ def influences(found: Relevance, part: Part) -> Chart:
 
     >>> from haptisym import load_scene, relevance
     >>> chart = influences(relevance(load_scene("sidestick")), Part.REAL)
-    >>> len([layer for layer in chart.layers if isinstance(layer, Curve)])
+    >>> len([layer for layer in chart.layers if isinstance(layer, Polyline)])
     2
     """
     grid, curves = _changes(found, part)
@@ -83,14 +83,14 @@ def influences(found: Relevance, part: Part) -> Chart:
     for x, values in zip(found.effects, curves, strict=True):
         color, width, stroke = (pen.INK, 1.2, next(styles)) if x.kept else (pen.GREY, 0.6, "-")
         shown = np.where(values >= floor / 10, values, np.nan)
-        kind = Curve if x.kept else _Quiet
+        kind = Polyline if x.kept else _Quiet
         lines.append(kind(grid, shown, color, stroke, width))
         ends.append((printable(x.effect.name), float(values[-1]), x.kept))
     limit = Limit(tolerance, stroke=pen.DOTTED)
     symbol = r"r_\mathrm{r}" if part is Part.REAL else r"r_\mathrm{i}"
     low, high = (float(x) for x in found.scene.band)
-    upright = Axis(f"change of ${symbol}$", ends=(floor, top), log=True)
-    return Chart(
+    upright = DrawnAxis(f"change of ${symbol}$", ends=(floor, top), log=True)
+    return Panel(
         [limit, *lines, _Ends(ends, tolerance)],
         frequency(found.scene.frequency, (low, high)),
         upright,
@@ -98,7 +98,7 @@ def influences(found: Relevance, part: Part) -> Chart:
     )
 
 
-class _Quiet(Curve):
+class _Quiet(Polyline):
     """A curve in its own colour, whatever the scene's."""
 
     def draw(self, on: On) -> list[Artist]:
@@ -176,14 +176,14 @@ class _Ends(Layer):
         ]
 
 
-def dominance(found: Relevance) -> Chart:
+def dominance(found: Relevance) -> Panel:
     """Which effect changes the ratios most, as a strip along the band; a name that has no room is a
     number, told above."""
     low, high = (float(x) for x in found.scene.band)
-    return Chart(
+    return Panel(
         [_Strip(found, styled=True)],
         frequency(found.scene.frequency, (low, high)),
-        Axis(ends=(0, 1)),
+        DrawnAxis(ends=(0, 1)),
         height=0.25,
     )
 
@@ -262,7 +262,7 @@ at least."""
 _NOTHING = "there is no crossing nor changeover on the band that parameters could move"
 
 
-def elasticities(found: Sensitivities, which: int = -1) -> Chart:
+def elasticities(found: Sensitivities, which: int = -1) -> Panel:
     """A bar for each parameter: per cent by which the frequency moves when the parameter grows by 1
     per cent.
 
@@ -283,8 +283,11 @@ def elasticities(found: Sensitivities, which: int = -1) -> Chart:
     unit = found.evaluation.scene.frequency
     where = f"{frequency(unit).digits(x.omega, 4)} {unit.text}{': undefined' if x.reason else ''}"
     layers = [_Elastic(rows, f"{title}\n{where}", label="elasticity", styled=True)]
-    return Chart(
-        layers, Axis(), Axis(names=[name for name, _ in rows]), height=_ROW * len(rows) + _HEAD
+    return Panel(
+        layers,
+        DrawnAxis(),
+        DrawnAxis(names=[name for name, _ in rows]),
+        height=_ROW * len(rows) + _HEAD,
     )
 
 
@@ -407,7 +410,7 @@ _BAR = 5.0
 """Points: how thick the bars are."""
 
 
-def measures(m: Metrics) -> Chart:
+def measures(m: Metrics) -> Panel:
     """r_r, r_i, |dH/H_env| and | |Gamma| - 1 | over the band, with the thresholds: all are
     fractions of |H_env|.
 
@@ -435,24 +438,26 @@ def measures(m: Metrics) -> Chart:
     finite, most = relative[np.isfinite(relative)], max(limits, default=0.1)
     top = max(1.06 * float(finite.max()) if finite.size else 0.0, 1.6 * most)
     layers: list[Layer] = [
-        Curve(omega, values, color, stroke, label=name) for values, color, stroke, name in rows
+        Polyline(omega, values, color, stroke, label=name) for values, color, stroke, name in rows
     ]
     layers += [Limit(c, label=f"$c = {c:.3g}$", shared=True) for c in limits]
-    return Chart(
+    return Panel(
         layers,
         along(e),
-        Axis(r"fraction of $|H_\mathrm{env}|$", ends=(0, min(top, 8 * most))),
+        DrawnAxis(r"fraction of $|H_\mathrm{env}|$", ends=(0, min(top, 8 * most))),
         height=2.0,
     )
 
 
-def verdicts(m: Metrics) -> Chart:
+def verdicts(m: Metrics) -> Panel:
     """A bar for each measure where it is content, the JND's at the top; those of a further scene
     below in its colour."""
     rows, layers = verdict_bands(m), list[Layer]()
     for i, (_, bands) in enumerate(rows):
         layers += [_Verdict(ends, i, label="content") for ends in bands]
-    return Chart(layers, along(m.evaluation), Axis(names=[name for name, _ in rows]), height=1.1)
+    return Panel(
+        layers, along(m.evaluation), DrawnAxis(names=[name for name, _ in rows]), height=1.1
+    )
 
 
 @dataclass(frozen=True)
@@ -492,7 +497,7 @@ def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
     return [(name, [ends_of(x) for x in bands]) for name, bands in rows]
 
 
-def released(found: ControlLoading) -> Chart:
+def released(found: ControlLoading) -> Panel:
     """The free response of environment and display, over the displacement; the 5 % from which
     overshoots count."""
     d, layers = found.distortion, list[Layer]()
@@ -508,10 +513,13 @@ def released(found: ControlLoading) -> Chart:
         known, (pen.INK, pen.RED), (pen.SOLID, pen.DASHED), ("aircraft", "display"), strict=True
     ):
         height = [float(motion.value(arb(t)).mid()) for t in time]
-        layers.append(Curve(time, np.array(height), color, stroke, label=name))
+        layers.append(Polyline(time, np.array(height), color, stroke, label=name))
     layers += [Limit(y, stroke=pen.DOTTED, label="5 %", shared=True) for y in (0.05, -0.05)]
-    return Chart(
-        layers, Axis("time", Unit("s"), (0, end)), Axis("displacement / $A_d$"), height=2.0
+    return Panel(
+        layers,
+        DrawnAxis("time", Unit("s"), (0, end)),
+        DrawnAxis("displacement / $A_d$"),
+        height=2.0,
     )
 
 

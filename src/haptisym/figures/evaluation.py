@@ -44,16 +44,16 @@ from haptisym.figures.curves import (
 from haptisym.figures.files import Drawings
 from haptisym.figures.layers import (
     Above,
-    Axis,
-    Band,
-    Chart,
-    Curve,
+    DrawnAxis,
+    Intervals,
     Layer,
     Limit,
     Mark,
     Note,
     On,
     Origin,
+    Panel,
+    Polyline,
     Words,
     dots,
     entries,
@@ -68,7 +68,7 @@ from haptisym.figures.layers import (
 )
 from haptisym.judge.bandwidths import Bandwidths
 from haptisym.judge.crossings import Criterion, noticed
-from haptisym.judge.crossings import Curve as Dynamics
+from haptisym.judge.crossings import PerceptFunction as Dynamics
 from haptisym.judge.evaluation import Compared, Evaluation, different, half_widths, region_label
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.percepts import NOT_NAMED, felt_of
@@ -87,7 +87,7 @@ MOST_LABELS, _MOST_NUMBERS = 4, 8
 """Of crossings, and of narrow percepts, that are named in the drawing."""
 
 
-def along(e: Evaluation) -> Axis:
+def along(e: Evaluation) -> DrawnAxis:
     """The axis of the band, in the scene's unit."""
     return frequency(e.scene.frequency, band_of(e))
 
@@ -95,7 +95,7 @@ def along(e: Evaluation) -> Axis:
 # When: the ratios (Fig. 5).
 
 
-def ratios(e: Evaluation) -> Chart:
+def ratios(e: Evaluation) -> Panel:
     """r_r and r_i over the band with their thresholds, crossings and the transparent bands in grey.
 
     The axis is cut where a ratio is unbounded or has a narrow high peak; how high that is, and
@@ -121,25 +121,25 @@ def ratios(e: Evaluation) -> Chart:
     omega = refined(lambda w: in_window(judged(w), 0, top), grid)
     values = broken(judged(omega), omega, e.unbounded)
     lines = [
-        Curve(omega, column, stroke=stroke, label=name_of(x))
+        Polyline(omega, column, stroke=stroke, label=name_of(x))
         for column, x, stroke in zip(values.T, criteria, pen.STROKES, strict=False)
     ]
     bands = (
-        Band([ends_of(x) for x in e.transparent], label="transparent")
+        Intervals([ends_of(x) for x in e.transparent], label="transparent")
         if e.transparent
         else _words("nowhere transparent")
     )
     above = Above(_frequency_labels(e, axis, omega, values.max(axis=1), top))
     layers = [*lines, *_thresholds(criteria, limits), bands, *_crossings(e), above]
-    return Chart(layers, axis, Axis(_judged(criteria), ends=(0, top)))
+    return Panel(layers, axis, DrawnAxis(_judged(criteria), ends=(0, top)))
 
 
-def formulas(found: Derivation) -> Chart:
+def formulas(found: Derivation) -> Panel:
     """The ratios that the formulas give with the scene's values."""
     return ratios(evaluate(found.scene))
 
 
-def peaks(found: Peaks) -> Chart:
+def peaks(found: Peaks) -> Panel:
     """The ratios over the band, and a triangle at each of their local maxima."""
     chart = ratios(evaluate(found.scene))
     x, y = [float(p.omega) for p in found], [float(p.ratio) for p in found]
@@ -193,7 +193,7 @@ def _crossings(e: Evaluation) -> list[Mark]:
 
 
 def _frequency_labels(
-    e: Evaluation, axis: Axis, omega: Array, highest: Array, top: float
+    e: Evaluation, axis: DrawnAxis, omega: Array, highest: Array, top: float
 ) -> list[tuple[float, str]]:
     """What stands above the axes: the lowest frequencies of crossings, and the two highest peaks
     that are cut.
@@ -225,7 +225,7 @@ def _height(value: float) -> str:
 # How: the complex plane (Fig. 6).
 
 
-def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
+def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     """H_env and H_perc in the complex plane over the band, with arrows towards higher frequencies.
 
     ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the
@@ -234,7 +234,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
     axes.
 
     >>> from haptisym import evaluate, load_scene
-    >>> [layer.stroke for layer in nyquist(evaluate(load_scene("fu2019"))).layers if isinstance(layer, Curve)][0]
+    >>> [layer.stroke for layer in nyquist(evaluate(load_scene("fu2019"))).layers if isinstance(layer, Polyline)][0]
     '-'
     """
     f, grid = e.distortion.compile(), sampled(e)
@@ -244,7 +244,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
     at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
     curves, arrows = list[Layer](), list[Layer]()
     for points, (color, stroke, name), share in zip(values, pen.CURVES, (0.42, 0.58), strict=True):
-        curves.append(Curve(points[:, 0], points[:, 1], color, stroke, label=f"${name}$"))
+        curves.append(Polyline(points[:, 0], points[:, 1], color, stroke, label=f"${name}$"))
         length = _visible_length((points - low) / (high - low))
         for tail, head in _directions(length, np.interp(at, omega, length), share):
             arrows.append(Arrow(points[tail], points[head], color))
@@ -258,21 +258,23 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Chart:
     )
     layers = [Origin(), *curves, *arrows, *rising, matched]
     ends = [(float(low[i]), float(high[i])) for i in (0, 1)]
-    return Chart(layers, *plane(e.scene, *ends), height=2.6, equal=True)
+    return Panel(layers, *plane(e.scene, *ends), height=2.6, equal=True)
 
 
-def plane(scene: Any, x: tuple[float, float], y: tuple[float, float]) -> tuple[Axis, Axis]:
+def plane(
+    scene: Any, x: tuple[float, float], y: tuple[float, float]
+) -> tuple[DrawnAxis, DrawnAxis]:
     """The axes of the complex plane of dynamics."""
     return force_per_position(r"\mathrm{Re}\,H", scene, x), force_per_position(
         r"\mathrm{Im}\,H", scene, y
     )
 
 
-def changes(reach: float) -> tuple[Axis, Axis]:
+def changes(reach: float) -> tuple[DrawnAxis, DrawnAxis]:
     """The axes of the plane of what is noticed: changes as fractions of the environment."""
     return (
-        Axis(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
-        Axis(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
+        DrawnAxis(r"$\mathrm{Re}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
+        DrawnAxis(r"$\mathrm{Im}\,\Delta H/|H_\mathrm{env}|$", ends=(-reach, reach)),
     )
 
 
@@ -416,7 +418,7 @@ def _default_marks(
     return short_thirds(omega[(np.abs(places - 0.5) <= 0.5).all(axis=1)], along(e))
 
 
-def short_thirds(omega: Array, axis: Axis) -> tuple[float, ...]:
+def short_thirds(omega: Array, axis: DrawnAxis) -> tuple[float, ...]:
     """About a third, two thirds and the end of some frequencies, rad/s, as numbers that are short
     in the unit of the axis."""
     factor, (low, high) = float(axis.unit.size), axis.of(axis.ends)
@@ -429,7 +431,7 @@ def short_thirds(omega: Array, axis: Axis) -> tuple[float, ...]:
 # How: the magnitudes of a part, and what is felt (Fig. 7).
 
 
-class Felt(NamedTuple):
+class FeltBand(NamedTuple):
     """What is felt from ``low`` to ``high``, rad/s, in words."""
 
     low: float
@@ -437,7 +439,7 @@ class Felt(NamedTuple):
     words: str
 
 
-def projections(e: Evaluation, part: Part) -> Chart:
+def projections(e: Evaluation, part: Part) -> Panel:
     """``|Re|`` or ``|Im|`` of H_env and H_perc over the band.
 
     Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with
@@ -446,7 +448,7 @@ def projections(e: Evaluation, part: Part) -> Chart:
 
     >>> from haptisym import Part, evaluate, load_scene
     >>> chart = projections(evaluate(load_scene("fu2019")), Part.REAL)
-    >>> [layer.width for layer in chart.layers if isinstance(layer, Curve)]
+    >>> [layer.width for layer in chart.layers if isinstance(layer, Polyline)]
     [1.6, 0.7, 1.6, 0.7]
     """
     name, f, grid, exceeded = (
@@ -464,10 +466,10 @@ def projections(e: Evaluation, part: Part) -> Chart:
         for weight, among in ((1.6, over), (0.7, under)):
             shown = np.where(_within(omega, among), magnitude, np.nan)
             entry = f"$|{name}\\,{curve}|$" if weight == 1.6 else ""
-            lines.append(Curve(omega, shown, color, stroke, weight, label=entry))
+            lines.append(Polyline(omega, shown, color, stroke, weight, label=entry))
     felt = Percepts(_felt(e, part), shared=True)
-    ground = Band([ends_of(x) for x in under], label="not noticed")
-    return Chart(
+    ground = Intervals([ends_of(x) for x in under], label="not noticed")
+    return Panel(
         [ground, *lines, felt],
         along(e),
         force_per_position(rf"|{name}\,H|", e.scene, (0, top)),
@@ -493,12 +495,12 @@ def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
     return np.abs(responses(f, omega)[:, (0 if part is Part.REAL else 1) :: 2])
 
 
-def _felt(e: Evaluation, part: Part) -> list[Felt]:
+def _felt(e: Evaluation, part: Part) -> list[FeltBand]:
     """As what a part is felt where it is noticed, in the words of all outputs and in the order of
     the bands."""
-    together = [Felt(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
-    own = [Felt(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
-    nameless = [Felt(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
+    together = [FeltBand(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
+    own = [FeltBand(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
+    nameless = [FeltBand(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
     return sorted(together + own + nameless, key=lambda x: x.low)
 
 
@@ -530,7 +532,7 @@ class Percepts(Layer):
     """The words of each percept inside its band, a number that the legend explains where it is too
     narrow, and lines between."""
 
-    felt: Sequence[Felt]
+    felt: Sequence[FeltBand]
 
     def draw(self, on: On) -> list[Artist]:
         if on.number:
@@ -586,7 +588,7 @@ class Percepts(Layer):
         return told + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
 
 
-def _beside_each_other(ax: Axes, texts: Sequence[tuple[Felt, str]]) -> list[Artist]:
+def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[Artist]:
     """Texts side by side at the top of the axes, each in its band or tied to it."""
     centres = [share_of(ax, (x.low + x.high) / 2) for x, _ in texts]
     places, made = spread(centres, [text_width(ax, text) for _, text in texts]), list[Artist]()
@@ -610,7 +612,7 @@ def _beside_each_other(ax: Axes, texts: Sequence[tuple[Felt, str]]) -> list[Arti
     return made
 
 
-def _fitting(ax: Axes, x: Felt) -> str:
+def _fitting(ax: Axes, x: FeltBand) -> str:
     """The words on one line or two, as fits into the band; nothing if neither does."""
     room, gap = share_of(ax, x.high) - share_of(ax, x.low), ", " if ", " in x.words else " "
     layouts = (x.words, x.words.replace(gap, f"{gap.strip()}\n", 1))
@@ -706,7 +708,7 @@ def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
 
 
 @dataclass(frozen=True)
-class Region(Layer):
+class RegionLayer(Layer):
     """An outline: filled for the first scene, its border alone for a further one."""
 
     around: Outline
@@ -733,7 +735,7 @@ class Region(Layer):
         return list(self.around.patches)
 
 
-def square(e: Evaluation, omega: float | None = None) -> Chart:
+def square(e: Evaluation, omega: float | None = None) -> Panel:
     """H_env and H_perc at one frequency of the band, rad/s, with the region of changes that are not
     noticed (Fig. 2).
 
@@ -762,7 +764,7 @@ def square(e: Evaluation, omega: float | None = None) -> Chart:
         Words(label=f"${name}$", look=_line(color, stroke)) for color, stroke, name in pen.CURVES
     ]
     bars = _Bars(around.stretches, label="not noticed in one part", shared=True)
-    shade = Region(around, label="not noticed", styled=True)
+    shade = RegionLayer(around, label="not noticed", styled=True)
     dotted = Words(label="projections", look=_line(pen.INK, pen.DOTTED, 0.6), shared=True)
     at = (
         f"{axis.short(omega)}"
@@ -771,7 +773,7 @@ def square(e: Evaluation, omega: float | None = None) -> Chart:
     )
     ends = _frame(np.array([[0, 0], *tips, *around.corners]))
     layers = [*told, shade, Origin(), dotted, bars, *lines, *arrows]
-    return Chart(
+    return Panel(
         layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(found)}"
     )
 
@@ -867,7 +869,7 @@ REGIONS: Sequence[tuple[str, Any, str]] = (
 """Of each region: colour, stroke of its border, mark of its bandwidth."""
 
 
-def regions(e: Evaluation) -> Chart:
+def regions(e: Evaluation) -> Panel:
     """(Re dH, Im dH)/``|H_env|`` over the band, with the regions of ``e.regions``; a dot where each
     is first met.
 
@@ -891,11 +893,11 @@ def regions(e: Evaluation) -> Chart:
     met = [(x, color) for x, (color, *_) in rows if x.crossing]
     at = [(_way(f(np.array([float(x.crossing.omega)]))), color) for x, color in met if x.crossing]
     spots = [Mark(place[:, 0], place[:, 1], color) for place, color in at]
-    way = Curve(*_way(f(sampled(e))).T, label=r"$\Delta H$ over the band")
-    return Chart([way, Origin(), *shapes, *spots], *changes(reach), height=2.9, equal=True)
+    way = Polyline(*_way(f(sampled(e))).T, label=r"$\Delta H$ over the band")
+    return Panel([way, Origin(), *shapes, *spots], *changes(reach), height=2.9, equal=True)
 
 
-def discriminate(e: Evaluation) -> Chart:
+def discriminate(e: Evaluation) -> Panel:
     """(Re dH, Im dH)/``|H_env|`` over the band, the regions of models, and the numbers of the
     changes that decide between them.
 
@@ -911,7 +913,7 @@ def discriminate(e: Evaluation) -> Chart:
         around = outline(noticed(x), np.zeros(2), found.stimuli[0].omega, 1.0)
         look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
         shapes += [
-            Region(around, color, filled=False, look=look),
+            RegionLayer(around, color, filled=False, look=look),
             Words(label=name, look=_line(color, stroke, 1.0)),
         ]
         reach = max(reach, 1.6 * float(np.abs(around.corners).max()))
@@ -919,8 +921,8 @@ def discriminate(e: Evaluation) -> Chart:
         Mark([x.real], [x.imag], shape=f"${i}$", size=5, look={"markeredgewidth": 0.3})
         for i, x in enumerate(found.stimuli, 1)
     ]
-    way = Curve(*_way(e.distortion.compile()(sampled(e))).T, label=r"$\Delta H$ over the band")
-    return Chart([way, Origin(), *shapes, *marks], *changes(reach), height=2.9, equal=True)
+    way = Polyline(*_way(e.distortion.compile()(sampled(e))).T, label=r"$\Delta H$ over the band")
+    return Panel([way, Origin(), *shapes, *marks], *changes(reach), height=2.9, equal=True)
 
 
 def _way(v: Values) -> Array:
@@ -928,7 +930,7 @@ def _way(v: Values) -> Array:
     return np.stack([np.copysign(v.ratio_real, v.real), np.copysign(v.ratio_imag, v.imag)], axis=1)
 
 
-def _region(e: Evaluation, x: Compared) -> tuple[Region | None, Array]:
+def _region(e: Evaluation, x: Compared) -> tuple[RegionLayer | None, Array]:
     """One region about 0, where H_env is real and 1, and its corners."""
     at, criteria = (
         float(x.crossing.omega if x.crossing else e.chart.points[-1].omega),
@@ -945,7 +947,7 @@ def _region(e: Evaluation, x: Compared) -> tuple[Region | None, Array]:
         )  # H_env has no size there
         return None, np.array([-widths, widths])
     around = outline(criteria, tip, at, 1.0 if criteria[0].joint else None)
-    return Region(around, filled=False, about=(tip, size)), (around.corners - tip) / size
+    return RegionLayer(around, filled=False, about=(tip, size)), (around.corners - tip) / size
 
 
 # The bandwidth over a threshold that has a range.
@@ -960,7 +962,7 @@ class _Ranged(NamedTuple):
     label: str
 
 
-def bandwidths(e: Evaluation) -> Chart:
+def bandwidths(e: Evaluation) -> Panel:
     """The bandwidth over the threshold: dots at the proven ends; at a jump a dot for what is
     attained, a ring for what is not.
 
@@ -994,14 +996,14 @@ def bandwidths(e: Evaluation) -> Chart:
         ]
     )
     layers = [
-        Curve(c, omega, label="bandwidth"),
+        Polyline(c, omega, label="bandwidth"),
         *_jumps(e.bandwidths, moving.unit),
         *nominal,
         Mark([max(low, c[0]), high], ends, look={"zorder": 3}),
     ]
     margin, top = 0.03 * (high - low), 1.06 * float(np.nanmax(omega))
     upright = replace(frequency(e.scene.frequency, (0, top)), label="bandwidth")
-    return Chart(layers, Axis(moving.label, ends=(low - margin, high + margin)), upright)
+    return Panel(layers, DrawnAxis(moving.label, ends=(low - margin, high + margin)), upright)
 
 
 def _ranged(e: Evaluation) -> _Ranged:
@@ -1050,7 +1052,7 @@ def _jumps(found: Bandwidths, unit: float) -> list[Layer]:
     made: list[Layer] = []
     for jump in found.jumps:
         at, low, high = unit * float(jump.threshold or 0), float(jump.low), float(jump.high)
-        dotted = Curve(
+        dotted = Polyline(
             [at, at],
             [low, high],
             pen.GREY,

@@ -18,14 +18,14 @@ from haptisym.figures.evaluation import REGIONS
 from haptisym.figures.files import Drawings, drawings_of, sheet
 from haptisym.figures.layers import (
     Above,
-    Axis,
-    Band,
-    Chart,
-    Curve,
+    DrawnAxis,
+    Intervals,
     Layer,
     Limit,
     Mark,
     On,
+    Panel,
+    Polyline,
     Words,
     frequency,
 )
@@ -50,7 +50,7 @@ _BROAD = 16
 
 def worst(
     w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str, Array]] | None = None
-) -> Chart:
+) -> Panel:
     """One ratio of each environment as a thin line, the largest as a thick one, the limiting
     environments in colour.
 
@@ -71,7 +71,7 @@ def worst(
         color, stroke = looks.get(name, (pen.GREY, pen.SOLID))
         label, width = (f"limited by {name}", 1.1) if name in looks else ("others", 0.6)
         lines.append(
-            Curve(
+            Polyline(
                 omega,
                 ratio,
                 color,
@@ -87,16 +87,16 @@ def worst(
             Mark([float(x.omega)], [c], looks[x.environment][0], size=3.8, look=look, styled=True)
         )
     layers = [
-        Curve(omega, envelope, width=2.2, label="largest", styled=False, look=_ENVELOPE),
+        Polyline(omega, envelope, width=2.2, label="largest", styled=False, look=_ENVELOPE),
         *lines,
         *marks,
         Limit(c, stroke=pen.DOTTED, label="threshold"),
-        Band([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
+        Intervals([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
     ]
     finite = envelope[np.isfinite(envelope)]
     top = min(max(1.08 * float(finite.max(initial=0.0)), 1.6 * c), 4 * c)
     axis = frequency(w.family.frequency, (float(omega[0]), float(omega[-1])))
-    return Chart(layers, axis, Axis(name_of(criterion), ends=(0, top)), height=1.3)
+    return Panel(layers, axis, DrawnAxis(name_of(criterion), ends=(0, top)), height=1.3)
 
 
 _ENVELOPE = {"alpha": 0.35, "zorder": 2, "solid_capstyle": "butt"}
@@ -130,10 +130,10 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     quiet = [
         replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others
     ]
-    return sheet(Chart([*first.layers, above], first.x, first.y, first.height), *quiet)
+    return sheet(Panel([*first.layers, above], first.x, first.y, first.height), *quiet)
 
 
-def regions(w: FamilyEvaluation) -> Chart:
+def regions(w: FamilyEvaluation) -> Panel:
     """A row for each environment and one for all together; a mark for the bandwidth that each
     region gives.
 
@@ -167,8 +167,8 @@ def regions(w: FamilyEvaluation) -> Chart:
     layers.append(Limit(len(names) - 1.5, width=0.5))
     rows = [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names]
     axis = frequency(w.family.frequency, (low, high))
-    axis = Axis("bandwidth", axis.unit, axis.ends, axis.dimension)
-    return Chart(layers, axis, Axis(names=rows), height=0.6 + 0.36 * len(names))
+    axis = DrawnAxis("bandwidth", axis.unit, axis.ends, axis.dimension)
+    return Panel(layers, axis, DrawnAxis(names=rows), height=0.6 + 0.36 * len(names))
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,7 @@ FAMILY = Drawings[FamilyEvaluation](
 )
 
 
-def one_of(many: FamilyAnswers) -> Chart:
+def one_of(many: FamilyAnswers) -> Panel:
     """Axes show one answer: NothingToDrawError names the ways out."""
     raise NothingToDrawError(
         f"ax: several environments are a sheet: use figure(), or plot one of "

@@ -22,7 +22,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from haptisym.figures import pen
-from haptisym.figures.layers import Chart, draw, fill, frame
+from haptisym.figures.layers import Panel, draw, fill, frame
 from haptisym.figures.pen import UNDATED, checked
 from haptisym.kernel.errors import NothingToDrawError, meant
 from haptisym.model.files import replacing
@@ -43,7 +43,7 @@ class Drawings(Generic[A]):
 
     def __init__(
         self,
-        kinds: Mapping[str, Callable[[A], Chart]],
+        kinds: Mapping[str, Callable[[A], Panel]],
         sheets: Mapping[str, Callable[[A], Figure]] | None = None,
     ) -> None:
         self.kinds = dict(kinds)
@@ -128,7 +128,7 @@ def _axes() -> Axes:
 # Sheets.
 
 
-def sheet(*charts: Chart, wide: bool = False, joined: bool = True) -> Figure:
+def sheet(*charts: Panel, wide: bool = False, joined: bool = True) -> Figure:
     """Charts above each other, each of its height without its legend; one with equal scales takes
     the height that it needs.
 

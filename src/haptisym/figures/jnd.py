@@ -11,19 +11,19 @@ from matplotlib.artist import Artist
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings
-from haptisym.figures.layers import Axis, Chart, Curve, Layer, Mark, Note, On, Words, dots
+from haptisym.figures.layers import DrawnAxis, Layer, Mark, Note, On, Panel, Polyline, Words, dots
 from haptisym.verbs.jnd.entry import Psychometric, PublishedThresholds
 
 _LEAST, _MOST = 3.0, 7.0
 """Points: the diameters of the dots of the fewest and of the most answers."""
 
 
-def answers(p: Psychometric) -> Chart:
+def answers(p: Psychometric) -> Panel:
     """Dots for the shares of the answers, larger where there are more, and the curve; for the first
     on the axes the JND, too."""
     rows, (low, high) = p.answers.rows, _reach(p)
     level = np.linspace(low, high, 400)
-    curve = Curve(level, p.fit.curve(level), pen.BLUE, label="fitted curve", look={"zorder": 2})
+    curve = Polyline(level, p.fit.curve(level), pen.BLUE, label="fitted curve", look={"zorder": 2})
     most = max(x.trials for x in rows)
     rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5, "zorder": 3}
     shares = [
@@ -39,12 +39,12 @@ def answers(p: Psychometric) -> Chart:
     ]
     told = Words(label="answers", look=dots(5, color=pen.BLUE))
     note = [Note("the curve does not fit these answers")] if p.deviance.fits is False else []
-    upright = Axis(
+    upright = DrawnAxis(
         "share of right answers" if p.asked.alternatives else "share of “more”", ends=(-0.03, 1.03)
     )
-    return Chart(
+    return Panel(
         [curve, *shares, told, *_jnd(p, low), *note],
-        Axis("level", ends=(low, high)),
+        DrawnAxis("level", ends=(low, high)),
         upright,
         height=2.3,
     )
@@ -63,7 +63,7 @@ def _reach(p: Psychometric) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class _First(Curve):
+class _First(Polyline):
     """A line of the first answers on the axes alone."""
 
     styled: bool = field(default=False, kw_only=True)
@@ -114,18 +114,18 @@ def _jnd(p: Psychometric, low: float) -> list[Layer]:
     return made
 
 
-def published(found: PublishedThresholds) -> Chart:
+def published(found: PublishedThresholds) -> Panel:
     """A bar for each threshold that a scene can take, from its least to its largest fraction."""
     rows = [x for x in found if not x.apart]
     style = {"marker": "o", "markersize": 3.5}
     bars = [
-        Curve([100 * float(x.low), 100 * float(x.high)], [i, i], look=style)
+        Polyline([100 * float(x.low), 100 * float(x.high)], [i, i], look=style)
         for i, x in enumerate(rows)
     ]
-    return Chart(
+    return Panel(
         bars,
-        Axis("just-noticeable difference (%)"),
-        Axis(names=[x.name for x in rows]),
+        DrawnAxis("just-noticeable difference (%)"),
+        DrawnAxis(names=[x.name for x in rows]),
         height=0.5 + 0.16 * len(rows),
     )
 

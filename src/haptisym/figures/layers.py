@@ -1,8 +1,8 @@
 """A figure as a list of layers on axes that it is given: curves, marks, bands, limits, grounds,
 arrows and words.
 
-A ``Chart`` says what is seen: its layers from back to front, and what is along its two axes.
-Numbers are in SI and rad/s; an ``Axis`` has the unit in which they are drawn, which is the scene's.
+A ``Panel`` says what is seen: its layers from back to front, and what is along its two axes.
+Numbers are in SI and rad/s; an ``DrawnAxis`` has the unit in which they are drawn, which is the scene's.
 ``draw`` puts a chart on axes of matplotlib, and alone decides what a second scene on the same axes
 looks like: the next colour, a label behind each entry of the legend, bars at the top in place of
 grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
@@ -44,7 +44,7 @@ Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Axis:
+class DrawnAxis:
     """What is along an axis: a symbol, the unit in which it is drawn, from where to where (SI); how
     it is divided.
 
@@ -72,7 +72,7 @@ class Axis:
     def text(self) -> str:
         """The label with the unit.
 
-        >>> frequency(Unit("rad/s")).text, Axis("$m$", Unit("kg*m^2")).text
+        >>> frequency(Unit("rad/s")).text, DrawnAxis("$m$", Unit("kg*m^2")).text
         ('$\\\\omega$ (rad/s)', '$m$ (kg·m²)')
         """
         return f"{self.label} ({self.unit.text})".strip() if self.unit.name else self.label
@@ -86,14 +86,16 @@ class Axis:
         return f"{number(float(self.of(value)), digits)} {self.unit.text}".strip()
 
 
-def frequency(unit: Unit, ends: Span | None = None) -> Axis:
+def frequency(unit: Unit, ends: Span | None = None) -> DrawnAxis:
     """An axis of frequencies in the scene's unit; ``ends`` : rad/s."""
-    return Axis(r"$\omega$" if unit == RADIANS else "frequency", unit, ends, Dimension.FREQUENCY)
+    return DrawnAxis(
+        r"$\omega$" if unit == RADIANS else "frequency", unit, ends, Dimension.FREQUENCY
+    )
 
 
-def parameter(x: Parameter, name: str = "", ends: Span | None = None) -> Axis:
+def parameter(x: Parameter, name: str = "", ends: Span | None = None) -> DrawnAxis:
     """An axis of a parameter in the unit in which the scene gives it."""
-    return Axis(
+    return DrawnAxis(
         f"${formula(Symbol(name or x.symbol.name))}$", x.shown_unit(x.motion), ends, x.dimension
     )
 
@@ -106,13 +108,13 @@ class Moving(Protocol):
         """Which of both; None where nothing tells it."""
 
 
-def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> Axis:
+def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> DrawnAxis:
     """An axis of dynamics, in thousands or millions of its unit where numbers are large."""
     unit = Unit("N*m/rad") if scene.motion is MotionKind.ROTATION else Unit("N/m")
-    return Axis(f"${name}$", unit, ends, large=True)
+    return DrawnAxis(f"${name}$", unit, ends, large=True)
 
 
-def _kept_unit(axis: Axis, text: str) -> Axis:
+def _kept_unit(axis: DrawnAxis, text: str) -> DrawnAxis:
     """The axis in the unit that stands in the label of one that is there already, where that is of
     the same kind."""
     found = re.search(r"\(([^()]+)\)$", text)
@@ -182,7 +184,7 @@ def thin(ax: Axes) -> None:
         spine.set(linewidth=0.5, color=pen.GREY)
 
 
-def _dress(ax: Axes, which: str, axis: Axis) -> None:
+def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
     """Limits, numbers and label of one axis."""
     own = getattr(ax, f"{which}axis")
     if axis.names:
@@ -229,8 +231,8 @@ class On:
     """
 
     ax: Axes
-    x: Axis
-    y: Axis
+    x: DrawnAxis
+    y: DrawnAxis
     number: int = 0
     color: str = pen.INK
     given: bool = False
@@ -265,7 +267,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Curve(Layer):
+class Polyline(Layer):
     """A line through places."""
 
     x: Any
@@ -310,7 +312,7 @@ class Mark(Layer):
 
 
 @dataclass(frozen=True)
-class Band(Layer):
+class Intervals(Layer):
     """Some intervals along the axis: a ground, or bars at the top for a further scene.
 
     ``firm`` : the ground of a further scene, too.
@@ -409,7 +411,7 @@ class Ground(Layer):
 
 
 @dataclass(frozen=True)
-class Discs(Layer):
+class DrawnDiscs(Layer):
     """A disc about each point of the plane whose radius is known."""
 
     centres: Any
@@ -446,7 +448,7 @@ class Discs(Layer):
 
 
 @dataclass(frozen=True)
-class Shape(Layer):
+class PatchLayer(Layer):
     """A patch of matplotlib, as it is."""
 
     patch: Patch
@@ -543,7 +545,7 @@ _ABOVE = "_above"
 
 
 @dataclass(frozen=True)
-class Chart:
+class Panel:
     """What is seen on one pair of axes: layers from back to front, and what is along the axes.
 
     ``height`` : inches of a sheet; ``equal`` : scales both ways, where that leaves a drawing;
@@ -551,8 +553,8 @@ class Chart:
     """
 
     layers: Sequence[Layer]
-    x: Axis = field(default_factory=Axis)
-    y: Axis = field(default_factory=Axis)
+    x: DrawnAxis = field(default_factory=DrawnAxis)
+    y: DrawnAxis = field(default_factory=DrawnAxis)
     height: float = 2.1
     equal: bool = False
     title: str = ""
@@ -563,7 +565,7 @@ _GROUP = "haptisym-"
 
 
 def draw(
-    ax: Axes, chart: Chart, *, color: str | None = None, label: str = "", **style: Any
+    ax: Axes, chart: Panel, *, color: str | None = None, label: str = "", **style: Any
 ) -> list[Any]:
     """Draw a chart on axes, on those of scenes before it; the artists that take ``style``, which
     are its curves where it has any.
@@ -572,15 +574,15 @@ def draw(
 
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
-    >>> [line] = draw(ax, Chart([Curve([0, 1], [2, 3], label="a line"), Limit(2.5, label="limit", shared=True)]), label="one")
-    >>> [line] = draw(ax, Chart([Curve([0, 2], [5, 3], label="a line"), Limit(2.5, label="limit", shared=True)]))
+    >>> [line] = draw(ax, Panel([Polyline([0, 1], [2, 3], label="a line"), Limit(2.5, label="limit", shared=True)]), label="one")
+    >>> [line] = draw(ax, Panel([Polyline([0, 2], [5, 3], label="a line"), Limit(2.5, label="limit", shared=True)]))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['a line, one', 'limit', 'a line (2)']
     """
     return fill(frame(ax, chart, color=color, label=label), chart, **style)
 
 
-def frame(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "") -> On:
+def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") -> On:
     """Limits, numbers and labels of the axes; for layers to be drawn on."""
     marks = (str(x.get_gid()) for x in ax.get_children())
     number = len({x.partition(".")[0] for x in marks if x.startswith(_GROUP)})
@@ -606,7 +608,7 @@ def frame(ax: Axes, chart: Chart, *, color: str | None = None, label: str = "") 
     )
 
 
-def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
+def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
     """The layers of a chart on axes that are framed, and the legend."""
     ax, before = on.ax, set(on.ax.get_children())
     handles, styled, every = list[Artist](), list[Artist](), list[Artist]()
@@ -632,7 +634,7 @@ def fill(on: On, chart: Chart, **style: Any) -> list[Any]:
     return styled or every
 
 
-def _refit(on: On, chart: Chart, rest: tuple[Span, Span]) -> None:
+def _refit(on: On, chart: Panel, rest: tuple[Span, Span]) -> None:
     """What found its own limits: those of scenes before stay in sight, and large numbers get their
     unit."""
     for which, axis, (low, high) in (("x", chart.x, rest[0]), ("y", chart.y, rest[1])):

@@ -19,15 +19,15 @@ from haptisym.figures import pen
 from haptisym.figures.evaluation import Matched, changes, plane, short_thirds
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
-    Discs,
+    DrawnAxis,
+    DrawnDiscs,
     Layer,
     Limit,
     Mark,
     On,
     Origin,
+    Panel,
+    Polyline,
     Words,
     dots,
     force_per_position,
@@ -40,8 +40,8 @@ from haptisym.model.measured import Measurement
 from haptisym.model.quantities import Dimension, Unit, quantity
 from haptisym.programs.values import Array
 from haptisym.verbs.identify.entry import Identification
-from haptisym.verbs.identify.fitting import Curve as Fitted
-from haptisym.verbs.measured.entry import Cells, MeasuredEvaluation, Swept
+from haptisym.verbs.identify.fitting import WantedResponse as Fitted
+from haptisym.verbs.measured.entry import BetweenLines, BoundedLines, MeasuredEvaluation
 from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
 
 _MOST_LINES, _MOST_POINTS = 800, 6000
@@ -90,7 +90,7 @@ def unit_of(omega: Array) -> Unit:
     )
 
 
-def _along(omega: Array, unit: Unit, margin: float = 0.03) -> Axis:
+def _along(omega: Array, unit: Unit, margin: float = 0.03) -> DrawnAxis:
     """The axis of measured frequencies, logarithmic where they span decades."""
     low, high = float(omega[0]), float(omega[-1])
     room = margin * (high - low) or 0.5 * high or 1.0
@@ -101,7 +101,7 @@ def _along(omega: Array, unit: Unit, margin: float = 0.03) -> Axis:
         else (max(low - room, 0.0 if low == 0 else 0.5 * low), high + room)
     )
     axis = frequency(unit, ends)
-    return Axis(axis.label, unit, ends, Dimension.FREQUENCY, log=is_log)
+    return DrawnAxis(axis.label, unit, ends, Dimension.FREQUENCY, log=is_log)
 
 
 def _codes_of(e: MeasuredEvaluation, part: Part) -> Any:
@@ -116,7 +116,7 @@ def _disc_words(confidence: float) -> str:
 # The plane of dynamics, and that of changes.
 
 
-def nyquist(e: MeasuredEvaluation) -> Chart:
+def nyquist(e: MeasuredEvaluation) -> Panel:
     """H_env and the measured H_perc in the complex plane, a disc around each point, in the colour
     of its verdict.
 
@@ -153,7 +153,7 @@ def nyquist(e: MeasuredEvaluation) -> Chart:
         else []
     )
     layers += [*disc, _matched(e, env, felt, drawn), *_left_out(len(drawn), len(e))]
-    return Chart(layers, *plane(e.scene, x, y), height=2.6, equal=True)
+    return Panel(layers, *plane(e.scene, x, y), height=2.6, equal=True)
 
 
 def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matched:
@@ -176,10 +176,10 @@ def _unit(e: MeasuredEvaluation) -> Unit:
     return e.scene.frequency if e.scene.band else unit_of(e.lines.omega)
 
 
-def _seen_discs(centres: Any, radii: Any, color: str, least: float) -> list[Discs]:
+def _seen_discs(centres: Any, radii: Any, color: str, least: float) -> list[DrawnDiscs]:
     """Discs that are larger than their marks."""
     seen = np.isfinite(radii) & (radii > least)
-    return [Discs(centres[seen], radii[seen], color)] if seen.any() else []
+    return [DrawnDiscs(centres[seen], radii[seen], color)] if seen.any() else []
 
 
 def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]:
@@ -194,7 +194,7 @@ def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]
     omega = np.union1d(np.linspace(x.omega[0], x.omega[-1], 801), x.omega[drawn])
     values = e.scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(omega)
     return [
-        Curve(values.environment_real, values.environment_imag, label=label, look={"zorder": 2})
+        Polyline(values.environment_real, values.environment_imag, label=label, look={"zorder": 2})
     ]
 
 
@@ -208,7 +208,7 @@ def _frame(points: Any, radius: Any) -> tuple[tuple[float, float], tuple[float, 
     return (a, b), (c, d)
 
 
-def measured_plane(e: MeasuredEvaluation) -> Chart:
+def measured_plane(e: MeasuredEvaluation) -> Panel:
     """dH/|H_env| of each point with its disc, and the region, where that is the same at all.
 
     NothingToDrawError where the region judges each part by itself.
@@ -232,7 +232,7 @@ def measured_plane(e: MeasuredEvaluation) -> Chart:
         if threshold.is_constant
         else []
     )
-    return Chart([*layers, *border], *changes(reach), height=2.8, equal=True)
+    return Panel([*layers, *border], *changes(reach), height=2.8, equal=True)
 
 
 @dataclass(frozen=True)
@@ -320,7 +320,7 @@ class _Dots(Layer):
 _SYMBOLS = {Part.REAL: r"$r_\mathrm{r}$", Part.IMAG: r"$r_\mathrm{i}$"}
 
 
-def ratios(e: MeasuredEvaluation) -> Chart:
+def ratios(e: MeasuredEvaluation) -> Panel:
     """r_r and r_i at the measured frequencies, a bar as far as each disc reaches, and the
     thresholds.
 
@@ -350,8 +350,8 @@ def ratios(e: MeasuredEvaluation) -> Chart:
     )
     swept = _swept(e) if e.scene.slopes else []
     layers = [*marks, *unresolved, *bars, *swept, *_thresholds(e), *_left_out(len(drawn), len(e))]
-    return Chart(
-        layers, _along(omega, _unit(e)), Axis(r"ratio to $|H_\mathrm{env}|$", ends=(0, top))
+    return Panel(
+        layers, _along(omega, _unit(e)), DrawnAxis(r"ratio to $|H_\mathrm{env}|$", ends=(0, top))
     )
 
 
@@ -369,7 +369,7 @@ def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
                 Limit(float(c), stroke=stroke, label=f"${name} = {float(c):.3g}$", shared=True)
             )
         else:
-            curve = Curve(
+            curve = Polyline(
                 omega,
                 values_of(c, omega),
                 pen.GREY,
@@ -397,7 +397,7 @@ def _top(e: MeasuredEvaluation, radius: Any) -> float:
 
 def _swept(e: MeasuredEvaluation) -> list[Layer]:
     """The ratios that swept discs leave possible, as a band for each part."""
-    swept = Swept(e.scene, e.lines)
+    swept = BoundedLines(e.scene, e.lines)
     gaps = np.flatnonzero(~swept.contradicted)
     steps = min(25, _MOST_POINTS // max(1, len(gaps)))
     if not len(gaps) or steps < 3:
@@ -405,7 +405,7 @@ def _swept(e: MeasuredEvaluation) -> list[Layer]:
     share = np.append(np.linspace(0, 1, steps), 1.0)
     low, high = swept.omega[gaps, None], swept.omega[gaps + 1, None]
     omega = (low + (high - low) * share).ravel()
-    found = list(swept.lines(Cells(np.repeat(gaps, len(share)), omega, omega)))
+    found = list(swept.lines(BetweenLines(np.repeat(gaps, len(share)), omega, omega)))
     drawn = np.tile(np.append(np.ones(steps, bool), False), len(gaps))  # a break after each gap
     made: list[Layer] = []
     for part in Part:
@@ -464,7 +464,7 @@ _MANY = 8000
 """Lines that show the course of the model by themselves."""
 
 
-def magnitude(a: Identification) -> Chart:
+def magnitude(a: Identification) -> Panel:
     """``|H|`` of the model as a curve, and of the points with the reach of their discs."""
     drawn, (omega, model) = _thinned(len(a.fit.lines)), _model(a)
     at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
@@ -491,19 +491,19 @@ def magnitude(a: Identification) -> Chart:
     ]
     upright = force_per_position("|H|", a, ends)
     layers = [
-        Curve(omega, np.abs(model), pen.RED, label="model", look={"zorder": 3}),
+        Polyline(omega, np.abs(model), pen.RED, label="model", look={"zorder": 3}),
         *(bars if share.max() > 2 * _SEEN else []),
         Mark(at, size, pen.BLUE, size=2.4, label="measured", styled=True, look={"zorder": 2}),
     ]
-    return Chart(
+    return Panel(
         layers,
         _along(at, unit_of(at)),
-        Axis(upright.label, upright.unit, ends, log=is_log, large=True),
+        DrawnAxis(upright.label, upright.unit, ends, log=is_log, large=True),
         height=1.5,
     )
 
 
-def phase(a: Identification) -> Chart:
+def phase(a: Identification) -> Panel:
     """The phase of both, degrees, without jumps."""
     drawn, (omega, model) = _thinned(len(a.fit.lines)), _model(a)
     at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
@@ -521,19 +521,19 @@ def phase(a: Identification) -> Chart:
         else []
     )
     layers = [
-        Curve(omega, np.degrees(angle), pen.RED, look={"zorder": 3}),
+        Polyline(omega, np.degrees(angle), pen.RED, look={"zorder": 3}),
         *bars,
         Mark(at, own, pen.BLUE, size=2.4, styled=True, look={"zorder": 2}),
     ]
-    return Chart(
+    return Panel(
         layers,
         _along(at, unit_of(at)),
-        Axis("phase (deg)", ends=(least - room, most + room)),
+        DrawnAxis("phase (deg)", ends=(least - room, most + room)),
         height=1.1,
     )
 
 
-def residuals(a: Identification) -> Chart:
+def residuals(a: Identification) -> Panel:
     """Measured less model, real and imaginary part, in units of their standard error, between lines
     at plus and minus 2."""
     drawn = _thinned(len(a.fit.lines))
@@ -560,8 +560,8 @@ def residuals(a: Identification) -> Chart:
             look=look,
         ),
     ]
-    return Chart(
-        layers, _along(at, unit_of(at)), Axis("residual / error", ends=(-top, top)), height=1.0
+    return Panel(
+        layers, _along(at, unit_of(at)), DrawnAxis("residual / error", ends=(-top, top)), height=1.0
     )
 
 

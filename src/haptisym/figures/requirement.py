@@ -25,16 +25,16 @@ from haptisym.figures.curves import judged, limit_of
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
     UNDECIDED,
-    Axis,
-    Band,
-    Chart,
-    Curve,
+    DrawnAxis,
     Ground,
+    Intervals,
     Layer,
     Limit,
     Mark,
     Note,
     On,
+    Panel,
+    Polyline,
     Words,
     handle,
     parameter,
@@ -48,7 +48,7 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.parameters import values
 from haptisym.model.scene import Knob
 from haptisym.programs.values import Array, Values
-from haptisym.verbs.require.classical import Line
+from haptisym.verbs.require.classical import StiffnessBound
 from haptisym.verbs.require.designmap import DesignMap, common
 from haptisym.verbs.require.required import Requirement
 
@@ -74,20 +74,22 @@ def _look_of(x: Criterion) -> _Look:
 # One parameter.
 
 
-def requirement(found: Requirement) -> Chart:
+def requirement(found: Requirement) -> Panel:
     """The largest r/c over the band against the parameter, sampled; the exact feasible set in grey,
     its ends as dots.
 
     >>> from haptisym import load_scene, require
     >>> chart = requirement(require(load_scene("fu2019"), "omega_n"))
-    >>> [layer.label for layer in chart.layers if isinstance(layer, Curve)], chart.x.text
+    >>> [layer.label for layer in chart.layers if isinstance(layer, Polyline)], chart.x.text
     (['real part', 'imaginary part'], '$\\\\omega_n$ (rad/s)')
     """
     low, high = _window(found)
     t = np.linspace(low, high, _VALUES + 1)[1:]
     curves = _worst(found, t)
     lines = [
-        Curve(t, curves[x], *_look_of(x)[:2], label=x.words) for x in found.criteria if x in curves
+        Polyline(t, curves[x], *_look_of(x)[:2], label=x.words)
+        for x in found.criteria
+        if x in curves
     ]
     ends = [float(end.value) for end in found.ends]
     marks = Mark(ends, [1.0] * len(ends), label="ends, proven")
@@ -96,7 +98,7 @@ def requirement(found: Requirement) -> Chart:
     top = (
         max([3.0, *(1.5 * x for x in lowest if x < np.inf)]) if lines else 2.0
     )  # each curve is seen somewhere
-    upright = Axis("worst case on the band, $r/c$" if lines else "", ends=(0, top))
+    upright = DrawnAxis("worst case on the band, $r/c$" if lines else "", ends=(0, top))
     layers = [
         *lines,
         *threshold,
@@ -104,7 +106,7 @@ def requirement(found: Requirement) -> Chart:
         marks,
         *([] if lines else [_Unnumbered()]),
     ]
-    return Chart(layers, parameter(found.free, found.free.name, (low, high)), upright, height=2.3)
+    return Panel(layers, parameter(found.free, found.free.name, (low, high)), upright, height=2.3)
 
 
 @dataclass(frozen=True)
@@ -122,9 +124,12 @@ def _set(found: Requirement, low: float, high: float) -> list[Layer]:
     word = " and ".join(found.that)
     spans = [_limits(piece, low, high) for piece in found.feasible]
     none = f"no value is {word if found.certified else f'proven {word}'}"
-    made: list[Layer] = [Band(spans, label=word)] if spans else [Words(label=none)]
+    made: list[Layer] = [Intervals(spans, label=word)] if spans else [Words(label=none)]
     left = [_visible(*_limits(piece, low, high), high - low) for piece in found.undecided]
-    return [*made, *([Band(left, label="undecided", firm=True, look=UNDECIDED)] if left else [])]
+    return [
+        *made,
+        *([Intervals(left, label="undecided", firm=True, look=UNDECIDED)] if left else []),
+    ]
 
 
 _STRIP = 0.012
@@ -271,7 +276,7 @@ class _Plane:
             y += [float(cells[:, 1, 0].min()), float(cells[:, 1, 1].max())]
         return _around(x, (a, b)), _around(y, (low, high))
 
-    def axes(self) -> tuple[Axis, Axis]:
+    def axes(self) -> tuple[DrawnAxis, DrawnAxis]:
         """Of both parameters."""
         one, other = (
             parameter(x, x.name, ends) for x, ends in zip(self.found.free, self.window, strict=True)
@@ -467,7 +472,7 @@ _FILL = {
 }
 
 
-def slices(found: DesignMap) -> Chart:
+def slices(found: DesignMap) -> Panel:
     """The transparent region: each exact slice as an upright stroke with marks where it ends, by
     what limits there.
 
@@ -508,7 +513,7 @@ def slices(found: DesignMap) -> Chart:
         *note,
     ]
     x, y = plane.axes()
-    return Chart(layers, x, y, height=2.6)
+    return Panel(layers, x, y, height=2.6)
 
 
 @dataclass(frozen=True)
@@ -588,7 +593,7 @@ def boundary(found: DesignMap, width: float = 0.6) -> list[Layer]:
     for (at, ends), binding in _joins(plane):
         look = _look_of(binding.criterion)
         made.append(
-            Curve(at, ends, look.color, look.stroke, width, styled=False, look={"zorder": 2})
+            Polyline(at, ends, look.color, look.stroke, width, styled=False, look={"zorder": 2})
         )
     places: dict[tuple[Criterion, Kind], list[Pair]] = {}
     for x in found.slices:
@@ -617,7 +622,7 @@ def _joins(plane: _Plane) -> Iterator[tuple[Join, Binding]]:
                 yield (at, pair), one.bindings[0]
 
 
-def wishes(found: DesignMap) -> Chart:
+def wishes(found: DesignMap) -> Panel:
     """What was asked, each set along its exact slices in its own colour, and what they have in
     common on a grey ground.
 
@@ -639,7 +644,7 @@ def wishes(found: DesignMap) -> Chart:
     for line, stroke in zip(found.lines, _STROKES, strict=False):
         layers += _classical(plane, line, stroke)
     x, y = plane.axes()
-    return Chart(layers, x, y, height=2.8)
+    return Panel(layers, x, y, height=2.8)
 
 
 def _is_proven(found: DesignMap, name: str) -> bool:
@@ -677,7 +682,7 @@ def _outlined(plane: _Plane, rows: Rows, look: tuple[str, str]) -> list[Layer]:
     if not (ends or joins):
         return [Words(label=f"{name}: ends on no slice")]
     lines = [
-        Curve(at, pair, color, width=0.9, styled=False, look={"zorder": 2}) for at, pair in joins
+        Polyline(at, pair, color, width=0.9, styled=False, look={"zorder": 2}) for at, pair in joins
     ]
     marks = Mark([x for x, _ in ends], [y for _, y in ends], color, size=1.8, look={"zorder": 3})
     key = {"color": color, "linestyle": "-", "linewidth": 0.9, "marker": "o", "markersize": 2.2}
@@ -690,7 +695,7 @@ def _paler(i: int, count: int) -> str:
     return to_hex((r, g, b))
 
 
-def _classical(plane: _Plane, line: Line, stroke: Any) -> list[Layer]:
+def _classical(plane: _Plane, line: StiffnessBound, stroke: Any) -> list[Layer]:
     """Where a classical bound is met, by its sign on a grid: drawn, not proven."""
     if line.where:
         return _at_an_edge(plane, line)
@@ -723,7 +728,7 @@ class _Contour(Layer):
         return [handle(pen.INK, self.stroke, "", 0.9)]
 
 
-def _at_an_edge(plane: _Plane, line: Line) -> list[Layer]:
+def _at_an_edge(plane: _Plane, line: StiffnessBound) -> list[Layer]:
     """A bound that is defined at one value of one parameter alone: a mark where it is met there, if
     the map reaches there."""
     [(path, value)] = line.where
@@ -749,14 +754,14 @@ def _at_an_edge(plane: _Plane, line: Line) -> list[Layer]:
     ]
 
 
-def _finite(line: Line, at: Mapping[str, float]) -> float:
+def _finite(line: StiffnessBound, at: Mapping[str, float]) -> float:
     try:
         return float(line.excess(dict(at)))
     except ZeroDivisionError:
         return float("nan")
 
 
-def design_map(found: DesignMap) -> Chart:
+def design_map(found: DesignMap) -> Panel:
     """A map of two parameters; of several things or thresholds asked, each set for itself and what
     they have in common."""
     return wishes(found) if found.that != ("transparent",) or found.thresholds else slices(found)

@@ -13,14 +13,14 @@ from matplotlib.artist import Artist
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
+    DrawnAxis,
     Layer,
     Limit,
     Mark,
     On,
     Origin,
+    Panel,
+    Polyline,
     force_per_position,
     frequency,
 )
@@ -45,7 +45,7 @@ def _middle(found: Runs) -> Simulation:
     return found.runs[len(found.runs) // 2]
 
 
-def in_time(runs: Runs) -> Chart:
+def in_time(runs: Runs) -> Panel:
     """Force at the hand over the last periods of a run, the motion of the hand (axis at the right),
     limits of the force.
 
@@ -63,14 +63,14 @@ def in_time(runs: Runs) -> Chart:
     length = _length(reach, "rad" if run.scene.motion is MotionKind.ROTATION else "m")
     limits = _saturated(run)
     layers = [
-        Curve(time, force, width=1.0, label="force", look={"zorder": 3}),
+        Polyline(time, force, width=1.0, label="force", look={"zorder": 3}),
         Origin(level=True),
         _Motion(time, motion, most / reach, length, label="motion"),
         *limits,
     ]
     high = 1.08 * max([most, *(abs(x.at) for x in limits if abs(x.at) < 3 * most)])
-    upright = Axis("force", _newton(run), (-high, high))
-    return Chart(layers, Axis("time", Unit("s"), (time[0], time[-1])), upright, height=2.0)
+    upright = DrawnAxis("force", _newton(run), (-high, high))
+    return Panel(layers, DrawnAxis("time", Unit("s"), (time[0], time[-1])), upright, height=2.0)
 
 
 def _saturated(run: Simulation) -> list[Limit]:
@@ -123,7 +123,7 @@ class _Motion(Layer):
         )
 
 
-def loop(runs: Runs) -> Chart:
+def loop(runs: Runs) -> Panel:
     """Force over displacement: at the hand, and what the environment alone would give.
 
     The environment's loop is that of H_env under the same motion of the hand, where the motion is a
@@ -137,8 +137,8 @@ def loop(runs: Runs) -> Chart:
     )
     layers = [
         Origin(),
-        Curve(_smooth(x), _smooth(force), pen.BLUE, label=name),
-        Curve(
+        Polyline(_smooth(x), _smooth(force), pen.BLUE, label=name),
+        Polyline(
             _smooth(run.displacement[part]),
             _smooth(run.force[part]),
             pen.RED,
@@ -147,10 +147,12 @@ def loop(runs: Runs) -> Chart:
         ),
         *_saturated(run),
     ]
-    return Chart(layers, Axis("displacement", length), Axis("force", _newton(run)), height=2.4)
+    return Panel(
+        layers, DrawnAxis("displacement", length), DrawnAxis("force", _newton(run)), height=2.4
+    )
 
 
-def recovered(runs: Runs, part: Part) -> Chart:
+def recovered(runs: Runs, part: Part) -> Panel:
     """Re or Im of H_perc over frequency: the closed form as a line, what was recovered from the
     force as rings.
 
@@ -168,7 +170,7 @@ def recovered(runs: Runs, part: Part) -> Chart:
     look = {"markeredgewidth": 0.9}
     layers = [
         Origin(level=True),
-        Curve(grid, curve, pen.RED, pen.DASHED, label="closed form"),
+        Polyline(grid, curve, pen.RED, pen.DASHED, label="closed form"),
         Mark(
             omegas,
             found,
@@ -181,7 +183,7 @@ def recovered(runs: Runs, part: Part) -> Chart:
     ]
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
     upright = force_per_position(rf"{name}\,H_\mathrm{{perc}}", scene, _limits(curve, found))
-    return Chart(
+    return Panel(
         layers, frequency(scene.frequency, (float(grid[0]), float(grid[-1]))), upright, height=2.0
     )
 
@@ -261,7 +263,7 @@ SIMULATION = Drawings[Runs](
 recovered."""
 
 
-def release(r: Release) -> Chart:
+def release(r: Release) -> Panel:
     """The motion over time, with the envelope of the closed form's rightmost pole where that is
     what was simulated.
 
@@ -275,11 +277,11 @@ def release(r: Release) -> Chart:
     end, places = _shown(r), np.linspace(0, 1, 12)
     time, x = finer(r.time, places), finer(r.hand_motion, places)
     inside = time <= end
-    motion = Curve(time[inside], x[inside], width=1.0, label="motion", look={"zorder": 3})
+    motion = Polyline(time[inside], x[inside], width=1.0, label="motion", look={"zorder": 3})
     most = 1.08 * float(np.abs(x[inside]).max())
     layers = [motion, Origin(level=True), *_envelope(r, time[inside], x[inside])]
-    upright = Axis("motion", _length(r.displacement, r.unit), (-most, most))
-    return Chart(layers, Axis("time", Unit("s"), (0, end)), upright, height=2.0)
+    upright = DrawnAxis("motion", _length(r.displacement, r.unit), (-most, most))
+    return Panel(layers, DrawnAxis("time", Unit("s"), (0, end)), upright, height=2.0)
 
 
 def _shown(r: Release) -> float:
@@ -300,7 +302,7 @@ def _envelope(r: Release, time: Array, x: Array) -> list[Layer]:
     signs = (1, -1) if r.closed.omega else (1,)
     label = "envelope of the closed form"
     return [
-        Curve(time, sign * height * shape, pen.RED, pen.DASHED, 0.9, label=label, shared=True)
+        Polyline(time, sign * height * shape, pen.RED, pen.DASHED, 0.9, label=label, shared=True)
         for sign in signs
     ]
 

@@ -23,16 +23,16 @@ from haptisym.figures import pen
 from haptisym.figures.curves import threshold_symbol, written
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
+    DrawnAxis,
     Ground,
     Layer,
     Limit,
     Mark,
     On,
+    Panel,
+    PatchLayer,
+    Polyline,
     Room,
-    Shape,
     Words,
     dots,
     frequency,
@@ -60,7 +60,7 @@ _NEAR = 20  # times that a critical value may be beyond the hands
 _KINDS = (Dimension.MASS, Dimension.DAMPING, Dimension.STIFFNESS)
 
 
-def hands(found: Stability) -> Chart:
+def hands(found: Stability) -> Panel:
     """The plane of the mass of the first hand; with a clock that of stiffness and damping of the
     wall, in the first hand.
 
@@ -69,7 +69,7 @@ def hands(found: Stability) -> Chart:
     return wall(found) if clocks(found.scene) else hand_plane(found)
 
 
-def wall(found: Stability) -> Chart:
+def wall(found: Stability) -> Panel:
     """Damping against stiffness of the wall that is rendered: a ground where it is not stable, with
     its unstable poles."""
     if not has_plane(found.scene):
@@ -105,10 +105,10 @@ def wall(found: Stability) -> Chart:
     ]
     x, y = parameter(k_knob, "", (0, k)), parameter(b_knob, "", (0, b))
     x = replace(x, label=f"stiffness of the wall, {x.label}")
-    return Chart(layers, x, replace(y, label=f"damping of the wall, {y.label}"), height=2.6)
+    return Panel(layers, x, replace(y, label=f"damping of the wall, {y.label}"), height=2.6)
 
 
-def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
+def hand_plane(found: Stability, hand: Hand | None = None) -> Panel:
     """Stiffness against damping of hands of one mass: a ground where the display is not stable,
     with its unstable poles.
 
@@ -130,16 +130,16 @@ def hand_plane(found: Stability, hand: Hand | None = None) -> Chart:
     )
     drawn = plane(found.scene, own, _window(found, [*asked, *shown]))
     layers = [*_boundary(drawn), *_grounds(drawn), *_ranges(asked), *_hands(asked, shown, drawn)]
-    return Chart(layers, *_axes(found.scene.motion, number(drawn.mass), drawn.window), height=2.6)
+    return Panel(layers, *_axes(found.scene.motion, number(drawn.mass), drawn.window), height=2.6)
 
 
-def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[Axis, Axis]:
+def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[DrawnAxis, DrawnAxis]:
     """Of a plane of hands of that mass."""
     unit, damping, stiffness = (x.unit(motion or MotionKind.TRANSLATION) for x in _KINDS)
     low, high, least, most = window
-    x = Axis(r"hand's stiffness $k_\mathrm{h}$", Unit(stiffness), (low, high))
+    x = DrawnAxis(r"hand's stiffness $k_\mathrm{h}$", Unit(stiffness), (low, high))
     x = replace(x, label=f"{x.label}, mass {mass} {unit_text(unit)}")
-    return x, Axis(r"hand's damping $b_\mathrm{h}$", Unit(damping), (least, most))
+    return x, DrawnAxis(r"hand's damping $b_\mathrm{h}$", Unit(damping), (least, most))
 
 
 def _window(found: Stability, shown: Iterable[Hand]) -> Window:
@@ -230,7 +230,7 @@ def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
         ((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any()
     )
     made: list[Layer] = [
-        Curve(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")
+        Polyline(drawn.k, drawn.b, pen.BLUE, label=label if is_here else f"{label} (elsewhere)")
     ]
     if drawn.at_0 is not None and low < drawn.at_0 < high:
         made.append(
@@ -250,7 +250,7 @@ def _ranges(asked: Iterable[Hand]) -> list[Layer]:
     """The rectangle of each hand with ranges of damping and stiffness."""
     style: dict[str, Any] = {"fill": False, "edgecolor": pen.INK, "linewidth": 0.9}
     return [
-        Shape(Rectangle((k, b), k_high - k, b_high - b, **style))
+        PatchLayer(Rectangle((k, b), k_high - k, b_high - b, **style))
         for (k, b), (k_high, b_high) in _corners(asked)
     ]
 
@@ -380,7 +380,7 @@ _COARSE = 2.0**-6
 _MOST = 100_000
 
 
-def held(a: Tolerances) -> Chart:
+def held(a: Tolerances) -> Panel:
     """Stiffness against damping of hands of the first one's mass: grounds where a display is stable
     for all values, and for none.
 
@@ -426,7 +426,7 @@ def held(a: Tolerances) -> Chart:
     lines = [] if sampled else _boundary(drawn, "nominal boundary")
     mass = " to ".join(number(float(x)) for x in own.m.interval or (own.m.value,))
     layers = [*grounds, *lines, *_ranges(asked), *_hands(asked, shown, drawn)]
-    return Chart(layers, *_axes(scene.motion, mass, window), height=2.6)
+    return Panel(layers, *_axes(scene.motion, mass, window), height=2.6)
 
 
 def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
@@ -458,7 +458,7 @@ def _held_window(listed: Sequence[Hand], *, sampled: bool) -> Window:
 _HEIGHT = 0.7
 
 
-def enclosures(a: Tolerances) -> Chart:
+def enclosures(a: Tolerances) -> Panel:
     """A row for each ratio: grey where it may cross, proven; dots for each drawn set of values; a
     stroke for the nominal ones.
 
@@ -490,10 +490,10 @@ def enclosures(a: Tolerances) -> Chart:
     low, high = (float(x) for x in a.box.scene.band)
     rows = [x.row for x in every if isinstance(x, _Row)]
     height = 1.5 if len(a.criteria) > 1 else 1.3
-    return Chart(
+    return Panel(
         [*every, *drawn, *nominal],
         frequency(a.box.scene.frequency, (low, high)),
-        Axis(names=rows),
+        DrawnAxis(names=rows),
         height=height,
     )
 

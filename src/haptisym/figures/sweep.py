@@ -24,13 +24,13 @@ from sympy import Symbol
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import (
-    Axis,
-    Chart,
-    Curve,
+    DrawnAxis,
     Layer,
     Limit,
     Mark,
     On,
+    Panel,
+    Polyline,
     Words,
     dots,
     frequency,
@@ -88,7 +88,7 @@ def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     return data[wanted].isel(steps).load()
 
 
-def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> Axis:
+def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> DrawnAxis:
     """The axis of a parameter; its element is named only where another one has the same symbol."""
     keys = {str(other): _symbol(str(other)) for other in data.bandwidth.dims}
     shared = list(keys.values()).count(keys[path]) > 1 or path.startswith("rendered.")
@@ -107,7 +107,7 @@ def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> Axis:
         knob = scene.knobs[path]
         unit = knob.shown_unit(knob.motion)
     label = f"${formula(Symbol(keys[path] + element))}$"
-    return Axis(label, unit, (float(x.min()), float(x.max())), None, log=is_logarithmic(x))
+    return DrawnAxis(label, unit, (float(x.min()), float(x.max())), None, log=is_logarithmic(x))
 
 
 def _symbol(path: str) -> str:
@@ -172,7 +172,7 @@ def _unit(data: xr.Dataset, scene: Scene | None) -> Unit:
 # One parameter.
 
 
-def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
+def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
     """First crossings of what is judged and the bandwidth over the one parameter of a sweep.
 
     A curve has a dot at each end where it is broken. Hatched: the sets that are not stable in a
@@ -180,7 +180,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
 
     >>> from haptisym import load_scene, sweep
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
-    >>> [layer.label for layer in curves(found).layers if isinstance(layer, Curve)]
+    >>> [layer.label for layer in curves(found).layers if isinstance(layer, Polyline)]
     ['real part crosses', 'imaginary part crosses', 'bandwidth']
     """
     [path] = _dimensions(data, 1)
@@ -199,7 +199,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
             continue
         jumps = _jumps(y, counts[parts], high - low)
         lines.append(
-            Curve(
+            Polyline(
                 np.insert(x, jumps, np.nan),
                 np.insert(y, jumps, np.nan),
                 color,
@@ -215,7 +215,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Chart:
     end = Limit(high, width=0.4, label="end of the band", shared=True, look={"zorder": 0})
     strips = [_Held(x, None, *row[1:], label=row[0]) for row in _held(data)]
     upright = frequency(_unit(data, scene), (low, high + 0.04 * (high - low)))
-    return Chart(
+    return Panel(
         [*lines, *marks, end, *told, *strips], _axis(data, path, scene), upright, height=2.2
     )
 
@@ -274,7 +274,7 @@ def _hatched(on: On, axes: tuple[Array, Array], where: Any, hatch: str, color: s
 # Two parameters.
 
 
-def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None = None) -> Chart:
+def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None = None) -> Panel:
     """The bandwidth over the two parameters of a sweep, the first upwards: contour lines on a quiet
     map.
 
@@ -311,7 +311,7 @@ def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None 
         layers += [_Plateau(x, y, where, hatch, label=label)] if where.any() else []
     layers += [_Held(x, y, *row[1:], label=row[0]) for row in _held(data)]
     layers += boundary(exact, 1.1) if exact else []
-    return Chart(layers, _axis(data, along, scene), _axis(data, upwards, scene), height=2.8)
+    return Panel(layers, _axis(data, along, scene), _axis(data, upwards, scene), height=2.8)
 
 
 def _jump_edges(
@@ -414,7 +414,7 @@ class _Plateau(Layer):
 # The chart of a sweep.
 
 
-def chart(found: Swept) -> Chart:
+def chart(found: Swept) -> Panel:
     """The chart of a sweep over one parameter, or over two."""
     return (
         curves(found.data, found.scene)

@@ -29,7 +29,7 @@ from sympy import Expr, Rational, sqrt
 
 from haptisym.judge.crossings import JOINT, kept, level, noticed
 from haptisym.judge.peaks import Envelope, Largest, Maximum, ValueAt
-from haptisym.judge.regions import Sided, Term, above_one
+from haptisym.judge.regions import Sided, WayOutside, above_one
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import (
@@ -155,8 +155,8 @@ class _Moving(NamedTuple):
     relative to the nominal one."""
 
     name: str
-    terms: tuple[Term, ...]
-    fixed: tuple[Term, ...]
+    terms: tuple[WayOutside, ...]
+    fixed: tuple[WayOutside, ...]
     range: ExactRange
     nominal: Expr
 
@@ -205,7 +205,7 @@ def _moving(d: Distortion, threshold: Threshold) -> _Moving | None:
 
 def _limits(
     d: Distortion, threshold: Threshold, part: Part
-) -> Iterator[tuple[Term, tuple[str, ...]]]:
+) -> Iterator[tuple[WayOutside, tuple[str, ...]]]:
     """The ways to notice one part, with the names of the limits of their squares."""
     own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
     sided = Sided(part, own, own if lower is None else lower, floor)
@@ -219,7 +219,7 @@ def _limits(
             yield term, (*own_names, *(() if floor is None else ("floor",)))
 
 
-def _split(term: Term, names: tuple[str, ...], moved: set[str]) -> Term:
+def _split(term: WayOutside, names: tuple[str, ...], moved: set[str]) -> WayOutside:
     """A term of which what does not move says where the rest counts."""
     squares = tuple(
         square for square, name in zip(term.squares, names, strict=True) if name in moved
@@ -229,7 +229,7 @@ def _split(term: Term, names: tuple[str, ...], moved: set[str]) -> Term:
         for square, name in zip(term.squares, names, strict=True)
         if name not in moved
     )
-    return Term((*term.where, *fixed), squares)
+    return WayOutside((*term.where, *fixed), squares)
 
 
 @dataclass(frozen=True)
@@ -241,8 +241,8 @@ class Growth:
     """
 
     name: str
-    terms: tuple[Term, ...]
-    fixed: tuple[Term, ...]
+    terms: tuple[WayOutside, ...]
+    fixed: tuple[WayOutside, ...]
     range: ExactRange
     nominal: Expr
     band: tuple[Expr, Expr]

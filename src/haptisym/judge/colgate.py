@@ -28,7 +28,15 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import is_stable
 from haptisym.kernel.roots import chart, ordered, sign_of_number
-from haptisym.model.catalogue import BACK, CLOCKS, SAMPLED_LOOP, Device, Effect, controller, device
+from haptisym.model.catalogue import (
+    BACK,
+    CLOCKS,
+    SAMPLED_LOOP,
+    DeviceImpedance,
+    Effect,
+    controller,
+    device,
+)
 from haptisym.model.scene import Scene
 
 _FORCE = "the sampled force depends on more than the sampled position"
@@ -36,7 +44,7 @@ _TEN = "something other than mass, spring and damper lies between sampler and ha
 
 
 @dataclass(frozen=True, repr=False)
-class Angle(RealNumber):
+class ClockAngle(RealNumber):
     """theta = 2 atan(t), or pi less that."""
 
     tangent: RealNumber
@@ -92,7 +100,7 @@ class SampledPassivity:
             return None
         best = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
         assert best[0].omega is not None
-        return Greatest(Largest((near.value, far.value)), Angle(best[0].omega, best[1]))
+        return Greatest(Largest((near.value, far.value)), ClockAngle(best[0].omega, best[1]))
 
     @cached_property
     def passive(self) -> bool | None:
@@ -257,7 +265,7 @@ def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequen
     return C, left
 
 
-def _device(effects: Sequence[Effect]) -> Device | None:
+def _device(effects: Sequence[Effect]) -> DeviceImpedance | None:
     """Mass, damping and stiffness between clock and hand; None where there is something else, or a
     negative mass or stiffness.
 
@@ -266,6 +274,6 @@ def _device(effects: Sequence[Effect]) -> Device | None:
     parts = [device(x) for x in effects]
     if None in parts:
         return None
-    total = Device(*map(sum, zip(Device(), *filter(None, parts), strict=True)))
+    total = DeviceImpedance(*map(sum, zip(DeviceImpedance(), *filter(None, parts), strict=True)))
     known = [x for x in (total.m, total.k) if not x.free_symbols]
     return None if any(sign_of_number(x) < 0 for x in known) else total

@@ -265,7 +265,7 @@ class Crossing(Judged, Shown):
         return f"{said} at {self.omega!r} rad/s"
 
 
-class Curve(Enum):
+class PerceptFunction(Enum):
     """The real functions whose signs tell how a distortion is felt; each is of one part."""
 
     __hash__ = (
@@ -290,21 +290,23 @@ def curves(
 ) -> dict[Key, Signed]:
     """All real functions that an evaluation asks about."""
     responses = {
-        Curve.ENVIRONMENT: d.env_response,
-        Curve.PERCEIVED: d.perc_response,
-        Curve.DIFFERENCE: d.difference_response,
+        PerceptFunction.ENVIRONMENT: d.env_response,
+        PerceptFunction.PERCEIVED: d.perc_response,
+        PerceptFunction.DIFFERENCE: d.difference_response,
     }
     listed = list(criteria)
     found: dict[Key, Signed] = {x: x.function(d) for x in listed}
     for region in (x.joint for x in listed if x.joint):
-        found |= {(Curve.OUTSIDE, part): region.projected(d, part) for part in Part}
+        found |= {(PerceptFunction.OUTSIDE, part): region.projected(d, part) for part in Part}
         found[NEARER] = region.nearer(d)
     if without_friction is not None:
         own = [x for x in listed if x.part is Part.IMAG or x.joint]
-        found |= {(Curve.WITHOUT_FRICTION, x): x.function(without_friction) for x in own}
+        found |= {(PerceptFunction.WITHOUT_FRICTION, x): x.function(without_friction) for x in own}
     for part in Part:
         found |= {(name, part): part_of(x, part) for name, x in responses.items()}
-        found[Curve.SUM, part] = part_of(d.env_response, part) + part_of(d.perc_response, part)
+        found[PerceptFunction.SUM, part] = part_of(d.env_response, part) + part_of(
+            d.perc_response, part
+        )
     return found
 
 
@@ -332,10 +334,15 @@ def _crossing(point: Point, x: Criterion) -> Crossing:
     jump = (
         isinstance(x.region, Sided)
         and x.region.has_sides
-        and point.orders.get((Curve.SUM, x.part), 0) > 0
+        and point.orders.get((PerceptFunction.SUM, x.part), 0) > 0
     )
     return Crossing(
-        x, point.omega, kind, point.after.get((Curve.DIFFERENCE, x.part), 0), point.orders[x], jump
+        x,
+        point.omega,
+        kind,
+        point.after.get((PerceptFunction.DIFFERENCE, x.part), 0),
+        point.orders[x],
+        jump,
     )
 
 

@@ -21,7 +21,7 @@ from haptisym.judge.crossings import (
     JOINT,
     Criterion,
     Crossing,
-    Curve,
+    PerceptFunction,
     curves,
     find_crossings,
     judged,
@@ -50,7 +50,7 @@ from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.roots import Chart, Interval, Point, chart
 from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import SQUARE, Part, Region, Shape, Threshold
+from haptisym.model.jnd import SQUARE, Part, RegionDetails, Shape, Threshold
 from haptisym.model.scene import Scene, caveats
 from haptisym.model.scenefile import as_scene
 
@@ -120,7 +120,11 @@ def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tu
     """
     real, imag = half_widths(threshold)
     plain = Threshold.of(real, imag)
-    shapes = {"square": SQUARE, "disc": Region(Shape.ELLIPSE), "diamond": Region(Shape.DIAMOND)}
+    shapes = {
+        "square": SQUARE,
+        "disc": RegionDetails(Shape.ELLIPSE),
+        "diamond": RegionDetails(Shape.DIAMOND),
+    }
     regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {
         OWN: threshold
     }
@@ -346,12 +350,12 @@ class Evaluation(Answer):
     @cached_property
     def changeovers_environment(self) -> tuple[Point, ...]:
         """Where Re H_env changes its sign."""
-        return changeovers(self.chart, Curve.ENVIRONMENT)
+        return changeovers(self.chart, PerceptFunction.ENVIRONMENT)
 
     @cached_property
     def changeovers_perceived(self) -> tuple[Point, ...]:
         """Where Re H_perc changes its sign."""
-        return changeovers(self.chart, Curve.PERCEIVED)
+        return changeovers(self.chart, PerceptFunction.PERCEIVED)
 
     @cached_property
     def _felt_chart(self) -> Chart:

@@ -25,13 +25,13 @@ from haptisym.judge.regions import Cornered, Ellipse, Sided
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import c, omega
-from haptisym.kernel.where import Curve
+from haptisym.kernel.where import LineBound
 from haptisym.model.chain import Chain
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.program import Program
-from haptisym.programs.taylormodels import Array, Model, Modelled, floated, valued, variable
+from haptisym.programs.taylormodels import Array, Modelled, TaylorModel, floated, valued, variable
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ class Excess:
         """Whether r is 0 everywhere."""
         return bool(self._program.operations[self._program.results[self._name]].value == 0)
 
-    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+    def model(self, cells: Array, *, slopes: int | None = None) -> TaylorModel:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole
         may lie in the cell.
 
@@ -171,15 +171,15 @@ class Excess:
                 else self._variable(self._limit, cells, slopes=slopes)
             )
             minus = -(c * c)
-            return minus + square if isinstance(square, Model) else minus.plus(square)
+            return minus + square if isinstance(square, TaylorModel) else minus.plus(square)
 
     def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
         """The functions of which the excess is the largest of the smallest, as of ``model``."""
         return [[self.model(cells, slopes=slopes)]]
 
-    def curve(self, cells: Array) -> Curve:
+    def curve(self, cells: Array) -> LineBound:
         """The excess over each cell as a judge of the one search."""
-        found = Curve.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
+        found = LineBound.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
         unknown = ~(np.isfinite(found.changes).all(-1) & (found.changes.max(-1) > 0))
         found.changes[unknown] = self._spread(cells[unknown])
         return found
@@ -191,7 +191,7 @@ class Excess:
         ends = low[:, None] + width[:, None] * cells
         return (ends[..., 1] - ends[..., 0]) / np.maximum(np.abs(ends).max(-1), 1e-300)
 
-    def _square(self, inputs: Sequence[Model]) -> Model | float:
+    def _square(self, inputs: Sequence[TaylorModel]) -> TaylorModel | float:
         return Modelled(self._program).run(inputs)[self._name]
 
     @cached_property
@@ -209,7 +209,7 @@ class Excess:
         places = {0, *(inputs[i] for i in used)}
         return np.array([i in places for i in range(self.sides)])
 
-    def _variable(self, i: int, cells: Array, *, slopes: int) -> Model:
+    def _variable(self, i: int, cells: Array, *, slopes: int) -> TaylorModel:
         (low, width), (start, end) = self._intervals[i], cells[:, i].T
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
         size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))
@@ -231,10 +231,10 @@ class LargerExcess(Excess):
         """Whether G is 1 everywhere."""
         return all(self._program.operations[self._program.results[x]].value == 0 for x in _RELATIVE)
 
-    def _square(self, inputs: Sequence[Model]) -> Model:
+    def _square(self, inputs: Sequence[TaylorModel]) -> TaylorModel:
         found = Modelled(self._program).run(inputs)
         x, y = (
-            v if isinstance(v, Model) else inputs[0].number(v)
+            v if isinstance(v, TaylorModel) else inputs[0].number(v)
             for v in (found[name] for name in _RELATIVE)
         )
         return x * x + y * y
@@ -243,7 +243,7 @@ class LargerExcess(Excess):
 _RELATIVE = ("relative_real", "relative_imag")
 
 
-def joined(terms: Sequence[Sequence[Model]]) -> Model:
+def joined(terms: Sequence[Sequence[TaylorModel]]) -> TaylorModel:
     """A model with the sign and the zeros of max over ``terms`` of the min over each.
 
     In a cell only those functions count whose sign is not known there while it decides that of the
@@ -268,21 +268,23 @@ def joined(terms: Sequence[Sequence[Model]]) -> Model:
     return found
 
 
-def _sign(f: Model) -> Array:
+def _sign(f: TaylorModel) -> Array:
     """Of the value: 0 where it is not known."""
     low, high = (x[:, 0] for x in f.bounds())
     return np.where(low > 0, 1, np.where(high < 0, -1, 0))
 
 
-def enclosing(f: Model, g: Model) -> Model:
+def enclosing(f: TaylorModel, g: TaylorModel) -> TaylorModel:
     """A model within which both lie, with their slopes."""
     middle = [(a + b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
     c0, c1, c2 = (np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True))
-    r = (c0 + Model(c0, c1, c2, np.maximum(f.r, g.r)).deviation) * (1 + 1e-14)
-    return Model(middle[0], middle[1], middle[2], r + 1e-14 * (np.abs(middle[0]) + np.abs(f.c0)))
+    r = (c0 + TaylorModel(c0, c1, c2, np.maximum(f.r, g.r)).deviation) * (1 + 1e-14)
+    return TaylorModel(
+        middle[0], middle[1], middle[2], r + 1e-14 * (np.abs(middle[0]) + np.abs(f.c0))
+    )
 
 
-Terms: TypeAlias = list[list[Model]]
+Terms: TypeAlias = list[list[TaylorModel]]
 _FIELDS = ("real", "imag", "environment_real", "environment_imag")
 _SQUARED = ("squared_real", "squared_imag")
 
@@ -340,7 +342,7 @@ class RegionalExcess(Excess):
         limit = np.array([i == self._limit for i in range(self.sides)])
         return limit | self._used(self._relative) | self._used(self._plain)
 
-    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+    def model(self, cells: Array, *, slopes: int | None = None) -> TaylorModel:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole
         may lie in the cell."""
         with np.errstate(all="ignore"):
@@ -356,18 +358,22 @@ class RegionalExcess(Excess):
             relative, plain = (
                 self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain)
             )
-            known: dict[Expr, Model] = {omega: at}
+            known: dict[Expr, TaylorModel] = {omega: at}
             if self._limit is not None:
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
-            return Changes(relative, plain, known, self._turns, self._from_rest).terms(
+            return RelativeChange(relative, plain, known, self._turns, self._from_rest).terms(
                 self._criterion
             )
 
-    def _run(self, program: Program, cells: Array, at: Model, *, slopes: int) -> dict[str, Model]:
+    def _run(
+        self, program: Program, cells: Array, at: TaylorModel, *, slopes: int
+    ) -> dict[str, TaylorModel]:
         found = Modelled(program).run(
             [self._variable(i, cells, slopes=slopes) for i in self._places(program)]
         )
-        return {name: x if isinstance(x, Model) else at.number(x) for name, x in found.items()}
+        return {
+            name: x if isinstance(x, TaylorModel) else at.number(x) for name, x in found.items()
+        }
 
 
 def seen_as(part: Part, turns: int) -> Part:
@@ -376,7 +382,7 @@ def seen_as(part: Part, turns: int) -> Part:
 
 
 @dataclass(frozen=True)
-class Changes:
+class RelativeChange:
     """x = Re dH/|H_env| and y = Im dH/|H_env| over cells, and what a criterion makes of them.
 
     ``relative`` : fields of a chain with the same ratios, in which all is ``turns`` quarters
@@ -385,9 +391,9 @@ class Changes:
     : whether these chains differ by a power of s alone.
     """
 
-    relative: Mapping[str, Model]
-    plain: Mapping[str, Model]
-    known: Mapping[Expr, Model]
+    relative: Mapping[str, TaylorModel]
+    plain: Mapping[str, TaylorModel]
+    known: Mapping[Expr, TaylorModel]
     turns: int
     from_rest: bool = False
 
@@ -412,7 +418,7 @@ class Changes:
 
     def _quadric(
         self, region: Ellipse | Cornered, form: tuple[Expr, Expr, Expr], whole: Expr
-    ) -> Model:
+    ) -> TaylorModel:
         """a b times xx (x/a)^2 + 2 xy (x/a)(y/b) + yy (y/b)^2 - whole."""
         (a, b), (xx, xy, yy) = (region.real, region.imag), form
         squares = self._times(xx * b / a, self._square(Part.REAL)) + self._times(
@@ -430,7 +436,7 @@ class Changes:
         growth = self._growth(region.part)
         return [[growth, larger, *least], [-growth, smaller, *least], [larger, smaller, *least]]
 
-    def _growth(self, part: Part) -> Model:
+    def _growth(self, part: Part) -> TaylorModel:
         """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing
         is left in it."""
         fields, seen = (
@@ -440,37 +446,37 @@ class Changes:
             fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0)
         )
 
-    def _beyond(self, part: Part, limit: Expr) -> Model:
+    def _beyond(self, part: Part, limit: Expr) -> TaylorModel:
         return self._square(part) - self._constant(limit**2)
 
-    def _square(self, part: Part) -> Model:
+    def _square(self, part: Part) -> TaylorModel:
         return self.relative[f"squared_{seen_as(part, self.turns).value}"]
 
     @cached_property
-    def _product(self) -> Model:
+    def _product(self) -> TaylorModel:
         """x y."""
         found = self.relative["real"] * self.relative["imag"] / self._modulus
         return -found if self.turns % 2 else found
 
     @cached_property
-    def _modulus(self) -> Model:
+    def _modulus(self) -> TaylorModel:
         R, X = self.relative["environment_real"], self.relative["environment_imag"]
         return R * R + X * X
 
     @cached_property
-    def _xy(self) -> tuple[Model, Model]:
+    def _xy(self) -> tuple[TaylorModel, TaylorModel]:
         size = self._modulus.to_the(self._at.number(0.5))
         x, y = self.relative["real"] / size, self.relative["imag"] / size
         for _ in range(self.turns):
             x, y = -y, x
         return x, y
 
-    def _times(self, factor: Expr, x: Model) -> Model:
+    def _times(self, factor: Expr, x: TaylorModel) -> TaylorModel:
         return x * self._constant(factor) if factor.free_symbols else x.times(floated(factor))
 
-    def _constant(self, x: Expr) -> Model:
+    def _constant(self, x: Expr) -> TaylorModel:
         return valued(x, self.known, self._at)
 
     @property
-    def _at(self) -> Model:
+    def _at(self) -> TaylorModel:
         return self.known[omega]

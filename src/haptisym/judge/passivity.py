@@ -329,13 +329,13 @@ class Passivity:
     def takes_energy(self) -> bool:
         """Whether the display is passive, and Im H_perc > 0 at every frequency: for rational
         dynamics."""
-        if not self.holds or _ring_in_passivity(self.distortion).lags:
+        if not self.holds or _ring_of(self.distortion).lags:
             return False
         points = [x for x in self.chart.points if float(x.omega) > 0]
         signs = [x for p in self.chart.points for x in p.after.values()] + [
             x for p in points for x in p.at.values()
         ]
-        return not _ring_in_passivity(self.distortion).orders and set(signs) == {-1}
+        return not _ring_of(self.distortion).orders and set(signs) == {-1}
 
     @cached_property
     def poles_allow(self) -> bool | None:
@@ -439,11 +439,11 @@ def most_charted(d: Distortion, high: Expr) -> Expr:
 
 def _turn(d: Distortion) -> Expr:
     """Of the longest delay, rad/s; 0 where there is none."""
-    lags = _ring_in_passivity(d).lags
+    lags = _ring_of(d).lags
     return 2 * pi / max(lags, key=float) if lags else Integer(0)
 
 
-def _ring_in_passivity(d: Distortion) -> Ring:
+def _ring_of(d: Distortion) -> Ring:
     ring = d.perc.ring
     assert isinstance(ring, Ring)
     return ring

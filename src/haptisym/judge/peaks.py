@@ -22,7 +22,7 @@ from sympy import Expr, Integer
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, noticed
-from haptisym.judge.regions import Term
+from haptisym.judge.regions import WayOutside
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
@@ -54,7 +54,7 @@ class Envelope:
     their least squares."""
 
     name: Hashable
-    terms: tuple[Term, ...]
+    terms: tuple[WayOutside, ...]
 
     @cached_property
     def squares(self) -> dict[_Place, RealFunction]:
@@ -275,7 +275,7 @@ def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
     scene.knobs.need_numbers()
     d = scene.distortion()
     judged = {
-        x: x.region.terms(d) if x.region else (Term((), (x.measure(d),)),)
+        x: x.region.terms(d) if x.region else (WayOutside((), (x.measure(d),)),)
         for x in noticed(scene.threshold)
     }
     envelopes = {x: Envelope(x, terms) for x, terms in judged.items()}

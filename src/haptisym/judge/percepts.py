@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from sympy import Add, Expr
 
-from haptisym.judge.crossings import NEARER, Criterion, Curve, judged
+from haptisym.judge.crossings import NEARER, Criterion, PerceptFunction, judged
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.roots import Chart, Interval, Point, Signs, sign_of_number
 from haptisym.model.jnd import Part
@@ -167,7 +167,7 @@ class _Noticed(NamedTuple):
             return False
         if not self.criterion.joint:
             return True
-        alone = [signs[Curve.OUTSIDE, part] > 0 for part in Part]
+        alone = [signs[PerceptFunction.OUTSIDE, part] > 0 for part in Part]
         return not any(alone) if self.part is None else alone[self.part is Part.IMAG]
 
     def label(self, signs: Signs) -> _Label | None:
@@ -185,7 +185,10 @@ class _Noticed(NamedTuple):
     def _of(self, signs: Signs, part: Part) -> tuple[Property, Change] | None:
         """Friction, where without it this would not be noticed."""
         found = _label(signs, part)
-        friction = part is Part.IMAG and signs.get((Curve.WITHOUT_FRICTION, self.criterion), 1) <= 0
+        friction = (
+            part is Part.IMAG
+            and signs.get((PerceptFunction.WITHOUT_FRICTION, self.criterion), 1) <= 0
+        )
         return (Property.FRICTION, found[1]) if found and friction else found
 
 
@@ -211,11 +214,11 @@ def _percepts(chart: Chart, noticed: _Noticed) -> list[Percept]:
 
 
 def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
-    env, perc = signs[Curve.ENVIRONMENT, part], signs[Curve.PERCEIVED, part]
+    env, perc = signs[PerceptFunction.ENVIRONMENT, part], signs[PerceptFunction.PERCEIVED, part]
     if part is Part.IMAG and perc < 0:
         return None
     change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
-    compared = signs[Curve.DIFFERENCE, part] * signs[Curve.SUM, part]
+    compared = signs[PerceptFunction.DIFFERENCE, part] * signs[PerceptFunction.SUM, part]
     return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change[compared]
 
 
@@ -233,14 +236,14 @@ _SIDES = {
 }
 
 
-def changeovers(chart: Chart, curve: Curve) -> tuple[Point, ...]:
+def changeovers(chart: Chart, curve: PerceptFunction) -> tuple[Point, ...]:
     """Where Re H_env (or Re H_perc) changes its sign: a spring below, inertia above, or back."""
     return chart.sign_changes((curve, Part.REAL))
 
 
 def outside_model(chart: Chart) -> tuple[Interval, ...]:
     """Where Im H_perc < 0: the display is active there, which the paper's model excludes."""
-    return chart.where(lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0)
+    return chart.where(lambda signs: signs[PerceptFunction.PERCEIVED, Part.IMAG] < 0)
 
 
 def unnamed(chart: Chart) -> tuple[Interval, ...]:
@@ -254,7 +257,9 @@ def unnamed(chart: Chart) -> tuple[Interval, ...]:
         else [_Noticed(x, x.part) for x in damping]
     )
     return chart.where(
-        lambda signs: signs[Curve.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found)
+        lambda signs: (
+            signs[PerceptFunction.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found)
+        )
     )
 
 

@@ -23,7 +23,7 @@ from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Corner, Part, Shape
 
 
-class Term(NamedTuple):
+class WayOutside(NamedTuple):
     """One way to be outside: at frequencies at which all of ``where`` are positive, as soon as all
     squares are above 1."""
 
@@ -32,7 +32,7 @@ class Term(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Change:
+class DynamicsChange:
     """A change of dynamics: its parts X and Y and the square N of what they are compared with, in
     one ring."""
 
@@ -83,7 +83,7 @@ class Region(ABC):
         """What it is called in a sentence, with its article."""
 
     @abstractmethod
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
+    def terms(self, d: Distortion) -> tuple[WayOutside, ...]:
         """All ways to be outside; the square of how many times the region must be enlarged is the
         largest of their least ones."""
 
@@ -152,9 +152,9 @@ class _OfHalfWidths(Joint):
     real: Expr
     imag: Expr
 
-    def _scaled(self, d: Distortion) -> tuple[Change, RationalFunction, RationalFunction]:
+    def _scaled(self, d: Distortion) -> tuple[DynamicsChange, RationalFunction, RationalFunction]:
         """X/a and Y/b."""
-        w = Change(d)
+        w = DynamicsChange(d)
         return w, w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
 
     def opened(self, limits: Mapping[Part, Expr]) -> Self:
@@ -169,10 +169,12 @@ class Ellipse(_OfHalfWidths):
     kind = "ellipse"
     words = "an ellipse"
 
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
+    def terms(self, d: Distortion) -> tuple[WayOutside, ...]:
         w, u, v = self._scaled(d)
         twice = w.number(2 * self.tilt)
-        return (Term((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),)
+        return (
+            WayOutside((), (w.over((u * u + v * v - twice * u * v) / w.number(1 - self.tilt**2)),)),
+        )
 
     def projected(self, d: Distortion, part: Part) -> Signed:
         w, *own = self._scaled(d)
@@ -228,7 +230,7 @@ class Cornered(_OfHalfWidths):
         )
         return self.edges[:half] if paired else ()
 
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
+    def terms(self, d: Distortion) -> tuple[WayOutside, ...]:
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
@@ -243,13 +245,15 @@ class Cornered(_OfHalfWidths):
             tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,)))
         )
 
-    def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[Term, ...]:
+    def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[WayOutside, ...]:
         w, *scaled = self._scaled(d)
         found = []
         for edge in self.pairs or self.edges:
             own = [w.number(edge[part is Part.IMAG]) * scaled[part is Part.IMAG] for part in parts]
             along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
-            found.append(Term(() if self.pairs else (w.side(along, 1),), (w.over(along * along),)))
+            found.append(
+                WayOutside(() if self.pairs else (w.side(along, 1),), (w.over(along * along),))
+            )
         return tuple(found)
 
     def nearer(self, d: Distortion) -> Signed:
@@ -299,8 +303,8 @@ class Sided(Region):
     def words(self) -> str:
         return f"a JND with {'limits for higher and lower' if self.has_sides else 'a floor'}"
 
-    def terms(self, d: Distortion) -> tuple[Term, ...]:
-        w = Change(d)
+    def terms(self, d: Distortion) -> tuple[WayOutside, ...]:
+        w = DynamicsChange(d)
         square = w.part(self.part) * w.part(self.part)
         higher, lower = (w.over(square / w.number(x) ** 2) for x in (self.higher, self.lower))
         least = (
@@ -309,13 +313,13 @@ class Sided(Region):
             else (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
         )
         if not self.has_sides:
-            return (Term((), (higher, *least)),)
+            return (WayOutside((), (higher, *least)),)
         env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
         up, down = (w.side(x, 2) for x in (perc * perc - env * env, env * env - perc * perc))
         return (
-            Term((up,), (higher, *least)),
-            Term((down,), (lower, *least)),
-            Term((), (higher, lower, *least)),
+            WayOutside((up,), (higher, *least)),
+            WayOutside((down,), (lower, *least)),
+            WayOutside((), (higher, lower, *least)),
         )
 
     def opened(self, limits: Mapping[Part, Expr]) -> Sided:

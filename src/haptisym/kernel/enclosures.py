@@ -5,7 +5,7 @@ A ball grows with each number that occurs twice in a formula; two forms stay as 
 function is smooth.
 
 *Bernstein.* A polynomial of degree n on [-r, r] lies between its least and its greatest coefficient
-in the basis of Bernstein's polynomials. A ``Stretch`` is a function between two frequencies as such
+in the basis of Bernstein's polynomials. A ``FunctionPiece`` is a function between two frequencies as such
 a polynomial: by Taylor's theorem its last coefficient is one over the whole piece.
 
 *Circles.* A function f that is analytic for |q - m| <= R, and there differs by at most M from some
@@ -85,7 +85,7 @@ _ORDER = 8  # of the polynomial
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Stretch:
+class FunctionPiece:
     """A function between ``low`` and ``high``: at each x in there it, and its slopes, are those of
     one of the polynomials.
 
@@ -100,7 +100,7 @@ class Stretch:
     row: Sequence[Ball]
 
     @classmethod
-    def of(cls, series: Series, low: Ball, high: Ball) -> Stretch:
+    def of(cls, series: Series, low: Ball, high: Ball) -> FunctionPiece:
         """A function with those Taylor coefficients between two exact numbers, at the current
         working precision."""
         with flint.ctx.workprec(
@@ -148,7 +148,7 @@ _POINTS, _WIDER = 10, 6  # on the circle, and R/r
 _UNKNOWN = arb("nan")
 
 
-class Line(NamedTuple):
+class LinearEnclosure(NamedTuple):
     """All over a piece a function is at + slope x, -1 <= x <= 1: of ``at`` anything, of the slope
     one number all over it.
 
@@ -167,7 +167,7 @@ class Line(NamedTuple):
 
 def over_circle(
     functions: Callable[[acb], Sequence[acb]], middle: Ball, radius: Ball
-) -> list[Line]:
+) -> list[LinearEnclosure]:
     """The values for real q, |q - middle| <= radius, of functions that are real there and analytic
     up to six times as far.
 
@@ -188,14 +188,14 @@ def over_circle(
     ]
 
 
-def _line(around: acb, row: Sequence[Ball]) -> Line:
+def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
     """By the coefficients of the polynomial, and what the function is all around it."""
     off = 2 * around.rad().upper() * (arb(1) / _WIDER) ** _POINTS * _WIDER / (_WIDER - 1)
     bent = sum((x * (_EITHER if k % 2 else arb(0.5, 0.5)) for k, x in enumerate(row[2:])), row[0])
     rate = sum((k * x * (_EITHER if k > 1 else 1) for k, x in enumerate(row[1:], 1)), arb(0))
     # of f = sum a_m x^m, |a_m| <= M/R^m, m < n has a_m + a_(m + n) + ...: off by 2 sum_(m >= n) m
     # M/R^m < (n + 1) off
-    return Line(bent + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
+    return LinearEnclosure(bent + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
 
 
 @lru_cache(maxsize=8)

@@ -120,7 +120,7 @@ def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
     return found
 
 
-class Piece(NamedTuple):
+class LatticePiece(NamedTuple):
     """What a function of a lattice is called on a chart: that of this term and place."""
 
     name: Hashable
@@ -140,16 +140,18 @@ class Lattice:
         """Positive where any of the functions is."""
         return cls(tuple((f,) for f in functions))
 
-    def pieces(self, name: Hashable) -> dict[Piece, RealFunction]:
+    def pieces(self, name: Hashable) -> dict[LatticePiece, RealFunction]:
         """Its functions, by what a chart calls them."""
         return {
-            Piece(name, i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term)
+            LatticePiece(name, i, j): f
+            for i, term in enumerate(self.terms)
+            for j, f in enumerate(term)
         }
 
-    def sign(self, name: Hashable, of: Callable[[Piece], int]) -> int:
+    def sign(self, name: Hashable, of: Callable[[LatticePiece], int]) -> int:
         """max of min of the signs of the pieces."""
         return max(
-            min(of(Piece(name, i, j)) for j in range(len(term)))
+            min(of(LatticePiece(name, i, j)) for j in range(len(term)))
             for i, term in enumerate(self.terms)
         )
 
@@ -196,7 +198,7 @@ def met(
 _INFINITE = 2
 
 
-def _guesses(unknown: list[Piece]) -> Iterator[dict[Piece, int]]:
+def _guesses(unknown: list[LatticePiece]) -> Iterator[dict[LatticePiece, int]]:
     return (
         dict(zip(unknown, guess, strict=True)) for guess in product((-1, 0, 1), repeat=len(unknown))
     )
@@ -207,11 +209,11 @@ def _at(
     name: Hashable,
     orders: Mapping[Hashable, int],
     side: Mapping[Hashable, int],
-    guess: Mapping[Piece, int],
+    guess: Mapping[LatticePiece, int],
 ) -> int:
     """The sign right at a point, seen from one side; twice that where it is infinite."""
 
-    def sign(piece: Piece) -> int:
+    def sign(piece: LatticePiece) -> int:
         order = orders.get(piece, 0)
         return (
             guess[piece]
@@ -240,7 +242,7 @@ def _order(
 
     def seen(side: Mapping[Hashable, int]) -> Iterator[int]:
         for i, term in enumerate(lattice.terms):
-            own = [Piece(name, i, j) for j in range(len(term))]
+            own = [LatticePiece(name, i, j) for j in range(len(term))]
             if all(orders.get(x, 0) > 0 or side[x] >= 0 for x in own):
                 yield from (orders[x] for x in own if orders.get(x, 0) > 0)
 

@@ -28,7 +28,7 @@ import flint
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, fmpq
 from sympy import Add, Expr, Integer, Symbol
 
-from haptisym.kernel.enclosures import Line, over_circle
+from haptisym.kernel.enclosures import LinearEnclosure, over_circle
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
 from haptisym.kernel.rootcount import routh
@@ -424,7 +424,7 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
     return matrix([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
 
 
-def has_no_pair(c: Sequence[Ball], lines: Sequence[Line] = ()) -> bool:
+def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> bool:
     """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
 
     They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2.

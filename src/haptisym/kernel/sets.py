@@ -26,8 +26,8 @@ What none of these settles is undecided, and stays so in the answer. A limit of 
 that ``solve`` catches once: what is not settled by then is undecided for that reason.
 
 >>> from haptisym.kernel.reals import SquareRoot
->>> root = Change(SquareRoot(ExactNumber(Integer(2))))
->>> large = Question(lambda q: q * q >= 2, changes=lambda: [Changes([root])])
+>>> root = CriticalValue(SquareRoot(ExactNumber(Integer(2))))
+>>> large = Question(lambda q: q * q >= 2, changes=lambda: [CriticalValues([root])])
 >>> found = solve(large, Domain(Integer(0), Integer(3)))
 >>> found
 <ValueSet 1.41421 to 3.00000>
@@ -125,7 +125,7 @@ class Domain:
 
 
 @dataclass(frozen=True)
-class Point:
+class SingleValue:
     """One value by itself. ``holds`` : the verdict on it; None: undecided, for a ``reason``.
 
     ``bindings`` : what limits there, where the verdict changes; what they are is the business of
@@ -141,7 +141,7 @@ class Point:
 @dataclass(frozen=True)
 class Stretch:
     """All values strictly between two neighbouring points, or beyond the last one. ``holds`` : as
-    of a ``Point``."""
+    of a ``SingleValue``."""
 
     holds: bool | None
     reason: str = ""
@@ -156,8 +156,8 @@ class Piece(Shown):
     ``closed`` : whether these belong to it. ``reason`` : of undecided values.
     """
 
-    first: Point | None
-    last: Point | None
+    first: SingleValue | None
+    last: SingleValue | None
     closed: tuple[bool, bool]
     verdict: Verdict
     reason: str = ""
@@ -173,7 +173,7 @@ class Piece(Shown):
         return None if self.last is None else self.last.value
 
     @property
-    def ends(self) -> tuple[Point, ...]:
+    def ends(self) -> tuple[SingleValue, ...]:
         """The points at its ends, each once."""
         return tuple(dict.fromkeys(x for x in (self.first, self.last) if x is not None))
 
@@ -231,7 +231,7 @@ class ValueSet(Shown):
     ('0.264345145449', 'band-edge')
     """
 
-    points: tuple[Point, ...]
+    points: tuple[SingleValue, ...]
     stretches: tuple[Stretch | None, ...]
     searched: Domain = field(default=Domain(None, None), compare=False)
 
@@ -239,7 +239,7 @@ class ValueSet(Shown):
     def all_of(cls, domain: Domain, *, holds: bool | None, reason: str = "") -> ValueSet:
         """All values of a domain with one verdict; ends that do not belong to it fail."""
         points = tuple(
-            Point(x, holds, reason=reason) if domain.holds(x) else Point(x, holds=False)
+            SingleValue(x, holds, reason=reason) if domain.holds(x) else SingleValue(x, holds=False)
             for x in domain.ends
             if x is not None
         )
@@ -314,13 +314,13 @@ class ValueSet(Shown):
         return _joined(x.reason for x in self.undecided)
 
     @property
-    def ends(self) -> tuple[Point, ...]:
+    def ends(self) -> tuple[SingleValue, ...]:
         """The points at which what holds ends as something binds, in order; not where the range
         itself ends."""
         listed = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in listed if x.bindings)
 
-    def end(self, value: RealNumber, side: int) -> Point | None:
+    def end(self, value: RealNumber, side: int) -> SingleValue | None:
         """Where what is so about a value ends on a side; None where it has no end there, or none
         that is known."""
         piece = self.about(value)
@@ -355,7 +355,7 @@ class ValueSet(Shown):
             raise UndecidedError(
                 f"the value {number!r}: {found.reason or 'nothing is proven there'}"
             )
-        if not self.searched.holds(number) and not isinstance(self.at(number), Point):
+        if not self.searched.holds(number) and not isinstance(self.at(number), SingleValue):
             raise UndecidedError(f"the value {number!r}: it was not searched")
         return found.verdict is Verdict.HOLDS
 
@@ -369,14 +369,14 @@ class ValueSet(Shown):
 
     def without(self, values: Sequence[RealNumber]) -> ValueSet:
         """The same with the verdict no at some values, at which there is nothing to ask about."""
-        gone = _each_once(Point(x, holds=False) for x in values)
+        gone = _each_once(SingleValue(x, holds=False) for x in values)
         return self & ValueSet(tuple(gone), (Stretch(holds=True),) * (len(gone) + 1))
 
     def below(self, value: RealNumber | None) -> Stretch | None:
         """What is known of the values just below one; with None, of those beyond the last point."""
         return self.stretches[-1 if value is None else _place(self.points, value)[0]]
 
-    def at(self, value: RealNumber) -> Point | Stretch | None:
+    def at(self, value: RealNumber) -> SingleValue | Stretch | None:
         """What is known of one value: its point, or the stretch in which it lies."""
         i, is_point = _place(self.points, value)
         return self.points[i] if is_point else self.stretches[i]
@@ -388,16 +388,16 @@ def _as_number(value: object) -> RealNumber:
     return ExactNumber(value if isinstance(value, Expr) else Rational(str(value)))
 
 
-def _place(points: Sequence[Point], value: RealNumber) -> tuple[int, bool]:
+def _place(points: Sequence[SingleValue], value: RealNumber) -> tuple[int, bool]:
     """How many points lie below a value, and whether the next one is that value."""
     i = bisect_left(points, 0, key=lambda x: -ordered(x.value, value))
     return i, i < len(points) and not ordered(points[i].value, value)
 
 
-def _each_once(points: Iterable[Point]) -> list[Point]:
+def _each_once(points: Iterable[SingleValue]) -> list[SingleValue]:
     """Points in ascending order; those at one value as one, with all that binds there, told exactly
     where one of them is."""
-    found = list[Point]()
+    found = list[SingleValue]()
     for x in ascending(points, lambda x: x.value):
         if found and not ordered(found[-1].value, x.value):
             last = found[-1]
@@ -462,7 +462,7 @@ def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
     if len(sets) == 1:
         return sets[0]
     with spared():
-        points, stretches = list[Point](), list[Stretch | None]()
+        points, stretches = list[SingleValue](), list[Stretch | None]()
         for x in _each_once(p for own in sets for p in own.points):
             here = _together([own.at(x.value) for own in sets], rule)
             if here is not None:
@@ -473,7 +473,7 @@ def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
     return ValueSet(tuple(points), tuple(stretches), searched)
 
 
-def _together(found: Sequence[Point | Stretch | None], rule: Rule) -> Stretch | None:
+def _together(found: Sequence[SingleValue | Stretch | None], rule: Rule) -> Stretch | None:
     """What is known of values by what is known of them in several sets; None where one of these
     does not ask about them."""
     known = [x for x in found if x is not None]
@@ -486,7 +486,7 @@ def _together(found: Sequence[Point | Stretch | None], rule: Rule) -> Stretch | 
 
 
 @dataclass(frozen=True)
-class Change:
+class CriticalValue:
     """A value at which a verdict may change, and what binds there."""
 
     value: RealNumber
@@ -509,10 +509,10 @@ class Open:
 
 
 @dataclass(frozen=True)
-class Changes:
+class CriticalValues:
     """All values at which a verdict may change, but for those in stretches that are ``open``."""
 
-    values: Sequence[Change] = ()
+    values: Sequence[CriticalValue] = ()
     open: Sequence[Open] = ()
 
 
@@ -527,9 +527,9 @@ class Cell:
     reason: str = ""
 
 
-def _nothing_known() -> Iterable[Changes]:
+def _nothing_known() -> Iterable[CriticalValues]:
     """No value is known at which a verdict may change."""
-    return [Changes(open=[Open(None, None)])]
+    return [CriticalValues(open=[Open(None, None)])]
 
 
 @dataclass(frozen=True)
@@ -555,12 +555,12 @@ class Question:
 
     verdict: Callable[[Rational], bool | None]
     own: Expr | None = None
-    changes: Callable[[], Iterable[Changes]] = _nothing_known
-    at: Callable[[Change], bool | None] | None = None
+    changes: Callable[[], Iterable[CriticalValues]] = _nothing_known
+    at: Callable[[CriticalValue], bool | None] | None = None
     cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None
-    end: Callable[[RealNumber, RealNumber, bool], Point | None] | None = None
+    end: Callable[[RealNumber, RealNumber, bool], SingleValue | None] | None = None
     alone: Sequence[Expr] = ()
-    lone: Callable[[Change], bool | None] | None = None
+    lone: Callable[[CriticalValue], bool | None] | None = None
 
 
 def solve(
@@ -593,10 +593,10 @@ class _Solving:
 
     def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
         self.question, self.domain, self.searched, self.near = question, domain, searched, near
-        self.asked: dict[Rational, Point] = {}
-        self.points = list[Point]()
+        self.asked: dict[Rational, SingleValue] = {}
+        self.points = list[SingleValue]()
         self.stretches = list[Stretch | None]()
-        self._cut(Changes(open=[Open(None, None, STOPPED)]))
+        self._cut(CriticalValues(open=[Open(None, None, STOPPED)]))
 
     def found(self) -> ValueSet:
         """The set as it stands, with what was asked of single values; nothing more is asked."""
@@ -621,7 +621,7 @@ class _Solving:
             if isinstance(value, Rational) and self._is_left_open(value):
                 self._ask(value)
 
-    def _ask(self, value: Rational) -> Point:
+    def _ask(self, value: Rational) -> SingleValue:
         """The verdict on one value, or why it is not known. LimitError where the time is over."""
         if value not in self.asked:
             tick()
@@ -630,7 +630,7 @@ class _Solving:
                 holds = self.question.verdict(value)
             except UndecidedError as error:
                 reason = _reason(error)
-            self.asked[value] = Point(ExactNumber(value), holds, reason=reason)
+            self.asked[value] = SingleValue(ExactNumber(value), holds, reason=reason)
         return self.asked[value]
 
     def _is_left_open(self, value: Rational) -> bool:
@@ -655,13 +655,13 @@ class _Solving:
             open_ = Stretch(None, _reason(error))
             self.stretches = [open_ if _is_open(x) else x for x in self.stretches]
 
-    def _cut(self, changes: Changes) -> None:
+    def _cut(self, changes: CriticalValues) -> None:
         """Cut the domain at critical values, and at the ends of what is open, anew; what was asked
         tells of stretches."""
         edges = [x for own in changes.open for x in (own.low, own.high) if x is not None]
         listed = [
-            *(Point(x.value, bindings=x.bindings) for x in changes.values),
-            *map(Point, edges),
+            *(SingleValue(x.value, bindings=x.bindings) for x in changes.values),
+            *map(SingleValue, edges),
         ]
         told = [x for x in listed if is_told(x.value)]
         open_ = (
@@ -670,7 +670,7 @@ class _Solving:
         whole = replace(self.domain, holds_low=True, holds_high=True)
         points = _each_once(
             [
-                *(Point(x) for x in self.domain.ends if x is not None),
+                *(SingleValue(x) for x in self.domain.ends if x is not None),
                 *(x for x in told if whole.holds(x.value)),
             ]
         )
@@ -776,7 +776,7 @@ class _Solving:
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
                 self.points[j] = replace(self.points[j], holds=x.holds)
         inner = [
-            Point(a.high, b.holds if a.holds is None else a.holds)
+            SingleValue(a.high, b.holds if a.holds is None else a.holds)
             for a, b in pairwise(merged)
             if a.high is not None
         ]
@@ -811,7 +811,7 @@ class _Solving:
             if not self.domain.holds(
                 x.value
             ):  # nothing is asked about there, so that nothing binds
-                self.points[i] = Point(x.value, holds=False)
+                self.points[i] = SingleValue(x.value, holds=False)
             elif x.holds is None and not x.reason:
                 holds, reason = self._told(i, ask=ask)
                 self.points[i] = replace(x, holds=holds, reason=reason)
@@ -838,7 +838,7 @@ class _Solving:
         if not ask:
             return None, STOPPED
         try:
-            told = tell(Change(point.value, point.bindings))
+            told = tell(CriticalValue(point.value, point.bindings))
         except UndecidedError as error:
             return None, _reason(error)
         return (True, "") if told is None and is_beside else (told, _ALONE if told is None else "")
@@ -849,7 +849,7 @@ def _is_open(x: Stretch | None) -> bool:
     return x is not None and x.holds is None and x.reason != NOT_NEEDED
 
 
-def _rational(x: Point) -> Rational | None:
+def _rational(x: SingleValue) -> Rational | None:
     return (
         x.value.value
         if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational)

@@ -32,7 +32,7 @@ one that cannot be positive (``D(j omega) is on one side of a line through 0``) 
 alone.
 
 **How cells are cut.** The remainder of a Taylor model is of third order, so the share of each side
-in it is that of the cube of F's change along it (``Curve.of``): all of it to omega, and pieces
+in it is that of the cube of F's change along it (``LineBound.of``): all of it to omega, and pieces
 without end are cut that only the parameters could settle; to each alike, and the parameters are. A
 piece along whose inner sides F changes more than half as much as along the outer ones is cut there,
 every other open piece wants its cell cut: along the side with the largest share of the change in
@@ -50,7 +50,7 @@ than a bound (``no_better``,
 >>> def parabola(cells):  # q - (omega - 1/2)^2, of which only intervals are known
 ...     (a, b), (q, p) = cells[:, 0].T - 0.5, cells[:, 1].T
 ...     most, least = np.maximum(a * a, b * b), np.where(a * b < 0, 0, np.minimum(a * a, b * b))
-...     return Curve.between(q - most, p - least, np.stack([most - least, p - q], -1))
+...     return LineBound.between(q - most, p - least, np.stack([most - least, p - q], -1))
 >>> found = search([parabola], [[[-1, 1]]], [[0, 1]], wide=lambda q: q[..., 1] - q[..., 0] > 1e-3)
 >>> bool(found.kept.outer[:, 0, 1].max() < 0 < found.broken.outer[:, 0, 0].min() < 0.002)
 True
@@ -83,7 +83,7 @@ _MOST, _BATCH = 100_000, 1024
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class LineBound:
     """What a judge says of a function over n cells: |F - (middle + slope t + bend t^2)| <= rest, t
     from -1 to 1 along omega.
 
@@ -99,7 +99,7 @@ class Curve:
     changes: Array
 
     @classmethod
-    def of(cls, c0: Array, c1: Array, c2: Array, r: Array) -> Curve:
+    def of(cls, c0: Array, c1: Array, c2: Array, r: Array) -> LineBound:
         """Of a Taylor model c0 + c1.t + t.c2.t +- r over each cell, (n,), (n, sides), (n, sides,
         sides), (n,)."""
         with np.errstate(all="ignore"):  # what is not finite is unknown
@@ -112,7 +112,7 @@ class Curve:
             return cls(c0, c1[:, 0], c2[:, 0, 0], rest + _ROUNDING * (most + r), changes)
 
     @classmethod
-    def between(cls, low: Array, high: Array, changes: Array) -> Curve:
+    def between(cls, low: Array, high: Array, changes: Array) -> LineBound:
         """Of a function that lies between two numbers on each cell."""
         with np.errstate(all="ignore"):
             middle, rest = (low + high) / 2, (high - low) / 2
@@ -135,23 +135,23 @@ class Curve:
         low, high = _hull(self.bend, self.slope, self.middle + self.rest)
         return self.known & (low > high)
 
-    def never_positive(self) -> Curve:
+    def never_positive(self) -> LineBound:
         """The same of a function whose being positive would mean nothing."""
         with np.errstate(all="ignore"):
             sizes = np.abs(self.middle) + np.abs(self.slope) + np.abs(self.bend)
             top = self.middle + np.abs(self.slope) + np.maximum(self.bend, 0.0)
             return replace(self, rest=np.maximum(self.rest, top + _ROUNDING * sizes))
 
-    def known_negative(self, which: Array) -> Curve:
+    def known_negative(self, which: Array) -> LineBound:
         """The same of a function that was shown to be negative on some cells in another way."""
         middle, slope, bend, rest = (
             x.copy() for x in (self.middle, self.slope, self.bend, self.rest)
         )
         middle[which], slope[which], bend[which], rest[which] = -1.0, 0.0, 0.0, 0.0
-        return Curve(middle, slope, bend, rest, self.changes)
+        return LineBound(middle, slope, bend, rest, self.changes)
 
-    def __getitem__(self, which: Array) -> Curve:
-        return Curve(
+    def __getitem__(self, which: Array) -> LineBound:
+        return LineBound(
             self.middle[which],
             self.slope[which],
             self.bend[which],
@@ -160,7 +160,7 @@ class Curve:
         )
 
     @classmethod
-    def together(cls, own: Sequence[Curve]) -> Curve:
+    def together(cls, own: Sequence[LineBound]) -> LineBound:
         """All of several."""
         names = ("middle", "slope", "bend", "rest", "changes")
         return cls(*(np.concatenate([getattr(x, name) for x in own]) for name in names))
@@ -218,7 +218,7 @@ def _first(a: Array, b: Array, c: Array) -> Array:
         return np.where(at_start, -1.0, np.where(is_inside, inside, np.where(at_end, 1.0, np.nan)))
 
 
-Judge: TypeAlias = Callable[[Array], Curve]
+Judge: TypeAlias = Callable[[Array], LineBound]
 """Of cells (n, sides, 2): from where to where of omega, of each outer side, then of the other inner
 sides."""
 
@@ -608,17 +608,17 @@ class Search:
         still = Pieces.together([idle, pieces[~more]])
         return still, Pieces(owner, halves(pieces.inner[more], np.argmax(own[more], -1)))
 
-    def _curve(self, i: int, cells: Array) -> Curve:
+    def _curve(self, i: int, cells: Array) -> LineBound:
         """What one judge says, some cells at a time."""
-        found = list[Curve]()
+        found = list[LineBound]()
         for start in range(0, len(cells), _BATCH):
             tick(min(self.looked, self._most), self._most, self._what)
             found.append(self.judges[i](cells[start : start + _BATCH]))
         self.looked += len(cells)
-        return found[0] if len(found) == 1 else Curve.together(found)
+        return found[0] if len(found) == 1 else LineBound.together(found)
 
 
-def _contracted(i: int, found: Cells, pieces: Pieces, curve: Curve) -> tuple[Pieces, Curve]:
+def _contracted(i: int, found: Cells, pieces: Pieces, curve: LineBound) -> tuple[Pieces, LineBound]:
     """Pieces without what a curve shows to be negative; ceilings lowered to where it shows to be
     positive."""
     start, end = pieces.inner[:, 0].T
@@ -668,7 +668,7 @@ def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) 
         return np.where(told[:, None], _along(omega, low, high), omega)
 
 
-def _rates(pieces: Pieces, curve: Curve, outer: Array) -> Array:
+def _rates(pieces: Pieces, curve: LineBound, outer: Array) -> Array:
     """How much of the change of a function is along each side; of one that is unknown how wide each
     side is."""
     cells = pieces.cells(outer)
@@ -680,7 +680,7 @@ def _rates(pieces: Pieces, curve: Curve, outer: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchResult:
     """All outer cells that there were, in three parts."""
 
     kept: Cells
@@ -702,7 +702,7 @@ def search(
     last: int = 0,
     most: int = _MOST,
     what: str = "cells",
-) -> Found:
+) -> SearchResult:
     """Outer cells that fill a domain as they are told: kept, broken, or neither; ``inner`` : the
     pieces of all judges alike.
 
@@ -713,4 +713,4 @@ def search(
     own = Search(judges, cells, wide=wide, last=last, most=most, what=what)
     settled = joined([cells[:0], *own])
     broken = settled.ceiling < np.inf
-    return Found(settled[~broken], settled[broken], own.left)
+    return SearchResult(settled[~broken], settled[broken], own.left)

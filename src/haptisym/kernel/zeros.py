@@ -24,7 +24,7 @@ from flint import arb, fmpq
 from sympy import Expr
 
 from haptisym.kernel.budget import Waiting, tick
-from haptisym.kernel.enclosures import Stretch
+from haptisym.kernel.enclosures import FunctionPiece
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 
@@ -214,7 +214,7 @@ def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
     waiting = Waiting(_pieces(f, low, high) if low < high else [])
     for a, b in waiting:
         with flint.ctx.workprec(128):
-            answer = _judged(f, Stretch.of(f.series, a, b), len(found))
+            answer = _judged(f, FunctionPiece.of(f.series, a, b), len(found))
             if answer is None:
                 middle = _clear(
                     f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64
@@ -236,7 +236,7 @@ def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
         return list(pairwise([low, *(_clear(f, x, x / 64) for x in places), high]))
 
 
-def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | None:
+def _judged(f: SeriesFactor, piece: FunctionPiece, index: int) -> list[RealNumber] | None:
     """The zeros in a piece, if it is clear enough to tell."""
     if piece.sign():
         return []
@@ -256,7 +256,7 @@ def _judged(f: SeriesFactor, piece: Stretch, index: int) -> list[RealNumber] | N
     return None
 
 
-def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int:
+def _sign(f: SeriesFactor, piece: FunctionPiece, end: int, derivative: int = 0) -> int:
     """The sign of the function, or of its slope, at an end of a piece; UndecidedError if it stays
     open."""
     if shown := piece.sign_at(end, derivative):
@@ -267,7 +267,7 @@ def _sign(f: SeriesFactor, piece: Stretch, end: int, derivative: int = 0) -> int
     raise UndecidedError(f"the sign of a function at omega = {float(x.mid()):.17g} rad/s")
 
 
-def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[RealNumber]:
+def _on_a_bend(f: SeriesFactor, piece: FunctionPiece, bend: int, index: int) -> list[RealNumber]:
     """On a piece that bends one way only: the extremum decides between no zero and two, or stays
     undecided."""
     left, right = _sign(f, piece, 0), _sign(f, piece, -1)
@@ -279,7 +279,7 @@ def _on_a_bend(f: SeriesFactor, piece: Stretch, bend: int, index: int) -> list[R
 
     def extreme(bits: int) -> tuple[Ball, int] | None:
         at = extremum.ball(bits)
-        sign = Stretch.of(f.series, at.lower(), at.upper()).sign()
+        sign = FunctionPiece.of(f.series, at.lower(), at.upper()).sign()
         return (at.mid(), sign) if sign else None
 
     found = at_rising_precision(extreme)

@@ -4,7 +4,7 @@ A model is a function from parameters to a dynamics, ``H(s)`` or a chain matrix,
 name in scene files by the decorator ``environment`` or ``effect``; its signature says what each
 parameter measures and may be. Numbers, strings with units or symbols go in, an ``Environment`` or
 an ``Effect`` comes out. A ``Hand`` is m s^2 + b s + k, which stands beside H_perc where both move
-together; a shunt of that form, a ``Device``, stands beside it too.
+together; a shunt of that form, a ``DeviceImpedance``, stands beside it too.
 
 A controller with a clock renders an environment as a difference equation: ``D(z)`` is its dynamics
 with a difference in place of s, and a ``sampled-loop`` is the effect that makes of what would be
@@ -769,7 +769,7 @@ def how_to_give() -> str:
     return f"--hand NAME (in Python hand=NAME), or [hand] in the scene; {listed}"
 
 
-class Device(NamedTuple):
+class DeviceImpedance(NamedTuple):
     """Z = k + b s + m s^2."""
 
     k: Expr = Integer(0)
@@ -777,13 +777,13 @@ class Device(NamedTuple):
     m: Expr = Integer(0)
 
 
-def device(effect: Effect) -> Device | None:
+def device(effect: Effect) -> DeviceImpedance | None:
     """That of a shunt, its parameters' values in place; None of another effect, and where Z is none
     of these.
 
     >>> from haptisym.effects import compliance, shunt
     >>> device(shunt(Z="b*s^2 + 3*s", parameters={"b": 5}))
-    Device(k=0, b=3, m=5)
+    DeviceImpedance(k=0, b=3, m=5)
     >>> device(shunt(Z="s^3")) is device(compliance(k=500)) is None
     True
     """
@@ -791,7 +791,7 @@ def device(effect: Effect) -> Device | None:
     if effect.model != "shunt" or not Z.is_polynomial(s):
         return None
     row = Poly(Z, s).all_coeffs()[::-1]
-    return Device(*row) if len(row) <= len(Device._fields) else None
+    return DeviceImpedance(*row) if len(row) <= len(DeviceImpedance._fields) else None
 
 
 _ENVIRONMENT = (

@@ -123,7 +123,7 @@ _DEGREES = dict.fromkeys(("deg", "°", "degree", "degrees", "*"), np.pi / 180)
 _RAD = dict.fromkeys(("rad", "radian", "radians"), 1.0)
 
 
-class Column(NamedTuple):
+class ColumnHeader(NamedTuple):
     """A column as its header has it: ``real [N/m]`` is a name and a unit, and so is
     ``phase_deg``."""
 
@@ -139,7 +139,7 @@ class Column(NamedTuple):
         return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
 
 
-def column_of(cell: str) -> Column:
+def column_of(cell: str) -> ColumnHeader:
     """Name and unit of a header; SceneError where two units contradict each other."""
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
     name, unit = (
@@ -149,8 +149,8 @@ def column_of(cell: str) -> Column:
     )
     suffix = re.fullmatch(r"(.+)_([A-Za-z]+)", name)
     if suffix and suffix[2].lower() in _SUFFIXES:
-        return Column(cell, suffix[1], agreed(name, _SUFFIXES[suffix[2].lower()], unit))
-    return Column(cell, name, unit)
+        return ColumnHeader(cell, suffix[1], agreed(name, _SUFFIXES[suffix[2].lower()], unit))
+    return ColumnHeader(cell, name, unit)
 
 
 def agreed(name: str, implied: str, unit: str) -> str:
@@ -162,7 +162,9 @@ def agreed(name: str, implied: str, unit: str) -> str:
     raise SceneError(f"{name}: the unit must be {implied}, not {quoted(unit)}{hint}")
 
 
-def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout) -> dict[str, int]:
+def assigned(
+    columns: Sequence[ColumnHeader], names: Mapping[str, str], layout: Layout
+) -> dict[str, int]:
     """The place of each role. SceneError where a role has two columns, or a name may be a slip of
     the pen."""
     found = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
@@ -195,7 +197,7 @@ def assigned(columns: Sequence[Column], names: Mapping[str, str], layout: Layout
     return found
 
 
-def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
+def _place(columns: Sequence[ColumnHeader], role: str, wanted: str | int) -> int:
     if isinstance(wanted, int):
         if not 1 <= wanted <= len(columns):
             raise SceneError(
@@ -216,7 +218,7 @@ def _place(columns: Sequence[Column], role: str, wanted: str | int) -> int:
     raise SceneError(f"columns: {role}: there is no column {quoted(wanted)}: there are {listed}")
 
 
-def _unit(role: str, column: Column, layout: Layout) -> str:
+def _unit(role: str, column: ColumnHeader, layout: Layout) -> str:
     """What the header states, or else the scene, which also has the word where the header is not
     understood."""
     if not column.unit and column.text.count("[") != column.text.count("]"):
@@ -251,7 +253,7 @@ class Scale(NamedTuple):
 
 
 def scales_of(
-    columns: Sequence[Column], roles: Mapping[str, int], layout: Layout
+    columns: Sequence[ColumnHeader], roles: Mapping[str, int], layout: Layout
 ) -> dict[str, Scale]:
     """The scale of the column of each role. SceneError where a unit is missing, is another
     quantity's or is unknown."""
@@ -275,7 +277,7 @@ def scales_of(
     return found
 
 
-def _scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
+def _scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
     if role == "frequency":
         return _frequency_scale(unit, column)
     if role == "phase":
@@ -302,7 +304,7 @@ def _listed(name: str, unit: str, known: Mapping[str, float], hint: str = "") ->
     return known[unit.lower()]
 
 
-def _frequency_scale(unit: str, column: Column) -> Scale:
+def _frequency_scale(unit: str, column: ColumnHeader) -> Scale:
     if column.bare == "omega":
         hint = ": call the column frequency_hz" if unit.lower() in _HERTZ else ""
         return Scale(_listed("omega", unit or "rad/s", _RADIANS, hint), "rad/s")
@@ -327,7 +329,7 @@ def _frequency_scale(unit: str, column: Column) -> Scale:
     return Scale(factor, "rad/s" if factor == 1 else "Hz" if factor < 10 else "kHz")
 
 
-def _size_scale(role: str, unit: str, column: Column, layout: Layout) -> Scale:
+def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
     """Of a response and of a radius: to N/m and s, or their turned over."""
     order, power = QUANTITIES[layout.quantity or "stiffness"]
     named = column.bare.replace("_", "-")

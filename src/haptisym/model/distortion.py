@@ -53,7 +53,7 @@ from haptisym.model.chain import (
 )
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, Number, quantity
-from haptisym.programs.accuracy import Accuracy, Engine
+from haptisym.programs.accuracy import Accuracy, Backend
 
 if TYPE_CHECKING:
     from haptisym.programs.steps import Steps
@@ -342,7 +342,7 @@ class Distortion(Shown):
         self,
         accuracy: Accuracy | str = Accuracy.FAST,
         of: Sequence[str] | None = None,
-        engine: Engine | str = Engine.NUMPY,
+        engine: Backend | str = Backend.NUMPY,
     ) -> Compiled:
         """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that
         are still symbols (SI).
@@ -354,7 +354,7 @@ class Distortion(Shown):
         accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast",
         "double-double", "certified").
         of : the fields wanted, all by default; the named tuple has just these.
-        engine : what runs the level fast, an ``Engine`` or its name: "numpy", or "numba" (the extra
+        engine : what runs the level fast, an ``Backend`` or its name: "numpy", or "numba" (the extra
         ``fast``).
         ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice
         that there is not.

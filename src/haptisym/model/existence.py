@@ -40,8 +40,10 @@ def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumbe
         factors += [f for f in _factors(p, index) if f not in factors]
     found = (x for f in factors for x in real_roots(f, index, negative=True))
     return [
-        x for x in found if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))
-    ]  # type: ignore[attr-defined]
+        x
+        for x in found
+        if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))  # type: ignore[attr-defined]
+    ]
 
 
 def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> bool:

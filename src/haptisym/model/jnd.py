@@ -214,7 +214,7 @@ _CORNERS: Mapping[Shape, tuple[Corner, ...]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Region:
+class RegionDetails:
     """What a region is besides its half widths; each number exact, or a rational formula in omega.
 
     ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square,
@@ -240,7 +240,7 @@ class Region:
         named = {"real: lower": self.lower[0], "imag: lower": self.lower[1], "floor": self.floor}
         return {name: x for name, x in named.items() if x is not None}
 
-    def scaled(self, c: Expr) -> Region:
+    def scaled(self, c: Expr) -> RegionDetails:
         """That many times as large."""
         corners = tuple((x * c, y * c) for x, y in self.corners)
         one, other = (None if x is None else x * c for x in self.lower)
@@ -260,7 +260,7 @@ class Region:
             _check_polygon(self.corners, low, high)
 
 
-SQUARE = Region()
+SQUARE = RegionDetails()
 
 
 def positive(value: Expr, low: Expr, high: Expr) -> bool:
@@ -363,7 +363,7 @@ class Threshold(Viewed):
     """Where they may lie, if they are given as ranges (``"0.1 +- 20 %"`` or a pair)."""
     source: str = field(default="", repr=False)
     """The name of the published threshold that it is, if it is one."""
-    region: Region = SQUARE
+    region: RegionDetails = SQUARE
     proportion: Expr | None = field(default=None, repr=False)
     conversion: Conversion | None = field(default=None, repr=False)
     """At which proportion of right answers it holds, if that is told, and how it was brought there,
@@ -698,7 +698,7 @@ def _table(given: Mapping[str, Any]) -> Threshold:
         raise SceneError("give both real and imag" if "real" in keys else "corners is missing")
     taken = read_proportion("proportion", given["proportion"]) if "proportion" in given else None
     if shape is Shape.POLYGON:
-        region = Region(shape, corners=_corners(given["corners"]))
+        region = RegionDetails(shape, corners=_corners(given["corners"]))
         return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
     real, imag = (
         _sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag")
@@ -707,7 +707,7 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     tilt = _number("tilt", given["tilt"]) if "tilt" in given else Integer(0)
     named = {"real.lower": real[2], "imag.lower": imag[2], "floor": lowest}
     ranges = tuple((name, x) for name, x in named.items() if x)
-    region = Region(shape, tilt, (), (real[1], imag[1]), floor, motion, ranges)
+    region = RegionDetails(shape, tilt, (), (real[1], imag[1]), floor, motion, ranges)
     return Threshold(real[0], imag[0], region=region, proportion=taken)
 
 

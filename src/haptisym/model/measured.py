@@ -3,7 +3,7 @@ the truth lies.
 
 A disc comes from coherence and averages (``disc_radius``), from a radius that is given, or from
 nothing. How the response was estimated, where it comes from records in time, stands beside it
-(``Welch``), and so does a bound on its slope between the lines (``Slope``), which whoever measured
+(``Welch``), and so does a bound on its slope between the lines (``SlopeBound``), which whoever measured
 it states, and nothing tests.
 """
 
@@ -34,7 +34,7 @@ _UP = 1 + 2e-15  # more than some roundings
 
 
 @dataclass(frozen=True, slots=True)
-class Slope:
+class SlopeBound:
     """``|dH/domega| <= bound`` (N s/m or N m s/rad), or, where ``relative``, ``<= bound |H|`` (s).
 
     ``text`` : as it was stated. ``motion`` : as its unit tells.
@@ -78,7 +78,7 @@ class Slope:
         return np.clip(np.nan_to_num(found), 0, apart)
 
 
-def read_slope(given: Number) -> Slope:
+def read_slope(given: Number) -> SlopeBound:
     """What a user states. SceneError for a bare number, of which nothing tells what it bounds."""
     if not isinstance(given, str) or not any(x.isalpha() for x in given):
         raise SceneError(f"slope: {quoted(given)} has no unit: {_WAYS}")
@@ -89,7 +89,7 @@ def read_slope(given: Number) -> Slope:
             continue
         if read.value < 0:
             raise SceneError(f"slope: {quoted(given)} must be >= 0")
-        return Slope(float(read.value), dimension is Dimension.TIME, given, read.motion)
+        return SlopeBound(float(read.value), dimension is Dimension.TIME, given, read.motion)
     raise SceneError(f"slope: {quoted(given)} is no bound of a slope: {_WAYS}")
 
 
@@ -275,7 +275,7 @@ class Measurement(Shown):
             self.coherence is not None and (self.coherence > 1).any()
         ):  # by a rounding, or it would have been refused
             object.__setattr__(self, "coherence", np.minimum(self.coherence, 1.0))
-        if self.slope is not None and not isinstance(self.slope, Slope):
+        if self.slope is not None and not isinstance(self.slope, SlopeBound):
             object.__setattr__(self, "slope", read_slope(self.slope))
         if self.slope and self.motion and self.slope.motion not in (None, self.motion):
             raise SceneError(

@@ -22,7 +22,7 @@ from haptisym.model.scene import Scene
 if TYPE_CHECKING:
     from haptisym.model.measured import (
         Measurement,  # needs NumPy, which a scene of formulas does not load
-        Slope,
+        SlopeBound,
     )
 
 
@@ -109,7 +109,7 @@ class MeasuredScene(Shown):
         return Scene(exact, (), band, self.threshold, title=self.title, source=self.source)
 
     @property
-    def slopes(self) -> dict[str, Slope]:
+    def slopes(self) -> dict[str, SlopeBound]:
         """The bounds that are stated, by which response they are of."""
         own = (
             {}

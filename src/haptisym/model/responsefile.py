@@ -35,7 +35,7 @@ from haptisym.model.columns import (
     QUANTITIES,
     RECORD,
     RESPONSE,
-    Column,
+    ColumnHeader,
     Layout,
     Scale,
     agreed,
@@ -87,7 +87,7 @@ class Head(NamedTuple):
     """What stands before the numbers: the columns, their separator (blanks: None), the first line
     of numbers, and which it is."""
 
-    columns: tuple[Column, ...]
+    columns: tuple[ColumnHeader, ...]
     separator: str | None
     first: str
     line: int
@@ -99,7 +99,7 @@ class Given:
     words."""
 
     path: Path
-    head: Sequence[Column]
+    head: Sequence[ColumnHeader]
     roles: Mapping[str, int]
     scales: Mapping[str, Scale]
     rows: Mapping[str, Any]
@@ -122,7 +122,7 @@ class Given:
         return next((x.motion for x in self.scales.values() if x.motion), None)
 
 
-Check = Callable[[Sequence[Column], Layout], dict[str, int]]
+Check = Callable[[Sequence[ColumnHeader], Layout], dict[str, int]]
 """Which column has which role. SceneError where one is missing."""
 
 
@@ -491,7 +491,7 @@ def _numbers(key: str, role: str, given: Any) -> Any:
 # Responses.
 
 
-def _response_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
+def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, int]:
     roles = assigned(columns, RESPONSE, layout)
     listed = ", ".join(x.text for x in columns)
     if "frequency" not in roles:
@@ -595,7 +595,7 @@ _OFF = 0.75
 times are rounded in files."""
 
 
-def _record_roles(columns: Sequence[Column], layout: Layout) -> dict[str, int]:
+def _record_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, int]:
     roles = assigned(columns, RECORD, layout)
     listed = ", ".join(x.text for x in columns[:20])
     if missing := [x for x in ("time", "position", "force") if x not in roles]:
@@ -678,7 +678,7 @@ def read_motion(path: Path) -> Given:
     return _read(path, Layout(columns={"time": 1, "position": 2}), _motion_roles, "t,x")
 
 
-def _motion_roles(columns: Sequence[Column], _: Layout) -> dict[str, int]:
+def _motion_roles(columns: Sequence[ColumnHeader], _: Layout) -> dict[str, int]:
     if len(columns) == 2 and known_role(columns[1].text) != "time":
         return {"time": 0, "position": 1}
     roles = assigned(columns, {key: RECORD[key] for key in ("time", "position")}, Layout())

@@ -729,7 +729,7 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
     if (text := shipped_text(name)) is not None:
         return text, name
     path = Path(name)
-    return _read_in_scenefile(path), path.name if path.is_file() else name
+    return _text_of(path), path.name if path.is_file() else name
 
 
 def _instead(given: object) -> str:
@@ -757,7 +757,7 @@ def _instead(given: object) -> str:
     return f"{type(given).__name__} is not a scene: {way}"
 
 
-def _read_in_scenefile(path: Path) -> str:
+def _text_of(path: Path) -> str:
     try:
         with path.open("rb") as file:
             data = file.read(

@@ -31,7 +31,7 @@ from haptisym.pages.words import H_ENV, OMEGA, Field, noted, page_about, region,
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Equation, Fraction, Product, text
+from haptisym.writing.boxes import Absolute, Box, Fraction, Relation, SideBySide, text
 from haptisym.writing.code import Language, comment, identifiers
 from haptisym.writing.document import Document, Phrase, listed
 from haptisym.writing.latex import formula, fragment, tex
@@ -86,7 +86,7 @@ def _in_force(x: Solution) -> list[Phrase]:
         return []
     if max(map(count_ops, x.conditions)) > 4:
         return [("a formula holds where it is real and not negative.",)]
-    bounds = (Equation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
+    bounds = (Relation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
     return [("holds where ", listed((x,) for x in bounds), ".")]
 
 
@@ -310,7 +310,7 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
             f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}'
         )
     above, below = (
-        Product((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name)
+        SideBySide((named("d"), named(name))) for name in (f"omega_{letter}", knob.symbol.name)
     )
     return doc.Line(Fraction(above, below), d.sensitivity(part, knob.symbol))
 
@@ -578,7 +578,7 @@ def body(d: Derivation) -> dict[str, Any]:
     return {
         "parameters": [_parameter(d, p) for p in d.scene.parameters],
         "operations": d.steps.operations,
-        "sections": [_section_in_derive(section) for section in sections(d)],
+        "sections": [_section_row(section) for section in sections(d)],
         "quantities": list(QUANTITIES),
     }
 
@@ -593,7 +593,7 @@ def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
     }
 
 
-def _section_in_derive(section: doc.Section) -> dict[str, Any]:
+def _section_row(section: doc.Section) -> dict[str, Any]:
     boxes = [line.equation for line in lines_of(section)]
     rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
     notes = [

@@ -52,9 +52,9 @@ def _effects(r: Relevance) -> Iterator[Block]:
         return
     ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
     changes = (
-        w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most))
+        w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most))  # type: ignore[misc]
         for part in Part
-    )  # type: ignore[misc]
+    )
     names = w.Field("effect", lambda x: x.effect.name), w.Field("model", lambda x: x.effect.model)
     kept = w.Field("", lambda x: "kept" if x.kept and r.dropped else "")
     blocks: list[Block] = [w.table(ranked, "Upper bounds, proven.", *names, *changes, kept)]

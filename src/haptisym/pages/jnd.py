@@ -13,9 +13,9 @@ import numpy as np
 
 from haptisym.model.jnd import Published
 from haptisym.pages.words import Field, near, noted, number, phrased, table
-from haptisym.verbs.jnd.entry import METHODS, Estimate, Psychometric, PublishedThresholds
+from haptisym.verbs.jnd.entry import METHODS, IntervalEstimate, Psychometric, PublishedThresholds
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, Product, Sum
+from haptisym.writing.boxes import Applied, Box, Fenced, Fraction, Numeral, SideBySide, Sum
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import named
 
@@ -53,7 +53,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.4g}\xa0%"
 
 
-def _estimate(p: Psychometric, x: Estimate) -> Phrase:
+def _estimate(p: Psychometric, x: IntervalEstimate) -> Phrase:
     ends = tuple("unbounded" if end is None else near(end) for end in (x.low, x.high))
     if ends == ("unbounded", "unbounded"):
         return near(x.value)
@@ -135,7 +135,8 @@ def _equation(p: Psychometric) -> doc.Line:
         return doc.Line(Applied(named("psi"), (x,)), phi)
     share: Box = Sum(((1, Numeral("1")), (-1, named("gamma")), (-1, named("lambda"))))
     return doc.Line(
-        Applied(named("psi"), (x,)), Sum(((1, named("gamma")), (1, Product((Fenced(share), phi)))))
+        Applied(named("psi"), (x,)),
+        Sum(((1, named("gamma")), (1, SideBySide((Fenced(share), phi))))),
     )
 
 

@@ -17,7 +17,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, Welch, coherence_for
 from haptisym.model.quantities import unit_text
 from haptisym.pages import words as w
-from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Share, Stretches
+from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Remedy, Stretches
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -431,7 +431,7 @@ def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
         )
 
 
-def _half_and_all(x: Share, words: Callable[[float], str]) -> Phrase:
+def _half_and_all(x: Remedy, words: Callable[[float], str]) -> Phrase:
     return _bound(x.half, words), " (half), ", _bound(x.all, words), " (all)"
 
 

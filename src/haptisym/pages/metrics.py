@@ -13,8 +13,8 @@ from haptisym.kernel.rings import RationalFunction, omega, s
 from haptisym.model.quantities import unit_text
 from haptisym.pages import words as w
 from haptisym.verbs.metrics.controlloading import ControlLoading, Trial
-from haptisym.verbs.metrics.freeresponse import Rule
-from haptisym.verbs.metrics.metric import Form, Metric, Metrics, Value
+from haptisym.verbs.metrics.freeresponse import FlightRule
+from haptisym.verbs.metrics.metric import Form, Metric, Metrics, MetricValue
 from haptisym.writing import boxes
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Box, text
@@ -65,7 +65,7 @@ def control_page(found: ControlLoading) -> Document:
     travel: Phrase = "" if found.travel is None else ("; travel ", w.near(found.travel), " m")
     answer = (
         ("Result", (result, f"; {left} not tested" if left else "")),
-        ("Rule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", travel)),
+        ("FlightRule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", travel)),
         ("JND", jnd_verdict(found)),
     )
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
@@ -118,7 +118,7 @@ _RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), No
 def _meanings(found: ControlLoading) -> Iterator[str]:
     """What the names of the tests mean, those that were made."""
     tested = {x.name.partition(" ")[0] for x in found.trials if x.environment is not None}
-    start = "the release" if found.rule is Rule.HELICOPTER else "90 % of A_d"
+    start = "the release" if found.rule is FlightRule.HELICOPTER else "90 % of A_d"
     response = (
         f"P_0: from {start} to the first zero crossing; P_1, P_2: periods; A_1, A_2: overshoots."
     )
@@ -227,7 +227,7 @@ _WORDS = {
 """What a value of JSON is in words."""
 
 
-def _value(x: Value) -> Phrase:
+def _value(x: MetricValue) -> Phrase:
     if isinstance(x.value, str) and x.value in _WORDS:
         return _WORDS[x.value]
     if x.value is None:
@@ -318,11 +318,12 @@ def _im(of: Box) -> Box:
 _H_ENV, _H_PERC, _DH = (quantity(x) for x in ("H_env", "H_perc", "dH"))
 _A, _B, _C, _D, _G = (named(x) for x in ("A", "B", "C", "D", "g"))
 _ZERO, _TWO = boxes.Numeral("0"), boxes.Numeral("2")
-_DET = boxes.Sum(((1, boxes.Product((_A, _D))), (-1, boxes.Product((_B, _C)))))
+_DET = boxes.Sum(((1, boxes.SideBySide((_A, _D))), (-1, boxes.SideBySide((_B, _C)))))
 _SLOPE = boxes.Titled(
     "dH_perc/dH_env",
     boxes.Fraction(
-        boxes.Product((boxes.Operator("d"), _H_PERC)), boxes.Product((boxes.Operator("d"), _H_ENV))
+        boxes.SideBySide((boxes.Operator("d"), _H_PERC)),
+        boxes.SideBySide((boxes.Operator("d"), _H_ENV)),
     ),
 )
 _DEFINITIONS: dict[str, tuple[Box, Box]] = {
@@ -330,12 +331,14 @@ _DEFINITIONS: dict[str, tuple[Box, Box]] = {
     "Theta": (_of_s("Theta"), boxes.Fraction(_DH, _H_ENV)),
     "Z_min": (_of_s("Z_min"), boxes.Fraction(_B, _D)),
     "Z_max": (_of_s("Z_max"), boxes.Fraction(_A, _C)),
-    "Z_width": (_of_s("Z_width"), boxes.Fraction(_DET, boxes.Product((_C, _D)))),
+    "Z_width": (_of_s("Z_width"), boxes.Fraction(_DET, boxes.SideBySide((_C, _D)))),
     "dH_perc/dH_env": (
         _SLOPE,
         boxes.Fraction(
             _DET,
-            boxes.Power(boxes.Fenced(boxes.Sum(((1, boxes.Product((_C, _H_ENV))), (1, _D)))), _TWO),
+            boxes.Power(
+                boxes.Fenced(boxes.Sum(((1, boxes.SideBySide((_C, _H_ENV))), (1, _D)))), _TWO
+            ),
         ),
     ),
     "g": (_G, boxes.Fraction(_DET, boxes.Power(_D, _TWO))),
@@ -343,7 +346,7 @@ _DEFINITIONS: dict[str, tuple[Box, Box]] = {
 }
 _FIRST, _SECOND = _im(boxes.Fraction(_B, _D)), _im(boxes.Fraction(_C, _D))
 _MARGIN = boxes.Sum(
-    ((1, boxes.Prefixed(boxes.Operator("Re"), _G)), (-1, boxes.Product((_TWO, _FIRST, _SECOND))))
+    ((1, boxes.Prefixed(boxes.Operator("Re"), _G)), (-1, boxes.SideBySide((_TWO, _FIRST, _SECOND))))
 )
 _CONDITIONS = {
     "passivity": (doc.Line(_im(_H_PERC), _ZERO, "≥"),),

@@ -32,7 +32,7 @@ from haptisym.pages import scene as scene_page
 from haptisym.pages.evaluation import VERBS, event, sense
 from haptisym.pages.scene import ClosedForms
 from haptisym.pages.words import PART_NAMES, both, ends, near, region
-from haptisym.writing.boxes import Box, Equation, Grid
+from haptisym.writing.boxes import Box, MatrixBox, Relation
 from haptisym.writing.document import DIGITS, Line
 from haptisym.writing.html import display, element, fragment, phrase
 from haptisym.writing.latex import align, formula, is_long, tables, tex
@@ -112,14 +112,14 @@ def _displayed(*parts: str) -> str:
 
 
 def _environment(x: Environment) -> str:
-    equation = tex(Equation((function("H", layout(s)), layout(x.dynamics)), ("=",)))
+    equation = tex(Relation((function("H", layout(s)), layout(x.dynamics)), ("=",)))
     return _displayed(equation, _given(x.parameters))
 
 
 def _effect(x: Effect) -> str:
     a, b, c, d = x.dynamics
     chain = tex(layout(ImmutableMatrix([[a, b], [c, d]])))
-    hand, environment = (tex(Grid(((named(f"F_{y}"),), (named(f"X_{y}"),)))) for y in "he")
+    hand, environment = (tex(MatrixBox(((named(f"F_{y}"),), (named(f"X_{y}"),)))) for y in "he")
     return _displayed(f"{hand} = {chain} {environment}", _given(x.parameters))
 
 
@@ -152,9 +152,9 @@ def _unit(p: Parameter) -> str:
 def _value(name: Box, value: Expr) -> str:
     """``name = value``, and a decimal where the value is no rational number."""
     if value.is_Rational or value.free_symbols:
-        return tex(Equation((name, layout(value)), ("=",)))
+        return tex(Relation((name, layout(value)), ("=",)))
     decimal = layout(value.evalf(6) if value.is_algebraic else rounded(value))
-    return tex(Equation((name, layout(value), decimal), ("=", "≈")))
+    return tex(Relation((name, layout(value), decimal), ("=", "≈")))
 
 
 def _distortion(x: Distortion) -> str:
@@ -181,7 +181,7 @@ def _number(x: RealNumber) -> str:
         return _displayed(_decimal(x.digits()))
     if x.value.is_Rational:
         return _displayed(tex(layout(x.value)))
-    return _displayed(tex(Equation((layout(x.value), layout(rounded(x.value, 15))), ("≈",))))
+    return _displayed(tex(Relation((layout(x.value), layout(rounded(x.value, 15))), ("≈",))))
 
 
 def _decimal(digits: str) -> str:

@@ -16,7 +16,7 @@ from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
-from haptisym.kernel.sets import STOPPED, Point
+from haptisym.kernel.sets import STOPPED, SingleValue
 from haptisym.model.jnd import Part
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.model.valueranges import searched
@@ -109,7 +109,7 @@ def _range(r: Requirement) -> Phrase:
     )
 
 
-def _bindings(end: Point, r: Requirement) -> Iterator[Phrase]:
+def _bindings(end: SingleValue, r: Requirement) -> Iterator[Phrase]:
     for b in end.bindings:
         yield _part(b), ", " if b.kind is Kind.AXIS else " at ", _where(b, r)
 

@@ -39,12 +39,12 @@ from haptisym.writing import document as doc
 from haptisym.writing.boxes import (
     Absolute,
     Box,
-    Equation,
     Fenced,
     Numeral,
     Power,
     Prefixed,
-    Product,
+    Relation,
+    SideBySide,
     Sum,
 )
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
@@ -299,7 +299,7 @@ def threshold(c: Threshold) -> Phrase:
 def _equality(name: str, value: Expr) -> Phrase:
     """``c = 0.1``, or with ≈ where the number is not rational and was rounded."""
     decimal = value if value.is_Rational else rounded(value)
-    return Equation((named(name), layout(decimal)), ("=" if value.is_Rational else "≈",))
+    return Relation((named(name), layout(decimal)), ("=" if value.is_Rational else "≈",))
 
 
 def _link(place: str, part: Environment | Effect) -> Phrase:
@@ -329,7 +329,7 @@ def _value(value: Expr) -> Phrase:
         return layout(value)
     if value.is_Rational:
         return plain(value) if len(f"{value.p}{value.q}") <= 16 else f"≈ {plain(rounded(value))}"
-    return Equation((layout(value), layout(rounded(value))), ("≈",))
+    return Relation((layout(value), layout(rounded(value))), ("≈",))
 
 
 class FormulaGroup(NamedTuple):
@@ -406,7 +406,9 @@ class SceneForms:
         change = Power(Fenced(quantity(f"{_OPERATORS[part]} dH")), Numeral("2"))
         return doc.Line(
             shown,
-            Sum(((1, change), (-1, Product((layout(limits[part] ** 2), quantity("|H_env|^2")))))),
+            Sum(
+                ((1, change), (-1, SideBySide((layout(limits[part] ** 2), quantity("|H_env|^2")))))
+            ),
         )
 
     def polynomial(self, left: Box, found: RealFunction) -> Written:
@@ -616,8 +618,8 @@ class _Steps:
             yield from self._equations(self.forms.in_numbers(DYNAMICS))
 
     def distortion(self) -> Iterator[Block]:
-        where = Equation((named("s"), layout(I * omega)), ("=",))
-        change = Equation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
+        where = Relation((named("s"), layout(I * omega)), ("=",))
+        change = Relation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
         yield from self._formulas(
             ("On ", where, " the distortion ", change, " has the parts"), DIFFERENCE
         )

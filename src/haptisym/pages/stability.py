@@ -12,7 +12,7 @@ from haptisym.judge.colgate import SampledPassivity
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.sets import UNSEARCHED, Point, ValueSet, Verdict
+from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension
@@ -20,7 +20,7 @@ from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.entry import Stability, has_plane
-from haptisym.verbs.stability.held import Box, Held, Share
+from haptisym.verbs.stability.held import HandsOfBox, Held, Share
 from haptisym.verbs.stability.limits import looked_at, open_beside
 from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Margins
 from haptisym.writing import document as doc
@@ -136,7 +136,7 @@ def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> 
     return (so, listed(few, "and" if x.stable else "or")) if few else ""
 
 
-def _distance(knob: Knob, x: Point) -> float:
+def _distance(knob: Knob, x: SingleValue) -> float:
     """From the value that a parameter has, relative to it."""
     now = float(knob.value)
     return abs(float(x.value) - now) / (abs(now) or 1)
@@ -242,7 +242,7 @@ def _count(x: Held) -> str:
     return "infinite" if x.unstable is None else str(x.unstable)
 
 
-def _box(hand: Hand, box: Box) -> Phrase:
+def _box(hand: Hand, box: HandsOfBox) -> Phrase:
     """In which hands of given ranges it is stable."""
     within = [(p.key, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
     ranges = listed(
@@ -358,7 +358,7 @@ def _searched(
             yield _name(knob), first, last
 
 
-def _place(x: Point) -> Phrase:
+def _place(x: SingleValue) -> Phrase:
     omega = x.bindings[0].omega
     return "from infinity" if omega is None else w.cell(omega)
 

@@ -15,7 +15,7 @@ from haptisym.model.scene import clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import joint, nothing_meets
 from haptisym.verbs.stability.held import Share
-from haptisym.verbs.tolerances.proofs import LEVELS, Enclosure, Tolerances, Verdict, quantiles
+from haptisym.verbs.tolerances.proofs import LEVELS, BandVerdict, Enclosure, Tolerances, quantiles
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import named
@@ -42,7 +42,7 @@ def page(a: Tolerances) -> Document:
 
 def _answer(a: Tolerances) -> Iterator[tuple[Phrase, Phrase]]:
     yield "Bandwidth", _bandwidth(a)
-    yield "Verdict", _verdict(a)
+    yield "BandVerdict", _verdict(a)
     if not a.held:
         yield "Stability", "not tested: add --hand NAME"
     for x in a.held:
@@ -70,11 +70,11 @@ def _bandwidth(a: Tolerances) -> Phrase:
 def _verdict(a: Tolerances) -> Phrase:
     low, high = (w.cell(ExactNumber(x)) for x in a.box.scene.band)
     band: Phrase = (" on ", low, " to ", high, "\xa0", FREQUENCY_UNIT)
-    words: dict[Verdict, Phrase] = {
-        Verdict.ALL: ("transparent", band, " for ", Strong("every"), " combination of values"),
-        Verdict.NONE: ("noticed", band, " for ", Strong("every"), " combination of values"),
-        Verdict.DEPENDS: (Strong("depends"), " on the values whether it is transparent", band),
-        Verdict.UNDECIDED: (Strong("undecided"), " whether it is transparent", band),
+    words: dict[BandVerdict, Phrase] = {
+        BandVerdict.ALL: ("transparent", band, " for ", Strong("every"), " combination of values"),
+        BandVerdict.NONE: ("noticed", band, " for ", Strong("every"), " combination of values"),
+        BandVerdict.DEPENDS: (Strong("depends"), " on the values whether it is transparent", band),
+        BandVerdict.UNDECIDED: (Strong("undecided"), " whether it is transparent", band),
     }
     return words[a.verdict]
 
@@ -89,7 +89,7 @@ _SHARES: dict[Share, Phrase] = {
 def _examples(a: Tolerances) -> Iterator[Block]:
     """Values of either kind where it depends."""
     told: list[Phrase] = []
-    if a.verdict in (Verdict.DEPENDS, Verdict.UNDECIDED):
+    if a.verdict in (BandVerdict.DEPENDS, BandVerdict.UNDECIDED):
         examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
         told = [
             (f"{how}, for example, with ", _at(a, one.values), ".")
@@ -168,7 +168,7 @@ def _enclosures(a: Tolerances) -> Block:
         w.Field("increases with", lambda x: _moving(x, 1)),
         w.Field("decreases with", lambda x: _moving(x, -1)),
     )
-    meet, cross = ("may touch", "may touch") if a.verdict is Verdict.ALL else ("meets", "cross")
+    meet, cross = ("may touch", "may touch") if a.verdict is BandVerdict.ALL else ("meets", "cross")
     of = (
         f"the distortion {meet} the border of the {region.kind}"
         if region
@@ -233,9 +233,9 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
     q = quantiles(a.samples)
     rows = [("first crossing", q.first), ("bandwidth", q.bandwidth)][q.first == q.bandwidth :]
     levels = (
-        w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p]))
+        w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p]))  # type: ignore[misc]
         for p in LEVELS
-    )  # type: ignore[misc]
+    )
     shown = w.table(rows, "Quantiles, estimated.", w.Field(FREQUENCY_UNIT, lambda x: x[0]), *levels)
     title = (
         f"Estimated: quantiles over {len(a.samples)} random sets of values (uniform, seed {a.seed})"
@@ -249,7 +249,7 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
 def _proven(a: Tolerances) -> Iterator[Phrase]:
     fit = w.region_of_fit(a.box.scene)
     parts = [
-        *(["verdict"] if a.verdict is not Verdict.UNDECIDED else []),
+        *(["verdict"] if a.verdict is not BandVerdict.UNDECIDED else []),
         *(["bandwidth"] if a.bandwidth is not None else []),
         "crossings",
         *(["stability"] if any(x.share for x in a.held) else []),
@@ -263,7 +263,7 @@ def _proven(a: Tolerances) -> Iterator[Phrase]:
         )
     else:
         yield "Proven: ", what, ", for every value in the ranges."
-    if a.verdict is Verdict.UNDECIDED:
+    if a.verdict is BandVerdict.UNDECIDED:
         yield w.undecided(
             "whether the display is transparent on the whole band for all values, some or none"
         )

@@ -27,10 +27,10 @@ from haptisym.writing import document as doc
 from haptisym.writing.boxes import (
     Absolute,
     Box,
-    Equation,
     Numeral,
     Operator,
     Prefixed,
+    Relation,
     Sum,
     Titled,
     text,
@@ -398,7 +398,7 @@ def bounds(found: Mapping[Part, Supremum]) -> Phrase:
 
 def compared(left: Box, relation: str) -> Box:
     """``left < 0``, with any relation."""
-    return Equation((left, Numeral("0")), (relation,))
+    return Relation((left, Numeral("0")), (relation,))
 
 
 def unit(of: Dimension, motion: MotionKind | None) -> str:

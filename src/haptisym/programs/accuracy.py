@@ -32,7 +32,7 @@ class Accuracy(Enum):
         return _member(cls, "accuracy", given)
 
 
-class Engine(Enum):
+class Backend(Enum):
     """What runs the level fast: NumPy block by block, or machine code made by Numba (the extra
     ``fast``)."""
 
@@ -40,7 +40,7 @@ class Engine(Enum):
     NUMBA = "numba"
 
     @classmethod
-    def of(cls, given: Engine | str) -> Engine:
+    def of(cls, given: Backend | str) -> Backend:
         """The engine, or the engine of that name; SceneError for any other."""
         return _member(cls, "engine", given)
 

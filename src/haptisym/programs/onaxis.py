@@ -22,8 +22,8 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.where import Array, Batches, Curve, halves
-from haptisym.programs.taylormodels import Model, floated, valued, variable
+from haptisym.kernel.where import Array, Batches, LineBound, halves
+from haptisym.programs.taylormodels import TaylorModel, floated, valued, variable
 
 _BATCH = 512  # cells that are bounded together
 _MOST_CELLS = 40_000
@@ -73,7 +73,7 @@ class OnAxis:
                 cells = halves(cells, np.full(len(cells), 1 + i % (self.sides - 1)))
         with np.errstate(all="ignore"):
             values = self._values(cells, 0.0)
-            found: dict[tuple[Expr, tuple[int, ...]], list[Model]] = {}
+            found: dict[tuple[Expr, tuple[int, ...]], list[TaylorModel]] = {}
             for (turns, powers), group in self._groups.items():
                 for power, model in self._coefficients(group, values).items():
                     found.setdefault((power + _weighted(powers, self._orders), turns), []).append(
@@ -85,7 +85,7 @@ class OnAxis:
     def _prevailing(
         self,
         sizes: Mapping[tuple[Expr, tuple[int, ...]], tuple[Array, Array]],
-        values: Sequence[Model],
+        values: Sequence[TaylorModel],
     ) -> float | None:
         """From least and largest sizes of the terms, by their power and how late they come: of
         other delays phases may oppose."""
@@ -155,7 +155,7 @@ class OnAxis:
         return waiting.rest
 
     def bounded(
-        self, cells: Array, parts: tuple[Model, Model] | None = None
+        self, cells: Array, parts: tuple[TaylorModel, TaylorModel] | None = None
     ) -> tuple[Array, Array]:
         """Whether D is nowhere 0 in a cell, proven, and how much it varies along each side, in
         shares of its size there."""
@@ -164,15 +164,15 @@ class OnAxis:
             rates = (np.abs(c1) + np.abs(c2).sum(-1)) / -c0[:, None]
         width = cells[:, :, 1] - cells[:, :, 0]
         rates = np.where(np.isfinite(rates).all(-1, keepdims=True), rates, width)
-        return Curve.of(c0, c1, c2, r).negative, rates * (width > 0) + 1e-12 * width
+        return LineBound.of(c0, c1, c2, r).negative, rates * (width > 0) + 1e-12 * width
 
-    def curve(self, cells: Array) -> Curve:
+    def curve(self, cells: Array) -> LineBound:
         """As a judge of the one search: negative where D is not 0, and told nowhere to be positive,
         which would mean nothing."""
-        return Curve.of(*self._along(cells)).never_positive()
+        return LineBound.of(*self._along(cells)).never_positive()
 
     def _along(
-        self, cells: Array, parts: tuple[Model, Model] | None = None
+        self, cells: Array, parts: tuple[TaylorModel, TaylorModel] | None = None
     ) -> tuple[Array, Array, Array, Array]:
         """A Taylor model of minus D's share along what D is in the middle of a cell: D is not 0
         where that is negative."""
@@ -186,7 +186,7 @@ class OnAxis:
             r = r + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
             return -size[:, 0] * (1 - 1e-12), c1[:, 0], c2[:, 0], r[:, 0]
 
-    def parts(self, cells: Array) -> tuple[Model, Model]:
+    def parts(self, cells: Array) -> tuple[TaylorModel, TaylorModel]:
         """Real and imaginary part of D(j omega) over cells."""
         assert self.reach
         values = self._values(cells, self.reach)
@@ -206,11 +206,11 @@ class OnAxis:
             real, imag = real + x, imag + y
         return real, imag
 
-    def _valued(self, formula: Expr, values: Sequence[Model]) -> Model:
+    def _valued(self, formula: Expr, values: Sequence[TaylorModel]) -> TaylorModel:
         """A formula of what varies."""
         return valued(formula, dict(zip(self._symbols, values[1:], strict=True)), values[0])
 
-    def _values(self, cells: Array, reach: float) -> list[Model]:
+    def _values(self, cells: Array, reach: float) -> list[TaylorModel]:
         found = []
         for i, (low, width) in enumerate([(0.0, reach), *self._ranges]):
             start, end = cells[:, i].T
@@ -221,11 +221,11 @@ class OnAxis:
     def _coefficients(
         self,
         group: Mapping[int, Sequence[tuple[Rational, tuple[int, ...]]]],
-        values: Sequence[Model],
-    ) -> dict[int, Model]:
+        values: Sequence[TaylorModel],
+    ) -> dict[int, TaylorModel]:
         one = values[0].number(1.0)
 
-        def monomial(exponents: tuple[int, ...]) -> Model:
+        def monomial(exponents: tuple[int, ...]) -> TaylorModel:
             return prod(
                 (x for x, n in zip(values[1:], exponents, strict=True) for _ in range(n)), start=one
             )
@@ -236,7 +236,9 @@ class OnAxis:
         }
 
     @staticmethod
-    def _polynomial(coefficients: Mapping[int, Model], omega: Model) -> tuple[Model, Model]:
+    def _polynomial(
+        coefficients: Mapping[int, TaylorModel], omega: TaylorModel
+    ) -> tuple[TaylorModel, TaylorModel]:
         """Its value at j omega."""
         found = [omega.number(0.0), omega.number(0.0)]
         for power in range(max(coefficients), -1, -1):
@@ -246,7 +248,7 @@ class OnAxis:
         return found[0], found[1]
 
 
-def _total(terms: Iterable[Model]) -> Model:
+def _total(terms: Iterable[TaylorModel]) -> TaylorModel:
     first, *others = terms
     return sum(others, first)
 
@@ -255,7 +257,7 @@ def _weighted(times: Iterable[int], what: Iterable[Expr]) -> Expr:
     return sum((n * x for n, x in zip(times, what, strict=True)), Rational(0))
 
 
-def _sizes(model: Model) -> tuple[Array, Array]:
+def _sizes(model: TaylorModel) -> tuple[Array, Array]:
     """The least and the largest absolute value over each cell."""
     low, high = (x[:, 0] for x in model.bounds())
     return np.maximum(np.maximum(low, -high), 0), np.maximum(-low, high)

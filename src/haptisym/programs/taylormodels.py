@@ -1,7 +1,7 @@
 """Functions over many small boxes at once, with proven bounds: Taylor models of second order for
 values and slopes.
 
-A ``Model`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that
+A ``TaylorModel`` is a function of t in [-1, 1]^n as ``c0 + c1.t + t.c2.t``, and a radius ``r`` that
 bounds all the rest, together with the same for each of its n slopes d/dt_i: rows of the arrays, the
 value first; and all that for each of many boxes. What intervals lose where a variable occurs twice,
 models keep to third order. Of many variables slopes may be kept to first order alone: n^2 numbers
@@ -37,7 +37,7 @@ _TINY = 1e-290  # against underflow: of a value, and of a coefficient
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class TaylorModel:
     """``c0`` (boxes, m), ``c1`` (boxes, m, n), ``c2`` (boxes, m, n, n), ``r`` (boxes, m).
 
     m = 1 + n: the value and its slopes; or m = 1: the value alone. Slopes of first order have no
@@ -84,22 +84,22 @@ class Model:
         middle = np.where(np.isfinite(radius), self.c0, 0.0)
         return middle - radius, middle + radius
 
-    def __add__(self, other: Model) -> Model:
+    def __add__(self, other: TaylorModel) -> TaylorModel:
         sizes = np.abs(self.c0) + self.deviation + np.abs(other.c0) + other.deviation
-        return Model(
+        return TaylorModel(
             self.c0 + other.c0,
             self.c1 + other.c1,
             self.c2 + other.c2,
             self.r + other.r + _ROUNDING * sizes,
         )
 
-    def __neg__(self) -> Model:
-        return Model(-self.c0, -self.c1, -self.c2, self.r)
+    def __neg__(self) -> TaylorModel:
+        return TaylorModel(-self.c0, -self.c1, -self.c2, self.r)
 
-    def __sub__(self, other: Model) -> Model:
+    def __sub__(self, other: TaylorModel) -> TaylorModel:
         return self + -other
 
-    def __mul__(self, other: Model) -> Model:
+    def __mul__(self, other: TaylorModel) -> TaylorModel:
         """The product, its slopes by the product rule."""
         if self.is_linear:
             slopes = _product(self._slopes, other._value)
@@ -107,7 +107,7 @@ class Model:
             return _product(self._value, other._value)._over(slopes)
         found = _product(self, other._value)
         if other is self:
-            return Model(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
+            return TaylorModel(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
         if self.c0.shape[1] > 1:
             for array, more in zip(
                 found.arrays, _product(self._value, other._slopes).arrays, strict=True
@@ -116,20 +116,20 @@ class Model:
         return found
 
     @cached_property
-    def _value(self) -> Model:
-        return self if self.c0.shape[1] == 1 else Model(*(x[:, :1] for x in self.arrays))
+    def _value(self) -> TaylorModel:
+        return self if self.c0.shape[1] == 1 else TaylorModel(*(x[:, :1] for x in self.arrays))
 
     @cached_property
-    def _slopes(self) -> Model:
-        return Model(*(x[:, 1:] for x in self.arrays))
+    def _slopes(self) -> TaylorModel:
+        return TaylorModel(*(x[:, 1:] for x in self.arrays))
 
-    def times(self, x: float) -> Model:
+    def times(self, x: float) -> TaylorModel:
         """The product with a number that is known to within some roundings."""
         whole = abs(x) * (np.abs(self.c0) + self.deviation)
         r = self.r * abs(x) + _ROUNDING * whole + _TINY
-        return Model(self.c0 * x, self.c1 * x, self.c2 * x, r)
+        return TaylorModel(self.c0 * x, self.c1 * x, self.c2 * x, r)
 
-    def __truediv__(self, other: Model) -> Model:
+    def __truediv__(self, other: TaylorModel) -> TaylorModel:
         """The quotient q, its slopes (x' - q y')/y; unknown where the divisor may be 0."""
         y = other._value
         q = _quotient(self._value, y)
@@ -137,26 +137,26 @@ class Model:
             return q
         return q._over(_quotient(self._slopes - _product(q, other._slopes), y))
 
-    def number(self, x: float) -> Model:
+    def number(self, x: float) -> TaylorModel:
         """A number that is known to within some roundings, over the same boxes."""
         boxes, rows, sides = self.c1.shape
         return constant(x, boxes, sides, slopes=0 if rows == 1 else 1 if self.is_linear else 2)
 
-    def plus(self, x: float) -> Model:
+    def plus(self, x: float) -> TaylorModel:
         """The sum with a number that is known to within some roundings."""
         c0, r = self.c0.copy(), self.r.copy()
         c0[:, 0] += x
         r[:, 0] += _ROUNDING * (abs(x) + np.abs(self.c0[:, 0]) + self.deviation[:, 0]) + _TINY
-        return Model(c0, self.c1, self.c2, r)
+        return TaylorModel(c0, self.c1, self.c2, r)
 
-    def cosine_and_sine(self) -> tuple[Model, Model]:
+    def cosine_and_sine(self) -> tuple[TaylorModel, TaylorModel]:
         """Of an angle in radians."""
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
         c, s = np.cos(a), np.sin(a)
         cosine, sine = self._composed(c, -s, -c / 2, rest), self._composed(s, c, -s / 2, rest)
         return self._chained(cosine, -sine), self._chained(sine, cosine)
 
-    def sinc(self) -> Model:
+    def sinc(self) -> TaylorModel:
         """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a
         difference of larger numbers."""
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
@@ -168,14 +168,14 @@ class Model:
         )
         return self._chained(value, slope)
 
-    def sincm1(self) -> Model:
+    def sincm1(self) -> TaylorModel:
         """sin x/x - 1, to within roundings of itself also where x is small."""
         a = self.c0[:, :1]
         _, df, d2f, _ = sinc_and_slopes(a)
         value = self._composed(sincm1(a), df, d2f / 2, self.deviation[:, :1] ** 3 / 24)
         return value._over(self.sinc()._slopes) if self.c0.shape[1] > 1 else value
 
-    def to_the(self, order: Model) -> Model:
+    def to_the(self, order: TaylorModel) -> TaylorModel:
         """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
         smooth = (self.log() * order).exp()
         (least, most), top = (
@@ -185,7 +185,7 @@ class Model:
         rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), self)
         return smooth.where(np.isfinite(smooth.bounds()[1]).all(-1), rough)
 
-    def log(self) -> Model:
+    def log(self) -> TaylorModel:
         """The logarithm; unknown where the function may be 0."""
         a = self.c0[:, :1]
         rho = self.deviation[:, :1] / a
@@ -193,13 +193,13 @@ class Model:
         value = self._composed(np.log(a), 1 / a, -1 / (2 * a**2), rest)
         return self._chained(value, _quotient(self._value.number(1.0), self._value))
 
-    def exp(self) -> Model:
+    def exp(self) -> TaylorModel:
         """The exponential."""
         e, d = np.exp(self.c0[:, :1]), self.deviation[:, :1]
         value = self._composed(e, e, e / 2, np.maximum(e, _TINY) * d**3 / 6 * np.exp(d))
         return self._chained(value, value)
 
-    def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> Model:
+    def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> TaylorModel:
         """f + df x + half x^2 + rest for x = the value minus its middle; without slopes."""
         x1, x2, r = self.c1[:, :1], self.c2[:, :1], self.r[:, :1]
         d1, d2 = _sum_of_sizes(x1, 1), _sum_of_sizes(x2, 2)
@@ -211,26 +211,26 @@ class Model:
         )  # of what is in f, c1 and c2
         lost = _ROUNDING * whole + _TINY * (1 + self.deviation[:, :1]) ** 2
         radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + lost
-        return Model(f, c1, c2, radius)
+        return TaylorModel(f, c1, c2, radius)
 
-    def _chained(self, value: Model, slope: Model) -> Model:
+    def _chained(self, value: TaylorModel, slope: TaylorModel) -> TaylorModel:
         """The value in row 0, and slope times each slope of this function in the others."""
         return value._over(_product(slope, self._slopes)) if self.c0.shape[1] > 1 else value
 
-    def _over(self, slopes: Model) -> Model:
+    def _over(self, slopes: TaylorModel) -> TaylorModel:
         """This value with those slopes."""
-        return Model(
+        return TaylorModel(
             *(np.concatenate(pair, 1) for pair in zip(self.arrays, slopes.arrays, strict=True))
         )
 
-    def where(self, known: Array, other: Model) -> Model:
+    def where(self, known: Array, other: TaylorModel) -> TaylorModel:
         """This model for the boxes where ``known`` holds, and the other one for the rest."""
         k = known[:, None]
         c1, c2 = (
             np.where(k[..., None], self.c1, other.c1),
             np.where(k[..., None, None], self.c2, other.c2),
         )
-        return Model(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
+        return TaylorModel(np.where(k, self.c0, other.c0), c1, c2, np.where(k, self.r, other.r))
 
 
 def _sum_of_sizes(x: Array, axes: int) -> Array:
@@ -240,7 +240,7 @@ def _sum_of_sizes(x: Array, axes: int) -> Array:
     return np.add.reduce(np.abs(x), sides) * (1 + x.shape[-1] ** axes * 2.0**-53)
 
 
-def _product(x: Model, y: Model) -> Model:
+def _product(x: TaylorModel, y: TaylorModel) -> TaylorModel:
     """Row by row; one of the two may have a single row."""
     c0 = x.c0 * y.c0
     c1 = x.c0[..., None] * y.c1 + y.c0[..., None] * x.c1
@@ -255,10 +255,10 @@ def _product(x: Model, y: Model) -> Model:
             + y.c0[..., None, None] * x.c2
             + x.c1[..., :, None] * y.c1[..., None, :]
         )
-    return Model(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
+    return TaylorModel(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
 
 
-def _quotient(x: Model, y: Model) -> Model:
+def _quotient(x: TaylorModel, y: TaylorModel) -> TaylorModel:
     """Each row over a value: the parabola q for which x - q y begins with the third order, and how
     large (x - q y)/y is.
 
@@ -276,13 +276,13 @@ def _quotient(x: Model, y: Model) -> Model:
             - c0[..., None, None] * w2
             - c1[..., :, None] * w1[..., None, :]
         )
-    missed = x - _product(Model(c0, c1, c2, np.zeros(c0.shape)), y)
+    missed = x - _product(TaylorModel(c0, c1, c2, np.zeros(c0.shape)), y)
     least = np.abs(a) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
     r = (np.abs(missed.c0) + missed.deviation) / least * (1 + _ROUNDING) + _TINY
-    return Model(c0, c1, c2, np.where(least > 0, r, np.inf))
+    return TaylorModel(c0, c1, c2, np.where(least > 0, r, np.inf))
 
 
-def constant(value: float, boxes: int, sides: int, *, slopes: int = 2) -> Model:
+def constant(value: float, boxes: int, sides: int, *, slopes: int = 2) -> TaylorModel:
     """A number, known to within some roundings; its slopes are 0."""
     return _flat(
         np.full(boxes, value),
@@ -294,7 +294,7 @@ def constant(value: float, boxes: int, sides: int, *, slopes: int = 2) -> Model:
 
 def variable(
     middle: Array, radius: Array, size: Array, side: int, sides: int, *, slopes: int = 2
-) -> Model:
+) -> TaylorModel:
     """middle + radius t_side for each box, to within some roundings of numbers up to ``size``.
 
     ``slopes`` : their order, 2 or 1; without them if 0.
@@ -306,7 +306,7 @@ def variable(
     return found if slopes else found._value
 
 
-def between(low: Array, high: Array, like: Model) -> Model:
+def between(low: Array, high: Array, like: TaylorModel) -> TaylorModel:
     """A function that lies between two numbers, with slopes of which nothing is known; ``like`` :
     any model over the boxes."""
     r = np.full(like.c0.shape, np.inf)
@@ -314,37 +314,37 @@ def between(low: Array, high: Array, like: Model) -> Model:
     return _flat((low + high) / 2, r, like.c1.shape[-1], linear=like.is_linear)
 
 
-def _flat(value: Array, r: Array, sides: int, *, linear: bool) -> Model:
+def _flat(value: Array, r: Array, sides: int, *, linear: bool) -> TaylorModel:
     boxes, rows = r.shape
     c0, c1 = (np.zeros((boxes, rows, *[sides] * n), order="F") for n in range(2))
     c2 = np.zeros((boxes, 1 if linear else rows, sides, sides), order="F")
     c0[:, 0] = value
     r[:, 0] += _ROUNDING * np.abs(value) + _TINY
-    return Model(c0, c1, c2, np.asfortranarray(r))
+    return TaylorModel(c0, c1, c2, np.asfortranarray(r))
 
 
-ModelOrFloat: TypeAlias = Model | float
+ModelOrFloat: TypeAlias = TaylorModel | float
 """Numbers that are the same everywhere stay floats, to within some roundings."""
 
 
 def _sum(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
-    if isinstance(x, Model):
-        return x + y if isinstance(y, Model) else x.plus(y)
-    assert isinstance(y, Model)
+    if isinstance(x, TaylorModel):
+        return x + y if isinstance(y, TaylorModel) else x.plus(y)
+    assert isinstance(y, TaylorModel)
     return y.plus(x)
 
 
 def _product_in_modelled(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
-    if isinstance(x, Model):
-        return x * y if isinstance(y, Model) else x.times(y)
-    assert isinstance(y, Model)
+    if isinstance(x, TaylorModel):
+        return x * y if isinstance(y, TaylorModel) else x.times(y)
+    assert isinstance(y, TaylorModel)
     return y.times(x)
 
 
 def _quotient_in_modelled(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
-    one = x if isinstance(x, Model) else y
-    assert isinstance(one, Model)
-    upper, lower = (v if isinstance(v, Model) else one.number(v) for v in (x, y))
+    one = x if isinstance(x, TaylorModel) else y
+    assert isinstance(one, TaylorModel)
+    upper, lower = (v if isinstance(v, TaylorModel) else one.number(v) for v in (x, y))
     return upper / lower
 
 
@@ -356,9 +356,11 @@ OPERATIONS: dict[str, Callable[..., ModelOrFloat]] = {
     "neg": lambda x: -x,
     "cos": lambda x: x.cosine_and_sine()[0],
     "sin": lambda x: x.cosine_and_sine()[1],
-    "sinc": Model.sinc,
-    "sincm1": Model.sincm1,
-    "power": lambda x, order: x.to_the(order if isinstance(order, Model) else x.number(order)),
+    "sinc": TaylorModel.sinc,
+    "sincm1": TaylorModel.sincm1,
+    "power": lambda x, order: x.to_the(
+        order if isinstance(order, TaylorModel) else x.number(order)
+    ),
 }
 
 
@@ -368,7 +370,7 @@ class Modelled:
 
     program: Program
 
-    def run(self, inputs: Sequence[Model]) -> dict[str, ModelOrFloat]:
+    def run(self, inputs: Sequence[TaylorModel]) -> dict[str, ModelOrFloat]:
         """The results by name: for inputs in the order of the program's."""
         known: dict[int, ModelOrFloat] = dict(self._constants)
         for i, step in enumerate(self.program.operations):
@@ -392,7 +394,7 @@ class Modelled:
             return {i: float(x.mid()) for i, x in balls.items()}
 
 
-def valued(formula: Expr, known: Mapping[Expr, Model], like: Model) -> Model:
+def valued(formula: Expr, known: Mapping[Expr, TaylorModel], like: TaylorModel) -> TaylorModel:
     """A formula of what is known and exact numbers by + * / and whole powers; ``like`` : any model
     over the same cells."""
     if formula in known:

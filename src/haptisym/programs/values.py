@@ -15,7 +15,7 @@ from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import rounded, whole
-from haptisym.programs.accuracy import Accuracy, Engine
+from haptisym.programs.accuracy import Accuracy, Backend
 from haptisym.programs.certified import Certified, Doubles, FormsAt
 from haptisym.programs.floats import Floats, Judgement, MagnitudeRange, judged, ranges
 from haptisym.programs.machine import Machine
@@ -300,11 +300,11 @@ def compiled(
     program: Program,
     forms: FormsAt,
     accuracy: Accuracy | str = Accuracy.FAST,
-    engine: Engine | str = Engine.NUMPY,
+    engine: Backend | str = Backend.NUMPY,
 ) -> Compiled:
     """The function of a program whose results are fields of ``Values``; SceneError for a wrong
     level or engine."""
     level = Accuracy.of(accuracy)
-    floats = Machine(program) if Engine.of(engine) is Engine.NUMBA else Floats(program)
+    floats = Machine(program) if Backend.of(engine) is Backend.NUMBA else Floats(program)
     names = tuple(x.name for x in program.inputs[1:])
     return Compiled(tuple(program.results), names, level, program, forms, floats)

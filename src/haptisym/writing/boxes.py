@@ -62,7 +62,7 @@ class Sum:
 
 
 @dataclass(frozen=True, slots=True)
-class Product:
+class SideBySide:
     """Factors side by side; sums among them are fenced."""
 
     factors: tuple[Box, ...]
@@ -85,7 +85,7 @@ class Power:
 
 
 @dataclass(frozen=True, slots=True)
-class Root:
+class Radical:
     """A square root."""
 
     inside: Box
@@ -129,7 +129,7 @@ class Absolute:
 
 
 @dataclass(frozen=True, slots=True)
-class Grid:
+class MatrixBox:
     """A matrix, row by row."""
 
     rows: tuple[tuple[Box, ...], ...]
@@ -144,7 +144,7 @@ class Titled:
 
 
 @dataclass(frozen=True, slots=True)
-class Equation:
+class Relation:
     """Sides that are related in turn: ``relations`` (one of ``= ≈ ≠ < > ≤ ≥``) stand between
     ``sides``."""
 
@@ -158,18 +158,18 @@ Box: TypeAlias = (
     | Name
     | Operator
     | Sum
-    | Product
+    | SideBySide
     | Fraction
     | Power
-    | Root
+    | Radical
     | Exponential
     | Applied
     | Prefixed
     | Fenced
     | Absolute
-    | Grid
+    | MatrixBox
     | Titled
-    | Equation
+    | Relation
 )
 
 
@@ -200,7 +200,7 @@ def formed(box: Box, forms: Mapping[type, Callable[[Any], str]]) -> str:
 def text(box: Box) -> str:
     """A box as one line of plain text.
 
-    >>> text(Equation((Name("x", Word("x", False)), Sum(((-1, Numeral("2")), (1, Root(Numeral("3")))))), ("≤",)))
+    >>> text(Relation((Name("x", Word("x", False)), Sum(((-1, Numeral("2")), (1, Radical(Numeral("3")))))), ("≤",)))
     'x <= -2 + sqrt(3)'
     """
     return formed(box, _TEXT)
@@ -224,7 +224,7 @@ def _inside(box: Box, *fenced: type) -> str:
     return f"({text(box)})" if isinstance(box, fenced) else text(box)
 
 
-def _product(x: Product) -> str:
+def _product(x: SideBySide) -> str:
     parts = [_inside(x.factors[0], Ratio, Fraction)]
     for left, right in pairwise(x.factors):
         parts.append(("*" if needs_dot(left, right) else " ") + _inside(right, Ratio, Fraction))
@@ -237,7 +237,7 @@ def signed(terms: Sequence[tuple[int, Box]], form: Callable[[Box], str]) -> str:
     return f"-{shown[3:]}" if shown.startswith(" - ") else shown[3:]
 
 
-def related(x: Equation, form: Callable[[Box], str], relations: Mapping[str, str]) -> str:
+def related(x: Relation, form: Callable[[Box], str], relations: Mapping[str, str]) -> str:
     """The sides of an equation with its relations between them."""
     pairs = zip(x.relations, x.sides[1:], strict=True)
     return "".join(
@@ -251,14 +251,14 @@ _TEXT: Mapping[type, Callable[[Any], str]] = {
     Name: lambda x: x.text,
     Operator: lambda x: _KEYS.get(x.name, x.name),
     Sum: lambda x: signed(x.terms, text),
-    Product: _product,
+    SideBySide: _product,
     Fraction: lambda x: (
-        f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, Product, Fraction, Ratio)}"
+        f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, SideBySide, Fraction, Ratio)}"
     ),
     Power: lambda x: (
-        f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, Product, Fraction, Ratio, Power)}"
+        f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, SideBySide, Fraction, Ratio, Power)}"
     ),
-    Root: lambda x: f"sqrt({text(x.inside)})",
+    Radical: lambda x: f"sqrt({text(x.inside)})",
     Exponential: lambda x: f"exp({text(x.exponent)})",
     Applied: lambda x: f"{text(x.function)}({', '.join(map(text, x.arguments))})",
     Prefixed: lambda x: f"{text(x.operator)} {_inside(x.operand, Sum, Fraction)}",
@@ -266,7 +266,9 @@ _TEXT: Mapping[type, Callable[[Any], str]] = {
     Absolute: lambda x: (
         f"abs({text(x.inside)})" if "|" in text(x.inside) else f"|{text(x.inside)}|"
     ),
-    Grid: lambda x: "[" + ", ".join("[" + ", ".join(map(text, row)) + "]" for row in x.rows) + "]",
+    MatrixBox: lambda x: (
+        "[" + ", ".join("[" + ", ".join(map(text, row)) + "]" for row in x.rows) + "]"
+    ),
     Titled: lambda x: x.text,
-    Equation: lambda x: related(x, text, _KEYS),
+    Relation: lambda x: related(x, text, _KEYS),
 }

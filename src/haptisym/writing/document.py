@@ -20,7 +20,7 @@ from sympy import Expr, pi
 
 from haptisym.kernel.reals import Printable, Way, in_unit, printed
 from haptisym.model.quantities import RADIANS, Unit
-from haptisym.writing.boxes import Box, Equation
+from haptisym.writing.boxes import Box, Relation
 from haptisym.writing.layout import layout, named
 
 if TYPE_CHECKING:
@@ -178,11 +178,11 @@ class Line:
     optional: bool = False
 
     @property
-    def equation(self) -> Equation:
+    def equation(self) -> Relation:
         """As boxes, for text and MathML."""
         if self.meaning is None:
-            return Equation((self.left, self.box), (self.relation,))
-        return Equation((self.left, self.meaning, self.box), ("=", self.relation))
+            return Relation((self.left, self.box), (self.relation,))
+        return Relation((self.left, self.meaning, self.box), ("=", self.relation))
 
     @property
     def box(self) -> Box:

@@ -26,7 +26,7 @@ from haptisym.writing.boxes import (
     Fenced,
     Fraction,
     Name,
-    Product,
+    SideBySide,
     Sum,
     Word,
     needs_dot,
@@ -211,7 +211,7 @@ def _pieces(box: Box, depth: int) -> Iterator[_Piece]:
                 else ""
             )
             yield from _after(before, depth, _pieces(term, depth))
-    elif isinstance(box, Product):
+    elif isinstance(box, SideBySide):
         for i, factor in enumerate(box.factors):
             dotted = i > 0 and needs_dot(box.factors[i - 1], factor)
             yield from _after(

@@ -269,7 +269,7 @@ def _numeral(x: boxes.Numeral) -> str:
     return power if x.digits == "1" else rf"{x.digits} \times {power}"
 
 
-def _product(x: boxes.Product) -> str:
+def _product(x: boxes.SideBySide) -> str:
     parts = [tex(x.factors[0])]
     for left, right in pairwise(x.factors):
         sign = (
@@ -306,22 +306,22 @@ _TEX: Mapping[type, Callable[[Any], str]] = {
         rf"\{x.name}" if _OPERATORS.fullmatch(x.name) else rf"\operatorname{{{x.name}}}"
     ),
     boxes.Sum: lambda x: boxes.signed(x.terms, tex),
-    boxes.Product: _product,
+    boxes.SideBySide: _product,
     boxes.Fraction: lambda x: rf"\frac{{{tex(x.above)}}}{{{tex(x.below)}}}",
     boxes.Power: _power,
-    boxes.Root: lambda x: rf"\sqrt{{{tex(x.inside)}}}",
+    boxes.Radical: lambda x: rf"\sqrt{{{tex(x.inside)}}}",
     boxes.Exponential: lambda x: f"e^{{{tex(x.exponent)}}}",
     boxes.Applied: lambda x: tex(x.function) + _arguments(x),
     boxes.Prefixed: lambda x: f"{tex(x.operator)} {tex(x.operand)}",
     boxes.Fenced: lambda x: parenthesised(tex(x.inside)),
     boxes.Absolute: lambda x: rf"\left| {tex(x.inside)} \right|",
-    boxes.Grid: lambda x: (
+    boxes.MatrixBox: lambda x: (
         r"\begin{pmatrix} "
         + r" \\ ".join(" & ".join(map(tex, row)) for row in x.rows)
         + r" \end{pmatrix}"
     ),
     boxes.Titled: lambda x: tex(x.inside),
-    boxes.Equation: lambda x: boxes.related(x, tex, RELATIONS),
+    boxes.Relation: lambda x: boxes.related(x, tex, RELATIONS),
 }
 
 

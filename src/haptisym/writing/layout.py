@@ -65,19 +65,19 @@ from haptisym.writing.boxes import (
     Absolute,
     Applied,
     Box,
-    Equation,
     Exponential,
     Fenced,
     Fraction,
-    Grid,
+    MatrixBox,
     Name,
     Numeral,
     Operator,
     Power,
     Prefixed,
-    Product,
+    Radical,
     Ratio,
-    Root,
+    Relation,
+    SideBySide,
     Sum,
     Titled,
     Word,
@@ -510,7 +510,7 @@ def layout(expression: Basic) -> Box:
 
     >>> from haptisym.kernel.rings import s
     >>> layout(2 * s + 3)
-    Sum(terms=((1, Product(factors=(Numeral(digits='2', exponent=0), \
+    Sum(terms=((1, SideBySide(factors=(Numeral(digits='2', exponent=0), \
 Name(text='s', head=Word(letters='s', upright=False), below=())))), (1, Numeral(digits='3', exponent=0))))
     """
     return _Layout().box(expression)
@@ -560,7 +560,7 @@ class _Layout:
         if expr.exp.could_extract_minus_sign():
             return self._product(expr)
         if expr.exp == S.Half:
-            return Root(self.box(expr.base))
+            return Radical(self.box(expr.base))
         base = self.box(expr.base)
         is_bare = (
             expr.base.is_Symbol or expr.base in (pi, I) or (expr.base.is_Integer and expr.base >= 0)
@@ -587,10 +587,10 @@ class _Layout:
         return Applied(function, tuple(map(self.box, expr.args)))
 
     def _matrix(self, expr: MatrixBase) -> Box:
-        return Grid(tuple(tuple(map(self.box, row)) for row in expr.tolist()))
+        return MatrixBox(tuple(tuple(map(self.box, row)) for row in expr.tolist()))
 
     def _relation(self, expr: Relational) -> Box:
-        return Equation((self.box(expr.lhs), self.box(expr.rhs)), (_RELATIONS[expr.rel_op],))
+        return Relation((self.box(expr.lhs), self.box(expr.rhs)), (_RELATIONS[expr.rel_op],))
 
     _makers: tuple[tuple[type, Callable[[_Layout, Basic], Box]], ...] = (
         (Symbol, _symbol),
@@ -633,7 +633,7 @@ class _Layout:
             boxes.insert(0, self.box(coefficient))
         if len(boxes) == 1:
             return boxes[0]
-        return Product(tuple(Fenced(x) if isinstance(x, Sum) else x for x in boxes))
+        return SideBySide(tuple(Fenced(x) if isinstance(x, Sum) else x for x in boxes))
 
     def _quotient(self, expr: Expr) -> _Quotient:
         """Sign, coefficient >= 0, other factors above and other factors below the line."""
@@ -724,7 +724,7 @@ _OMEGA, _J = named("omega"), named("j")
 _SQUARED = Numeral("2")
 
 
-def equation(name: str, value: Basic, *, relation: str = "=", explained: bool = False) -> Equation:
+def equation(name: str, value: Basic, *, relation: str = "=", explained: bool = False) -> Relation:
     """``name = value`` as boxes, for ``text`` (plain), ``tex`` and ``mathml``; ``explained``: with
     the meaning between them.
 
@@ -739,7 +739,7 @@ def equation(name: str, value: Basic, *, relation: str = "=", explained: bool = 
     relations: tuple[str, ...] = (relation,)
     if explained and _row(name)[1] is not None:
         sides, relations = (sides[0], meaning(name), sides[1]), ("=", relation)
-    return Equation(sides, relations)
+    return Relation(sides, relations)
 
 
 def quantity(name: str) -> Box:
@@ -763,7 +763,7 @@ def _row(name: str) -> tuple[Box, Box | None]:
 
 def function(name: str, *arguments: Box) -> Box:
     """A function of omega j (or of what is given), called by its name alone in plain text."""
-    return Titled(name, Applied(named(name), arguments or (Product((_OMEGA, _J)),)))
+    return Titled(name, Applied(named(name), arguments or (SideBySide((_OMEGA, _J)),)))
 
 
 def _on_s(name: str) -> Box:
@@ -774,7 +774,7 @@ _CHANGE = Titled("dH", Prefixed(named("Delta"), function("H")))
 _ENVIRONMENT = function("H_env")
 _RELATIVE = Fraction(_CHANGE, _ENVIRONMENT)
 _SIZE = Absolute(_ENVIRONMENT)
-_LEAST = Product((named("c"), _SIZE))
+_LEAST = SideBySide((named("c"), _SIZE))
 
 
 def _of_change(operator: str, ratio: str) -> dict[str, tuple[Box, Box | None]]:
@@ -800,8 +800,8 @@ def _of_system(system: str) -> dict[str, tuple[Box, Box | None]]:
         f"k_{system}": (k, real),
         f"m_{system}": (m, Sum(((-1, Fraction(k, Power(_OMEGA, _SQUARED))),))),
         f"b_{system}": (b, Fraction(imag, _OMEGA)),
-        f"F_si_{system}": (_force("si", system), Product((X, real))),
-        f"F_d_{system}": (_force("d", system), Product((X, imag, _J))),
+        f"F_si_{system}": (_force("si", system), SideBySide((X, real))),
+        f"F_d_{system}": (_force("d", system), SideBySide((X, imag, _J))),
         f"omega_{system}": (named(f"omega_{system}"), None),
     }
 
@@ -810,7 +810,7 @@ def _force(kind: str, system: str) -> Box:
     below = (Word(kind, upright=True), Word(system, upright=True))
     name = f"F_{kind}_{system}"
     return Titled(
-        name, Applied(Name(name, Word("F", upright=False), below), (Product((_OMEGA, _J)),))
+        name, Applied(Name(name, Word("F", upright=False), below), (SideBySide((_OMEGA, _J)),))
     )
 
 

@@ -89,7 +89,7 @@ def _sum(x: boxes.Sum) -> str:
     return f"<mrow>{_MINUS if sign < 0 else ''}{markup(first)}{''.join(rest)}</mrow>"
 
 
-def _product(x: boxes.Product) -> str:
+def _product(x: boxes.SideBySide) -> str:
     parts = [markup(x.factors[0])]
     for left, right in pairwise(x.factors):
         sign = "<mo>⋅</mo>" if boxes.needs_dot(left, right) else _TIMES
@@ -124,12 +124,12 @@ def _prefixed(x: boxes.Prefixed) -> str:
     return f"<mrow>{markup(x.operator)}{_APPLY}{space}{markup(x.operand)}</mrow>"
 
 
-def _grid(x: boxes.Grid) -> str:
+def _grid(x: boxes.MatrixBox) -> str:
     rows = ("".join(f"<mtd>{markup(y)}</mtd>" for y in row) for row in x.rows)
     return _between("(", f"<mtable>{''.join(f'<mtr>{row}</mtr>' for row in rows)}</mtable>", ")")
 
 
-def _equation(x: boxes.Equation) -> str:
+def _equation(x: boxes.Relation) -> str:
     pairs = zip(x.relations, x.sides[1:], strict=True)
     return f"<mrow>{markup(x.sides[0])}{''.join(f'<mo>{escape(sign)}</mo>{markup(side)}' for sign, side in pairs)}</mrow>"
 
@@ -143,18 +143,18 @@ _MARKUP: Mapping[type, Callable[[Any], str]] = {
     ),
     boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>',
     boxes.Sum: _sum,
-    boxes.Product: _product,
+    boxes.SideBySide: _product,
     boxes.Fraction: lambda x: f"<mfrac>{markup(x.above)}{markup(x.below)}</mfrac>",
     boxes.Power: _power,
-    boxes.Root: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
+    boxes.Radical: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
     boxes.Exponential: lambda x: f"<msup><mi>e</mi>{markup(x.exponent)}</msup>",
     boxes.Applied: lambda x: _applied(markup(x.function), x),
     boxes.Prefixed: _prefixed,
     boxes.Fenced: lambda x: _between("(", markup(x.inside), ")"),
     boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"),
-    boxes.Grid: _grid,
+    boxes.MatrixBox: _grid,
     boxes.Titled: lambda x: markup(x.inside),
-    boxes.Equation: _equation,
+    boxes.Relation: _equation,
 }
 
 

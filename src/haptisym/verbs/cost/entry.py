@@ -38,11 +38,11 @@ from haptisym.verbs.cost.methods import (
     RATIO_METHODS,
     Attempt,
     Crossings,
-    Found,
+    FoundCrossings,
     Method,
     RatioQuestion,
-    RefusedError,
     Score,
+    UnfitMethodError,
 )
 
 # --- the stopwatch
@@ -54,7 +54,7 @@ _IN_A_ROW, _SHORT = 3, 0.01  # s
 
 
 @dataclass(frozen=True)
-class Timed:
+class MedianTime:
     """The median of the seconds that an attempt took, and what it answered.
 
     ``spread`` : half of the range in which the middle half of its turns lies, over the median; None
@@ -72,7 +72,7 @@ def interleaved(
     *,
     rounds: int = 15,
     told: Callable[[Key, int], None] = lambda key, at: None,
-) -> dict[Key, Timed]:
+) -> dict[Key, MedianTime]:
     """Every attempt once to warm up, then in turns: at most so many rounds, and none begun after
     ``budget`` seconds.
 
@@ -99,7 +99,9 @@ def interleaved(
                 often = _IN_A_ROW if first[key] < _SHORT else 1
                 turns[key].append(min(_once(attempts[key])[0] for _ in range(often)))
     taken = {key: turns[key] or [first[key]] for key in attempts}
-    return {key: Timed(statistics.median(x), answers[key], _spread(x)) for key, x in taken.items()}
+    return {
+        key: MedianTime(statistics.median(x), answers[key], _spread(x)) for key, x in taken.items()
+    }
 
 
 def _spread(turns: list[float]) -> float | None:
@@ -143,7 +145,7 @@ _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 t
 
 
 @dataclass(frozen=True)
-class Measurement:
+class CostMeasurement:
     """One measurement.
 
     ``task`` : evaluate, crossings, delay or effects. ``digits`` : right decimal digits of the worst
@@ -194,15 +196,15 @@ class Omission:
     reason: str
 
 
-def front(rows: Iterable[Measurement]) -> tuple[Measurement, ...]:
+def front(rows: Iterable[CostMeasurement]) -> tuple[CostMeasurement, ...]:
     """The rows that no other one beats in both digits and time, fastest first; those with wrong
     counts are left out.
 
-    >>> slow, fast, worse = (Measurement("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
+    >>> slow, fast, worse = (CostMeasurement("evaluate", "", n, t, False) for n, t in ((30, 2.0), (15, 1.0), (14, 1.5)))
     >>> front([slow, fast, worse]) == (fast, slow)
     True
     """
-    found: list[Measurement] = []
+    found: list[CostMeasurement] = []
     for row in sorted((x for x in rows if x.complete), key=lambda x: (x.seconds, -x.digits)):
         if not found or row.digits > found[-1].digits:
             found.append(row)
@@ -227,7 +229,7 @@ class Cost(Answer):
     _figure: ClassVar[str] = "haptisym.figures.cost:COST"
 
     scene: Scene
-    rows: tuple[Measurement, ...]
+    rows: tuple[CostMeasurement, ...]
     left_out: tuple[Omission, ...]
     condition: Mapping[str, float]
     machine: Mapping[str, str] = field(default_factory=machine)
@@ -278,7 +280,7 @@ class Cost(Answer):
             said += f"; a {x.method} points takes {duration(x.seconds)} {found}"
         return f"{said}."
 
-    def task(self, name: str) -> tuple[Measurement, ...]:
+    def task(self, name: str) -> tuple[CostMeasurement, ...]:
         """The rows of one task."""
         return tuple(row for row in self.rows if row.task == name)
 
@@ -361,7 +363,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
     """All attempts of all tasks, timed and scored; ``patience`` stretches the time that repeats may
     take."""
     count, done = sum(len(task.attempts) + 1 for task in tasks), 0
-    rows: list[Measurement] = []
+    rows: list[CostMeasurement] = []
     left_out = [x for task in tasks for x in task.left_out]
     for task in tasks:
 
@@ -381,7 +383,9 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
             score, seconds = task.score(method, x.answer), x.seconds / task.per(method)
             proven = method.proves and not getattr(x.answer, "undecided", 0)
             counts = score.missed, score.invented, x.spread
-            rows.append(Measurement(task.name, method.name, score.digits, seconds, proven, *counts))
+            rows.append(
+                CostMeasurement(task.name, method.name, score.digits, seconds, proven, *counts)
+            )
     told("", 1.0)
     return Cost(
         scene,
@@ -399,7 +403,7 @@ def _prepared(
     for method in methods:
         try:
             ready[method] = method.ready(question)
-        except (RefusedError, SceneError) as refusal:
+        except (UnfitMethodError, SceneError) as refusal:
             left_out.append(Omission(task, method.name, str(refusal)))
     return ready, tuple(left_out)
 
@@ -443,12 +447,12 @@ def _crossings(scene: Scene, *, quick: bool) -> Task:
     return Task("crossings", attempts, _against(question), left_out, question.condition)
 
 
-def _against(question: Crossings) -> Callable[[Method, Found], Score]:
+def _against(question: Crossings) -> Callable[[Method, FoundCrossings], Score]:
     """The score of an answer against the certified crossings of a question, with digits to
     spare."""
-    known: dict[int, Found] = {}
+    known: dict[int, FoundCrossings] = {}
 
-    def score(method: Method, answer: Found) -> Score:
+    def score(method: Method, answer: FoundCrossings) -> Score:
         digits = int(method.held) + 15
         if digits not in known:
             known[digits] = question.certified(digits)

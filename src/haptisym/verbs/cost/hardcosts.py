@@ -23,7 +23,7 @@ from haptisym.model.catalogue import Effect
 from haptisym.model.distortion import Distortion, distort
 from haptisym.model.jnd import Threshold
 from haptisym.model.quantities import Number
-from haptisym.verbs.cost.entry import Measurement, interleaved, machine, wrong_words
+from haptisym.verbs.cost.entry import CostMeasurement, interleaved, machine, wrong_words
 from haptisym.verbs.cost.methods import (
     CROSSINGS,
     RATIO_METHODS,
@@ -322,7 +322,7 @@ _SPARE = 8  # digits of the reference beyond those of the methods
 
 
 @dataclass(frozen=True, kw_only=True)
-class HardRow(Measurement):
+class HardRow(CostMeasurement):
     """One method's answer to one hard case; ``verdict``: right, how many digits are lost, what is
     wrong, or why there is none."""
 

@@ -27,7 +27,7 @@ from flint import arb
 from sympy import Expr, Float, Integer, Rational, lambdify
 
 from haptisym.interop import to_control, to_scipy
-from haptisym.judge.crossings import Criterion, Curve, find_crossings, noticed
+from haptisym.judge.crossings import Criterion, PerceptFunction, find_crossings, noticed
 from haptisym.judge.peaks import ValueAt
 from haptisym.judge.regions import Sided
 from haptisym.kernel.dynamics import RealFunction
@@ -65,7 +65,7 @@ class Score:
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundCrossings:
     """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places
     that are said to be left open."""
 
@@ -147,20 +147,23 @@ class Crossings:
         d = self.distortion
         return {
             **{x: x.function(d) for x in self.criteria},
-            **{(Curve.DIFFERENCE, part): part_of(d.difference_response, part) for part in Part},
+            **{
+                (PerceptFunction.DIFFERENCE, part): part_of(d.difference_response, part)
+                for part in Part
+            },
         }
 
     def chart(self) -> Chart:
         """The certified answer."""
         return chart(self.functions, *self.band)
 
-    def certified(self, digits: int) -> Found:
+    def certified(self, digits: int) -> FoundCrossings:
         """All crossings, so many digits right, and how many places stay open."""
         found = self.chart()
         omegas = {
             x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria
         }
-        return Found(omegas, len(found.undecided))
+        return FoundCrossings(omegas, len(found.undecided))
 
     @cached_property
     def condition(self) -> float | None:
@@ -196,7 +199,7 @@ class Crossings:
             return inf
         return inf if growth == 0 else abs(float((2 / (omega.tight_ball(60) * growth)).mid()))
 
-    def score(self, answer: Found, truth: Found, held: float) -> Score:
+    def score(self, answer: FoundCrossings, truth: FoundCrossings, held: float) -> Score:
         """Right digits of the worst crossing that was found, and those missed and invented."""
         names = [x.name for x in self.criteria]
         scores = [
@@ -297,7 +300,7 @@ Attempt: TypeAlias = Callable[[], Any]
 _BLOCK = 1 << 14  # points that stay in the processor's cache
 
 
-class RefusedError(HaptisymError):
+class UnfitMethodError(HaptisymError):
     """A method does not fit a question, or a package that it needs is missing; the text says
     which."""
 
@@ -378,11 +381,11 @@ def scipy_way(question: RatioQuestion) -> Attempt:
 
 def _rational(distortion: Distortion) -> tuple[Any, Any]:
     if distortion.perc.ring.functions:
-        raise RefusedError("delays and fractional powers are not possible")
+        raise UnfitMethodError("delays and fractional powers are not possible")
     return distortion.env, distortion.perc
 
 
-# Crossings: they answer with ``Found``.
+# Crossings: they answer with ``FoundCrossings``.
 
 
 def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:
@@ -414,7 +417,7 @@ def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt
     def excess(omega: Any, criterion: Criterion) -> Any:
         return margin(criterion, omega, *function(omega))
 
-    def attempt() -> Found:
+    def attempt() -> FoundCrossings:
         grid = np.linspace(low, high, count)
         found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
         for start in range(0, count - 1, _BLOCK):
@@ -428,7 +431,7 @@ def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt
                 found[x.name] += _changes(
                     block, values, refine, is_last=start + _BLOCK >= count - 1
                 )
-        return Found(found)
+        return FoundCrossings(found)
 
     return lambda: _quietly(attempt)
 
@@ -461,7 +464,7 @@ def companion_way(question: Crossings) -> Attempt:
     low, high = (float(x) for x in question.band)
     rows = {x.name: _polynomial(question, x) for x in question.criteria}
 
-    def attempt() -> Found:
+    def attempt() -> FoundCrossings:
         found = {}
         for name, row in rows.items():
             is_even = not row[1::2].any()
@@ -469,7 +472,7 @@ def companion_way(question: Crossings) -> Attempt:
             omegas = zeros[np.isreal(zeros) & (zeros.real >= 0)].real
             omegas = np.sqrt(omegas) if is_even else omegas
             found[name] = sorted(float(x) for x in omegas[(omegas >= low) & (omegas <= high)])
-        return Found(found)
+        return FoundCrossings(found)
 
     return lambda: _quietly(attempt)
 
@@ -478,14 +481,14 @@ def _polynomial(question: Crossings, criterion: Criterion) -> Array:
     """The coefficients, ascending."""
     excess = question.functions[criterion]
     if not isinstance(excess, RealFunction):
-        raise RefusedError("the border of the JND region is not one polynomial")
+        raise UnfitMethodError("the border of the JND region is not one polynomial")
     row = (
         None
         if excess.axis.functions
         else excess.axis.univariate(excess.function.cleared().numerator)
     )
     if row is None:
-        raise RefusedError("the equation is not a polynomial with rational coefficients")
+        raise UnfitMethodError("the equation is not a polynomial with rational coefficients")
     return np.array([float(int(x.p) / int(x.q)) for x in row])
 
 
@@ -518,11 +521,11 @@ class Method:
             try:
                 import_module(package)
             except ImportError:
-                raise RefusedError(f"{package.partition('.')[0]} is not installed") from None
+                raise UnfitMethodError(f"{package.partition('.')[0]} is not installed") from None
         try:
             return self.prepare(question)
         except OverflowError:
-            raise RefusedError("a coefficient is beyond the range of floats") from None
+            raise UnfitMethodError("a coefficient is beyond the range of floats") from None
 
 
 def _level(question: RatioQuestion, accuracy: str) -> Attempt:

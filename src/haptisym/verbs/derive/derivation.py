@@ -63,7 +63,7 @@ from haptisym.kernel.errors import SceneError, meant, quoted, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, SquareRoot
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
-from haptisym.kernel.roots import Lattice, Piece
+from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, part_of
@@ -550,7 +550,7 @@ class Derivation(Answer):
             f"each part, as jnd = 0.1"
         )
 
-    def piece(self, of: Piece) -> RealFunction:
+    def piece(self, of: LatticePiece) -> RealFunction:
         """One of the functions of which a region asks that they are not all positive."""
         own = next(x for x in self.criteria if x == of.name)
         found = own.function(self.distortion)
@@ -589,14 +589,14 @@ class Derivation(Answer):
         """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
         return _equation(self.excess(of))
 
-    def factors(self, of: Criterion | Piece | str) -> Factors:
+    def factors(self, of: Criterion | LatticePiece | str) -> Factors:
         """Of r^2 - c^2, of one function of a region, or of Re H of a system, the irreducible
         factors above and below the line."""
         f = (
             self.stiffness(of)
             if isinstance(of, str)
             else self.piece(of)
-            if isinstance(of, Piece)
+            if isinstance(of, LatticePiece)
             else self.excess(of)
         )
         lines = (
@@ -726,7 +726,7 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     -100*omega*w/(omega**2 + w**2)
     """
     if isinstance(scene, Distortion):
-        return _of_distortion_in_entry(scene, keep)
+        return _derived(scene, keep)
     scene = as_scene(scene)
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
@@ -740,7 +740,7 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
 
 
-def _of_distortion_in_entry(d: Distortion, keep: Iterable[str] | None) -> Derivation:
+def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
     if keep is not None:
         raise SceneError("keep: a distortion keeps its symbols: leave it out")
     if d.elements is None:

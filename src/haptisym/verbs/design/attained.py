@@ -295,13 +295,13 @@ class Points:
     def _is_whole_around(self, values: Sequence[Expr], relative: Expr) -> bool:
         """Whether nothing is noticed for all values within a relative distance, also where
         thresholds are reached exactly."""
-        from haptisym.verbs.tolerances.proofs import Verdict, tolerances
+        from haptisym.verbs.tolerances.proofs import BandVerdict, tolerances
 
         away = zip((x.path for x in self.free), values, strict=True)
         ranges = {path: sorted((x * (1 - relative), x * (1 + relative))) for path, x in away}
         alone = (replace(scene, hands=()).with_values(ranges) for scene in self.scenes)
         return any(values) and all(
-            tolerances(x, samples=0, limit=None).verdict is Verdict.ALL for x in alone
+            tolerances(x, samples=0, limit=None).verdict is BandVerdict.ALL for x in alone
         )
 
     def keep_around(self, values: Sequence[Expr], relative: Expr) -> bool | None:

@@ -29,11 +29,20 @@ from haptisym.judge.crossings import PASSIVE, noticed
 from haptisym.judge.excess import Box, Excess, Side, excess_of
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.rings import monomials, omega
-from haptisym.kernel.where import Array, Cells, Curve, Judge, Search, joined, no_better, no_worse
+from haptisym.kernel.where import (
+    Array,
+    Cells,
+    Judge,
+    LineBound,
+    Search,
+    joined,
+    no_better,
+    no_worse,
+)
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
 from haptisym.model.scene import clocks
-from haptisym.programs.taylormodels import Model, Modelled, valued
+from haptisym.programs.taylormodels import Modelled, TaylorModel, valued
 
 _PIECES, _BATCH = 16, 128
 """Of the band, to begin with; cells in a round."""
@@ -364,18 +373,18 @@ class _Activity(Excess):
         self._program = box.scene.chain.at(self._fixed).program(_FIELDS)
         self._inputs = self._places(self._program)
 
-    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+    def model(self, cells: Array, *, slopes: int | None = None) -> TaylorModel:
         """-Im H_perc over each cell."""
         with np.errstate(all="ignore"):
             inputs = [self._variable(i, cells, slopes=slopes or 0) for i in self._inputs]
             found = Modelled(self._program).run(inputs)
             x, y = (
-                v if isinstance(v, Model) else inputs[0].number(v)
+                v if isinstance(v, TaylorModel) else inputs[0].number(v)
                 for v in (found[name] for name in _FIELDS)
             )
             return -(x + y)
 
-    def below(self, cells: Array) -> Curve:
+    def below(self, cells: Array) -> LineBound:
         """The same at places from -1, for 0 rad/s, to 0, for the high end of its band."""
         cells = cells.copy()
         cells[:, 0] += 1.0
@@ -389,7 +398,7 @@ class _Coefficient(Excess):
         self._over(box)
         self._formula = formula
 
-    def model(self, cells: Array, *, slopes: int | None = None) -> Model:
+    def model(self, cells: Array, *, slopes: int | None = None) -> TaylorModel:
         """The formula over each cell."""
         with np.errstate(all="ignore"):
             sides = {

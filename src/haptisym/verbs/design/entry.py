@@ -110,7 +110,7 @@ class Design(Answer):
     where: Array
     loss: tuple[Loss, ...] = ()
     limit: float | None = None
-    question: Question | None = field(default=None, repr=False)
+    question: DesignQuestion | None = field(default=None, repr=False)
     why: str = ""
 
     def _line(self) -> str:
@@ -225,7 +225,7 @@ class Design(Answer):
 
 
 @dataclass(frozen=True)
-class Question:
+class DesignQuestion:
     """What is asked: scenes by environment, free parameters, each between two values, and what must
     be kept."""
 
@@ -345,7 +345,7 @@ class Question:
 class _Search:
     """The work on a question, and what is known at any moment."""
 
-    question: Question
+    question: DesignQuestion
     gap: float
     best: Attained | None = None
     given: Attained | None = None
@@ -560,7 +560,7 @@ def design(
     knobs, ranges = _box(family, free)
     off = Rational(0) if robust is None else _share("robust", robust)
     within = _GAPS[len(knobs)] if gap is None else Fraction(str(_share("gap", gap)))
-    question = Question(family, knobs, ranges, wanted, off, float(within))
+    question = DesignQuestion(family, knobs, ranges, wanted, off, float(within))
     search = _Search(question, float(within))
     with limited(limit, told) as budget:
         with suppress(LimitError):

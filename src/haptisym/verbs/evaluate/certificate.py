@@ -28,7 +28,7 @@ import flint
 from flint import fmpz_poly
 from sympy import I, pi
 
-from haptisym.judge.crossings import Curve, curves
+from haptisym.judge.crossings import PerceptFunction, curves
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import find_percepts
 from haptisym.kernel.budget import Waiting
@@ -41,7 +41,7 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import read_scenes
 from haptisym.verbs.evaluate.products import Factors, Linked, products, rectangular
 from haptisym_check import RefusedError, check
-from haptisym_check.polynomials import Factor, affordable, signs, sliced, turns
+from haptisym_check.polynomials import OmegaFactor, affordable, signs, sliced, turns
 
 FORMAT = "haptisym.certificate/1"
 TOO_LONG = "a certificate of this scene would take a checker too long"
@@ -144,7 +144,7 @@ def afford(numbers: Iterable[Fraction], cost: int) -> None:
 # Cells of a band
 
 
-def breakpoints(places: Sequence[RealNumber], factors: Sequence[Factor]) -> list[Fraction]:
+def breakpoints(places: Sequence[RealNumber], factors: Sequence[OmegaFactor]) -> list[Fraction]:
     """Ascending, from the low end of the band (or a little below) to its high end (or a little
     above).
 
@@ -190,7 +190,7 @@ def _beside(end: RealNumber, side: int) -> Fraction:
     return Fraction(end.enclosure()[side > 0])
 
 
-def _is_shown(factors: list[Factor], low: Fraction, high: Fraction) -> bool:
+def _is_shown(factors: list[OmegaFactor], low: Fraction, high: Fraction) -> bool:
     """Whether signs show that there is at most one zero in a cell, of one factor; one that fails is
     asked first again."""
     count = 0
@@ -203,7 +203,7 @@ def _is_shown(factors: list[Factor], low: Fraction, high: Fraction) -> bool:
     return count < 2
 
 
-def _between(factors: Sequence[Factor], low: Fraction, high: Fraction) -> Fraction:
+def _between(factors: Sequence[OmegaFactor], low: Fraction, high: Fraction) -> Fraction:
     """A number well inside, at which no factor vanishes."""
     flat = {*factors}
     for n in range(2, 100):
@@ -327,10 +327,10 @@ _MOST_DIGITS = 1000  # of an enclosure: a checker need not read many more
 _MOST_BESIDE_PI = 90  # a checker knows 100 of pi
 _MOST_AMONG_WAVES = 50  # where there are delays or powers: a checker computes with 80
 _NAMES = {
-    Curve.ENVIRONMENT: "environment",
-    Curve.PERCEIVED: "perceived",
-    Curve.DIFFERENCE: "difference",
-    Curve.SUM: "sum",
+    PerceptFunction.ENVIRONMENT: "environment",
+    PerceptFunction.PERCEIVED: "perceived",
+    PerceptFunction.DIFFERENCE: "difference",
+    PerceptFunction.SUM: "sum",
 }
 
 

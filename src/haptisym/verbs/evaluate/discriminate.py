@@ -33,7 +33,7 @@ from haptisym.judge.evaluation import Evaluation, half_widths
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.roots import Chart, Interval, Signs, chart
-from haptisym.model.jnd import Region, Shape, Threshold
+from haptisym.model.jnd import RegionDetails, Shape, Threshold
 from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
 
@@ -121,9 +121,9 @@ def discriminate(e: Evaluation) -> Discrimination:
     """Of a scene that is evaluated; SceneError as of ``half_widths``."""
     tilt = e.scene.threshold.region.tilt or TILT
     plain = Threshold.of(*half_widths(e.scene.threshold))
-    regions = {"square": plain.region, "disc": Region(Shape.ELLIPSE)}
+    regions = {"square": plain.region, "disc": RegionDetails(Shape.ELLIPSE)}
     for t in (tilt, -tilt):
-        regions[f"ellipse {float(t):+g}" if t.is_number else f"ellipse {t}"] = Region(
+        regions[f"ellipse {float(t):+g}" if t.is_number else f"ellipse {t}"] = RegionDetails(
             Shape.ELLIPSE, t
         )
     models = {name: Threshold(plain.real, plain.imag, region=x) for name, x in regions.items()}
@@ -146,8 +146,8 @@ def _displayed(
 
     for one, other in (pair, pair[::-1]):
         for found in table.where(
-            lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)
-        ):  # type: ignore[misc]
+            lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)  # type: ignore[misc]
+        ):
             ends = float(found.low.omega), float(found.high.omega)
             if found.low is found.high:
                 continue  # a tangency

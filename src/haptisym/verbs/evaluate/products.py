@@ -28,7 +28,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction
 from haptisym.model.distortion import Distortion
 from haptisym_check.delayterms import factor_of
-from haptisym_check.polynomials import Factor
+from haptisym_check.polynomials import OmegaFactor
 
 _LAST = "\U0010ffff"
 """Symbols are sorted by their names: no other one stands behind those with this."""
@@ -260,7 +260,7 @@ class Linked:
         return {**others, **more, "factors": self.listed, "functions": self.told}
 
     @cached_property
-    def factors(self) -> list[Factor]:
+    def factors(self) -> list[OmegaFactor]:
         """With what the checker knows of them: their signs, and what those cost. RefusedError where
         one is too large."""
         return [factor_of(x, self.delays, self.orders) for x in self.listed]

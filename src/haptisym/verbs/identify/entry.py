@@ -171,7 +171,7 @@ _LEAST_LINES = 8
 
 
 @dataclass(frozen=True)
-class Verdict:
+class FitVerdict:
     """What the residuals tell of a model.
 
     ``square`` : their chi^2, None where no disc is known; ``chance`` : of one that large where the
@@ -191,7 +191,7 @@ class Verdict:
     fits: bool | None
 
 
-def verdict(found: Fit) -> Verdict:
+def verdict(found: Fit) -> FitVerdict:
     """Are the residuals as large as the discs say, is one line's residual independent of the next
     one's, are records linear?"""
     from scipy.special import gammaincc
@@ -213,7 +213,7 @@ def verdict(found: Fit) -> Verdict:
     spare = (1 - found.lines.confidence) / (2 if by_cube is None else 3)
     wrong = any(x is not None and x < spare for x in (chance, by_chance, by_cube))
     fits = False if wrong else True if chance is not None else None
-    return Verdict(square, found.freedom, chance, together, by_chance, by_cube, fits)
+    return FitVerdict(square, found.freedom, chance, together, by_chance, by_cube, fits)
 
 
 def even(found: Fit) -> Complexes:
@@ -329,7 +329,7 @@ they say."""
 
 
 @dataclass(frozen=True)
-class About:
+class MeasuredLines:
     """What was asked about: lines, which have no parameters to vary."""
 
     title: str
@@ -367,11 +367,11 @@ class Identification(Answer):
     title: str
     fit: Fit
     estimates: tuple[Estimate, ...]
-    verdict: Verdict
+    verdict: FitVerdict
 
     @property
-    def _about(self) -> About:
-        return About(self.title)
+    def _about(self) -> MeasuredLines:
+        return MeasuredLines(self.title)
 
     def _line(self) -> str:
         told = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]

@@ -385,7 +385,7 @@ def _roots(own: Sequence[Any], at: int, rest: Sequence[float]) -> Iterator[float
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class WantedResponse:
     """H_perc of what is wanted at frequencies, rad/s."""
 
     wanted: Wanted
@@ -474,7 +474,7 @@ def starts(wanted: Wanted, m: Measurement) -> Iterator[Reals]:
 
 
 def _drawn(wanted: Wanted, m: Measurement) -> Iterator[Reals]:
-    free, curve, scale = wanted.free, Curve(wanted, m.omega), scales(wanted.free, m)
+    free, curve, scale = wanted.free, WantedResponse(wanted, m.omega), scales(wanted.free, m)
     count = _DRAWN * (len(free) + 1)
     points = np.random.default_rng(2019).random((count, len(free)))
     sets = np.stack(
@@ -504,7 +504,7 @@ def _logarithm(H: Complexes, measured: Complexes) -> Reals:
     return found
 
 
-def _refined(curve: Curve, measured: Complexes, begin: Reals, scale: Reals) -> Reals:
+def _refined(curve: WantedResponse, measured: Complexes, begin: Reals, scale: Reals) -> Reals:
     from scipy.optimize import least_squares  # of the extra simulate
 
     signed = np.array([x.rule in (Rule.ANY, Rule.FRACTION) for x in curve.wanted.free])
@@ -700,7 +700,7 @@ def fit(wanted: Wanted, m: Measurement, begins: Iterable[Reals] | None = None) -
     ``begins`` : sets of values to begin with, if not at many that are drawn.
     """
     lines = usable(m)
-    free, noise, curve = wanted.free, noise_of(lines), Curve(wanted, lines.omega)
+    free, noise, curve = wanted.free, noise_of(lines), WantedResponse(wanted, lines.omega)
     if 2 * len(lines) <= len(free):
         numbers = counted(len(free), "parameter")
         raise SceneError(
@@ -745,7 +745,7 @@ def with_others(found: Fit) -> Fit:
     nearly = twins(found.wanted, found.values)
     if nearly is None:
         return found
-    curve = Curve(found.wanted, found.lines.omega)
+    curve = WantedResponse(found.wanted, found.lines.omega)
     cost = float(np.square(np.abs(found.residuals)).sum() / 2)
     fitted = filter(None, (_least(curve, found.lines, found.noise, x) for x in nearly))
     others = tuple(x for sum_, x in fitted if sum_ <= cost * (1 + _SAME_FITTING) + 1e-12)
@@ -753,7 +753,11 @@ def with_others(found: Fit) -> Fit:
 
 
 def _shortest(
-    curve: Curve, m: Measurement, noise: Noise, best: tuple[float, Reals], alike: list[Reals]
+    curve: WantedResponse,
+    m: Measurement,
+    noise: Noise,
+    best: tuple[float, Reals],
+    alike: list[Reals],
 ) -> tuple[float, Reals, float | None]:
     """Of values that fit alike those with the shortest delays; and by how much others are longer.
 
@@ -782,7 +786,9 @@ def _shortest(
     return cost, values, period if is_longer else None
 
 
-def _least(curve: Curve, m: Measurement, noise: Noise, begin: Reals) -> tuple[float, Reals] | None:
+def _least(
+    curve: WantedResponse, m: Measurement, noise: Noise, begin: Reals
+) -> tuple[float, Reals] | None:
     """The least half sum of squares near a start, and its values."""
     from scipy.optimize import least_squares  # of the extra simulate
 
@@ -819,7 +825,7 @@ def _stacked(z: Complexes) -> Reals:
     return np.concatenate([z.real, z.imag])
 
 
-def _slopes(curve: Curve, values: Reals, size: Reals) -> Complexes:
+def _slopes(curve: WantedResponse, values: Reals, size: Reals) -> Complexes:
     return curve.slopes(values, 1e-5 * np.maximum(np.abs(values), 1e-3 * size))
 
 
@@ -831,7 +837,7 @@ def _ends(free: tuple[Free, ...], size: Reals) -> tuple[Reals, Reals]:
     return np.where(fraction, low / size, low), np.where(fraction, (1 - 1e-4) / size, np.inf)
 
 
-def _covariance(curve: Curve, m: Measurement, noise: Noise, values: Reals) -> Reals:
+def _covariance(curve: WantedResponse, m: Measurement, noise: Noise, values: Reals) -> Reals:
     """Of the values, by the slopes of the response; SceneError where the lines do not tell
     parameters apart."""
     free = curve.wanted.free

@@ -31,13 +31,13 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Viewed, counted
 from haptisym.model.jnd import Published, published_by_name
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.tables import Answers, Coding, Row, condensed, read_answers
+from haptisym.verbs.jnd.tables import Answers, Coding, LevelAnswers, condensed, read_answers
 
 _NORMAL = NormalDist()
 
 
 @dataclass(frozen=True, slots=True)
-class Curve(Viewed):
+class PsychometricCurve(Viewed):
     """psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma).
 
     ``mu``, ``sigma`` : in the unit of the levels. ``guess``, ``lapse`` : shares of answers that do
@@ -59,7 +59,7 @@ class Curve(Viewed):
 
 
 @dataclass(frozen=True)
-class Asked:
+class WantedJnd:
     """What is wanted of a curve: the JND at ``proportion``, which is a mu + z sigma.
 
     ``alternatives`` : of a forced choice between so many, whose levels are differences: the JND is
@@ -67,7 +67,7 @@ class Asked:
     comparison with a standard is answered "more" or "less": the JND is then how much further than
     the point of subjective equality the share of "more", without guesses and lapses, is that.
 
-    >>> Asked(0.75, None).weights, Asked(0.75, 2).weights
+    >>> WantedJnd(0.75, None).weights, WantedJnd(0.75, 2).weights
     ((0, 0.6744897501960817), (1, 0.0))
     """
 
@@ -85,7 +85,7 @@ class Asked:
             )
 
     @classmethod
-    def of(cls, proportion: float | None, alternatives: int | None) -> Asked:
+    def of(cls, proportion: float | None, alternatives: int | None) -> WantedJnd:
         """The same; without a proportion, halfway between chance and 1."""
         if alternatives is not None and alternatives < 2:
             raise SceneError(f"a forced choice has at least 2 alternatives, not {alternatives}")
@@ -111,22 +111,24 @@ nothing."""
 
 
 @dataclass(frozen=True, slots=True)
-class Estimate:
+class IntervalEstimate:
     """A number and the interval of it; None where that has no end on a side."""
 
     value: float
     low: float | None
     high: float | None
 
-    def scaled(self, factor: float) -> Estimate:
+    def scaled(self, factor: float) -> IntervalEstimate:
         """Times a positive number."""
         low, high = (None if x is None else factor * x for x in (self.low, self.high))
-        return Estimate(factor * self.value, low, high)
+        return IntervalEstimate(factor * self.value, low, high)
 
     @property
-    def as_size(self) -> Estimate:
+    def as_size(self) -> IntervalEstimate:
         """Of a size, which is at least 0: so is the lower end of its interval."""
-        return Estimate(self.value, None if self.low is None else max(self.low, 0.0), self.high)
+        return IntervalEstimate(
+            self.value, None if self.low is None else max(self.low, 0.0), self.high
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,13 +152,13 @@ class Deviance:
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class CurveFit:
     """The curve, the point of subjective equality (of a forced choice the middle of the curve), the
     JND and the deviance."""
 
-    curve: Curve
-    middle: Estimate
-    jnd: Estimate
+    curve: PsychometricCurve
+    middle: IntervalEstimate
+    jnd: IntervalEstimate
     deviance: Deviance
     notes: tuple[str, ...] = ()
 
@@ -192,7 +194,7 @@ class Best:
     """Where the likelihood is largest: the curve, minus its logarithm there, whether it is a step,
     or ran out of bounds."""
 
-    curve: Curve
+    curve: PsychometricCurve
     loss: float
     steep: bool
     flat: bool
@@ -204,7 +206,7 @@ class Likelihood:
     """Of the answers, with a share of guesses; the share of lapses is a number, or free where it is
     None."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[LevelAnswers, ...]
     guess: float
     lapse: float | None
 
@@ -258,7 +260,7 @@ class Likelihood:
             else (1e300, np.zeros(3))
         )
 
-    def best(self, held: Held | None = None, begun: Curve | None = None) -> Best:
+    def best(self, held: Held | None = None, begun: PsychometricCurve | None = None) -> Best:
         """The best of all curves, or of those with a value of a mu + z sigma; ``begun`` : where to
         look, else all over."""
         way = _Way(self, held)
@@ -266,13 +268,13 @@ class Likelihood:
         loss, numbers = way.refined(*min(found, key=lambda x: x[0]))
         mu, spread, lapse = way.parameters(numbers)
         curve, (around, (_, high)) = (
-            Curve(mu, float(np.exp(spread)), self.guess, lapse),
+            PsychometricCurve(mu, float(np.exp(spread)), self.guess, lapse),
             self.bounds,
         )
         inside = around[0] + 1e-9 < mu < around[1] - 1e-9
         return Best(curve, loss, self._is_step(curve), spread > high - 0.1, not inside)
 
-    def _is_step(self, curve: Curve) -> bool:
+    def _is_step(self, curve: PsychometricCurve) -> bool:
         """Whether fewer than two levels lie on the slope, so far that some answer could tell."""
         from scipy.special import ndtr
 
@@ -280,7 +282,7 @@ class Likelihood:
         z = (level - curve.mu) / curve.sigma
         return bool((trials * np.minimum(ndtr(z), ndtr(-z)) > 1e-3).sum() < 2)
 
-    def deviance(self, curve: Curve) -> float:
+    def deviance(self, curve: PsychometricCurve) -> float:
         """Twice what the log-likelihood lacks from that of the shares themselves."""
         from scipy.special import xlogy
 
@@ -321,7 +323,7 @@ class _Way:
             return value - z * float(np.exp(x[0])), float(x[0]), lapse
         return float(x[0]), float(np.log(value / z)), lapse
 
-    def numbers(self, curve: Curve) -> list[float]:
+    def numbers(self, curve: PsychometricCurve) -> list[float]:
         spread = float(np.log(curve.sigma))
         bent = (self._middle - curve.mu) / curve.sigma
         kept = [bent, spread] if self.held is None else [spread if self.held[0] else curve.mu]
@@ -338,7 +340,10 @@ class _Way:
         places = product(
             np.quantile(level, [0.1, 0.3, 0.5, 0.7, 0.9]), (0.05 * span, 0.2 * span, 0.8 * span)
         )
-        return [self.numbers(Curve(float(mu), float(sigma), guess, 0.02)) for mu, sigma in places]
+        return [
+            self.numbers(PsychometricCurve(float(mu), float(sigma), guess, 0.02))
+            for mu, sigma in places
+        ]
 
     def down(self, start: Sequence[float]) -> tuple[float, Array]:
         """The loss and the numbers at the bottom.
@@ -423,8 +428,8 @@ _FARTHEST = 1e4
 
 
 def fitted(
-    answers: Answers, asked: Asked, guess: float, lapse: float | None, confidence: float
-) -> Fit:
+    answers: Answers, asked: WantedJnd, guess: float, lapse: float | None, confidence: float
+) -> CurveFit:
     """The most likely curve. SceneError where the answers do not determine one."""
     likelihood = Likelihood(answers.rows, guess, lapse)
     best = likelihood.best()
@@ -441,7 +446,7 @@ def fitted(
             f"forced choice as differences "
             "from the standard"
         )
-    return Fit(best.curve, middle, jnd, deviance(answers.rows, best.curve, likelihood.free))
+    return CurveFit(best.curve, middle, jnd, deviance(answers.rows, best.curve, likelihood.free))
 
 
 def _refuse(answers: Answers, best: Best) -> None:
@@ -466,7 +471,7 @@ def _refuse(answers: Answers, best: Best) -> None:
         )
 
 
-def _falls(rows: Sequence[Row]) -> bool:
+def _falls(rows: Sequence[LevelAnswers]) -> bool:
     half = len(rows) // 2
     low, high = rows[:half], rows[-half:]
     return sum(x.share for x in low) > sum(x.share for x in high)
@@ -474,7 +479,7 @@ def _falls(rows: Sequence[Row]) -> bool:
 
 def _profiled(
     likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float
-) -> Estimate:
+) -> IntervalEstimate:
     """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is
     chi-squared at most."""
     from scipy.stats import chi2
@@ -490,10 +495,10 @@ def _profiled(
 
     step = curve.sigma / max(1.0, sum(x.trials for x in likelihood.rows)) ** 0.5
     low, high = (crossing(excess, value, sign * step, _FARTHEST) for sign in (-1, 1))
-    return Estimate(value, low, high)
+    return IntervalEstimate(value, low, high)
 
 
-def deviance(rows: Sequence[Row], curve: Curve, free: int) -> Deviance:
+def deviance(rows: Sequence[LevelAnswers], curve: PsychometricCurve, free: int) -> Deviance:
     """The deviance of answers from a curve with so many fitted numbers; levels with few answers are
     put together."""
     from scipy.stats import chi2
@@ -506,10 +511,10 @@ def deviance(rows: Sequence[Row], curve: Curve, free: int) -> Deviance:
     )
 
 
-def _grouped(rows: Sequence[Row]) -> list[Row]:
+def _grouped(rows: Sequence[LevelAnswers]) -> list[LevelAnswers]:
     """Neighbouring levels put together until each group has enough trials, at the mean of their
     levels."""
-    groups: list[Row] = []
+    groups: list[LevelAnswers] = []
     for row in rows:
         if groups and groups[-1].trials < LEAST_TRIALS:
             groups[-1] = _joined(groups[-1], row)
@@ -521,7 +526,7 @@ def _grouped(rows: Sequence[Row]) -> list[Row]:
     return groups
 
 
-def _joined(one: Row, other: Row) -> Row:
+def _joined(one: LevelAnswers, other: LevelAnswers) -> LevelAnswers:
     trials = one.trials + other.trials
     level = (one.level * one.trials + other.level * other.trials) / trials
     return replace(one, level=level, count=one.count + other.count, trials=trials)
@@ -531,7 +536,7 @@ _WIDTH = 2 * NormalDist().inv_cdf(0.95)
 """What psignifit calls the width of a cumulative Gaussian, in sigma: from 5 % to 95 %."""
 
 
-def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fit:
+def fitted_by_psignifit(answers: Answers, asked: WantedJnd, confidence: float) -> CurveFit:
     """The curve at the peak of the posterior. Guesses of a comparison are as many as lapses; both
     are fitted.
 
@@ -564,18 +569,20 @@ def fitted_by_psignifit(answers: Answers, asked: Asked, confidence: float) -> Fi
     return replace(_read_psignifit(found, answers, asked, str(confidence)), notes=tuple(notes))
 
 
-def _read_psignifit(found: Any, answers: Answers, asked: Asked, key: str) -> Fit:
+def _read_psignifit(found: Any, answers: Answers, asked: WantedJnd, key: str) -> CurveFit:
     values = {name: float(x) for name, x in found.parameter_estimate_MAP.items()}
     sigma = values["width"] / _WIDTH
     a, z = asked.weights
-    curve = Curve(values["threshold"] - a * z * sigma, sigma, values["gamma"], values["lambda"])
+    curve = PsychometricCurve(
+        values["threshold"] - a * z * sigma, sigma, values["gamma"], values["lambda"]
+    )
     threshold, width = (
-        Estimate(values[name], *map(float, found.confidence_intervals[name][key]))
+        IntervalEstimate(values[name], *map(float, found.confidence_intervals[name][key]))
         for name in ("threshold", "width")
     )
     jnd = threshold if a else width.scaled(z / _WIDTH)
-    middle = threshold if not a or z == 0 else Estimate(curve.mu, None, None)
-    return Fit(curve, middle, jnd, deviance(answers.rows, curve, 3))
+    middle = threshold if not a or z == 0 else IntervalEstimate(curve.mu, None, None)
+    return CurveFit(curve, middle, jnd, deviance(answers.rows, curve, 3))
 
 
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
@@ -615,8 +622,8 @@ class Psychometric(Answer):
     _figure: ClassVar[str] = "haptisym.figures.jnd:JND"
 
     answers: Answers
-    asked: Asked
-    fit: Fit
+    asked: WantedJnd
+    fit: CurveFit
     method: str = "likelihood"
     confidence: float = 0.95
     reference: float | None = None
@@ -638,17 +645,17 @@ class Psychometric(Answer):
         return File(self.answers.name)
 
     @property
-    def jnd(self) -> Estimate:
+    def jnd(self) -> IntervalEstimate:
         """In the unit of the levels."""
         return self.fit.jnd
 
     @property
-    def middle(self) -> Estimate:
+    def middle(self) -> IntervalEstimate:
         """Where the curve is halfway: of a comparison the point of subjective equality."""
         return self.fit.middle
 
     @property
-    def fraction(self) -> Estimate | None:
+    def fraction(self) -> IntervalEstimate | None:
         """The JND over the level of the standard; None without one."""
         return None if self.reference is None else self.jnd.scaled(1 / self.reference)
 
@@ -772,7 +779,7 @@ def jnd(
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} gives {answers.alternatives} alternatives, not {choices}")
-    asked = Asked.of(proportion, choices)
+    asked = WantedJnd.of(proportion, choices)
     _check(asked, guess, lapse, reference, confidence)
     if method not in METHODS:
         raise SceneError(f'method: "{str(method)[:60]}": valid are {", ".join(METHODS)}')
@@ -789,7 +796,7 @@ def jnd(
 
 
 def _check(
-    asked: Asked, guess: float, lapse: float | None, reference: float | None, confidence: float
+    asked: WantedJnd, guess: float, lapse: float | None, reference: float | None, confidence: float
 ) -> None:
     if asked.alternatives and guess:
         raise SceneError(
@@ -804,11 +811,11 @@ def _check(
         raise SceneError(f"confidence: {confidence:g} must lie between 0 and 1")
 
 
-def _row(x: Estimate) -> dict[str, Any]:
+def _row(x: IntervalEstimate) -> dict[str, Any]:
     return {"value": x.value, "interval": [x.low, x.high]}
 
 
-def _written(x: Estimate) -> str:
+def _written(x: IntervalEstimate) -> str:
     """A range with its nominal value; the interval is rounded outwards. The value alone where the
     interval has no end."""
     nominal = _decimal(x.value, ROUND_HALF_EVEN)

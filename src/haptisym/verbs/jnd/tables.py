@@ -25,7 +25,7 @@ from haptisym.model.quantities import is_number
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class LevelAnswers:
     """``count`` of ``trials`` answers at a level were "more" (or right)."""
 
     level: float
@@ -48,7 +48,7 @@ class Answers:
     """
 
     name: str
-    rows: tuple[Row, ...]
+    rows: tuple[LevelAnswers, ...]
     alternatives: int | None = None
     notes: tuple[str, ...] = ()
     earlier: str = ""
@@ -67,12 +67,12 @@ class Answers:
             raise SceneError(f"{told} (k = {count} of n = {trials} in all): no curve can be fitted")
 
 
-def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
+def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[LevelAnswers, ...]:
     """Level, count and trials of blocks, put together by level; SceneError where a block is
     impossible.
 
     >>> collected([(2.0, 1, 4), (1.0, 0, 4), (2.0, 3, 4)])
-    (Row(level=1.0, count=0, trials=4), Row(level=2.0, count=4, trials=8))
+    (LevelAnswers(level=1.0, count=0, trials=4), LevelAnswers(level=2.0, count=4, trials=8))
     """
     counts: dict[float, list[int]] = defaultdict(lambda: [0, 0])
     for level, count, trials in rows:
@@ -82,7 +82,9 @@ def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[Row, ...]:
             raise SceneError(f"level {level:g}: {count} of {trials} responses are impossible")
         counts[level][0] += count
         counts[level][1] += trials
-    return tuple(Row(level, *counts[level]) for level in sorted(counts) if counts[level][1])
+    return tuple(
+        LevelAnswers(level, *counts[level]) for level in sorted(counts) if counts[level][1]
+    )
 
 
 MOST_LEVELS = 1000
@@ -95,7 +97,7 @@ def condensed(answers: Answers) -> Answers:
     if len(rows) <= MOST_LEVELS:
         return answers
     each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
-    groups: list[list[Row]] = [[]]
+    groups: list[list[LevelAnswers]] = [[]]
     filled = 0
     for row in rows:
         if filled >= each:
@@ -104,7 +106,7 @@ def condensed(answers: Answers) -> Answers:
         groups[-1].append(row)
         filled += row.trials
     together = tuple(
-        Row(
+        LevelAnswers(
             sum(x.level * x.trials for x in group) / _trials(group),
             sum(x.count for x in group),
             _trials(group),
@@ -115,7 +117,7 @@ def condensed(answers: Answers) -> Answers:
     return replace(answers, rows=together, notes=(*answers.notes, note))
 
 
-def _trials(rows: Iterable[Row]) -> int:
+def _trials(rows: Iterable[LevelAnswers]) -> int:
     return sum(x.trials for x in rows)
 
 
@@ -177,7 +179,7 @@ TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "h
 
 
 @dataclass(frozen=True)
-class Columns:
+class AnswerColumns:
     """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a
     line.
 
@@ -201,17 +203,17 @@ class Columns:
         )
 
 
-def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
+def find_columns(header: Sequence[str], named: Mapping[str, str]) -> AnswerColumns:
     """The columns that hold level and answers; ``named`` : those that the caller names. SceneError
     where there are none.
 
     >>> find_columns(["trial", "k1", "k2", "answer"], {})
-    Columns(level=1, count=None, trials=None, answer=3, second=2)
+    AnswerColumns(level=1, count=None, trials=None, answer=3, second=2)
     """
     if "level" not in named and (pair := _two_intervals(header)) is not None:
         answer = _named(header, "answer", named) if "answer" in named else _known(header, "answer")
         if answer is not None:
-            return Columns(pair[0], None, None, answer, pair[1])
+            return AnswerColumns(pair[0], None, None, answer, pair[1])
     found = {
         key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES
     }
@@ -223,9 +225,9 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> Columns:
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
     if count is not None and trials is not None and "answer" not in named:
-        return Columns(level, count, trials, None)
+        return AnswerColumns(level, count, trials, None)
     if answer is not None and answer != level:
-        return Columns(level, None, None, answer)
+        return AnswerColumns(level, None, None, answer)
     lacking = "how many answers counted (k) of how many (n), nor one answer a line"
     raise SceneError(_missing(header, lacking, "count and --trials, or --answer,"))
 
@@ -424,7 +426,7 @@ def _from_table(
 
 def _rows(
     header: Sequence[str],
-    columns: Columns,
+    columns: AnswerColumns,
     kept: Sequence[tuple[int, Sequence[str]]],
     coding: Coding,
     *,

@@ -36,19 +36,19 @@ from haptisym.model.measured import (
     Complexes,
     Measurement,
     Reals,
-    Slope,
+    SlopeBound,
     averages_for,
     coherence_for,
 )
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.programs.program import Program, Writer
-from haptisym.programs.taylormodels import Model, Modelled, variable
+from haptisym.programs.taylormodels import Modelled, TaylorModel, variable
 from haptisym.verbs.measured.judging import (
     CODES,
-    Judged,
+    JudgedLine,
     Lines,
+    PartVerdict,
     Signs,
-    Verdict,
     depth_of,
     ends_of,
     judged,
@@ -92,7 +92,7 @@ class _Moves:
         if not formula.has(omega):
             return np.zeros(len(self.middle))
         found = _modelled(formula).run([self._at])[""]
-        assert isinstance(found, Model)
+        assert isinstance(found, TaylorModel)
         here, (least, most) = values_of(formula, self.middle), (x[:, 0] for x in found.bounds())
         moved: Reals = np.maximum(most - here, here - least)
         return moved
@@ -137,22 +137,22 @@ _ROUNDING = 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class BetweenLines:
     """``gap`` : after which line each lies; ``low``, ``high`` : its ends, rad/s."""
 
     gap: Any
     low: Reals
     high: Reals
 
-    def at(self, chosen: Any) -> Cells:
+    def at(self, chosen: Any) -> BetweenLines:
         """Some of them."""
-        return Cells(self.gap[chosen], self.low[chosen], self.high[chosen])
+        return BetweenLines(self.gap[chosen], self.low[chosen], self.high[chosen])
 
-    def halves(self) -> Cells:
+    def halves(self) -> BetweenLines:
         """Each as its two halves, in order."""
         middle = (self.low + self.high) / 2
         ends = (np.stack(x, 1).ravel() for x in ((self.low, middle), (middle, self.high)))
-        return Cells(np.repeat(self.gap, 2), *ends)
+        return BetweenLines(np.repeat(self.gap, 2), *ends)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +163,7 @@ class Discs:
     radius: Reals
 
 
-class Swept:
+class BoundedLines:
     """The lines of a scene of which the discs are bounded, and what lies between them."""
 
     def __init__(self, scene: MeasuredScene, x: Lines) -> None:
@@ -183,7 +183,7 @@ class Swept:
         found = self._felt.contradicted
         return found if self._own is None else found | self._own.contradicted
 
-    def lines(self, cells: Cells) -> Iterator[Lines]:
+    def lines(self, cells: BetweenLines) -> Iterator[Lines]:
         """Each cell as a line, in three ways; what is said of one of them is true wherever the
         discs hold the truth."""
         env = self._environment(cells) if self._own is None else self._own.discs(cells)[-1]
@@ -206,7 +206,7 @@ class Swept:
     def _program(self) -> Program:
         return self.scene.frame.distortion().chain.program(["environment_real", "environment_imag"])
 
-    def _environment(self, cells: Cells) -> Discs:
+    def _environment(self, cells: BetweenLines) -> Discs:
         """Around all that the model is over each cell: proven, but for the roundings of the last
         square root."""
         program = self._program
@@ -219,7 +219,7 @@ class Swept:
         )._value
         found = Modelled(program).run([at] if program.inputs else [])
         with np.errstate(all="ignore"):
-            models = (x if isinstance(x, Model) else at.number(x) for x in found.values())
+            models = (x if isinstance(x, TaylorModel) else at.number(x) for x in found.values())
             (a, b), (c, d) = ((low[:, 0], high[:, 0]) for low, high in (x.bounds() for x in models))
             centre = (a + b) / 2 + 0.5j * (c + d)
             known = np.isfinite(centre)
@@ -234,7 +234,7 @@ class _Response:
     H: Complexes
     radius: Reals
 
-    def discs(self, cells: Cells) -> list[Discs]:
+    def discs(self, cells: BetweenLines) -> list[Discs]:
         """Of the left line, of the right one, and around what they have in common."""
         left, right = self._of(cells.gap, cells.high), self._of(cells.gap + 1, cells.low)
         return [left, right, _common(left, right)]
@@ -325,7 +325,7 @@ class Between:
     contradicted: tuple[tuple[float, float], ...]
     grown: float
 
-    def row(self, slopes: Mapping[str, Slope]) -> dict[str, Any]:
+    def row(self, slopes: Mapping[str, SlopeBound]) -> dict[str, Any]:
         """As documents have it. ``slopes`` : of which response each bound is."""
         bounds = {
             key: {"bound": x.bound, "unit": x.unit, "relative": x.relative}
@@ -345,7 +345,7 @@ def between(scene: MeasuredScene, x: Lines) -> Between | None:
     """Of all gaps between the lines that a scene judges; None without a bound on the slope."""
     if scene.perceived.slope is None:
         return None
-    swept = Swept(scene, x)
+    swept = BoundedLines(scene, x)
     wrong = swept.contradicted
     parts = [part for part in (*Part, None) if judged(scene, x, part)]
     told = {part: _joined(swept, wrong, part) for part in parts}
@@ -356,22 +356,24 @@ def between(scene: MeasuredScene, x: Lines) -> Between | None:
     return Between(told, tuple(lost), _grown(swept))
 
 
-def _grown(swept: Swept) -> float:
+def _grown(swept: BoundedLines) -> float:
     """At the places half-way, where grown discs have most."""
     gaps = np.arange(len(swept.omega) - 1)
     if not len(gaps):
         return 0.0
     middle = (swept.omega[:-1] + swept.omega[1:]) / 2
-    radii = [x.radius for x in swept.lines(Cells(gaps, middle, middle)) if x.radius is not None]
+    radii = [
+        x.radius for x in swept.lines(BetweenLines(gaps, middle, middle)) if x.radius is not None
+    ]
     return float(np.min(radii[:2], axis=0).max())
 
 
-def _joined(swept: Swept, wrong: Any, part: Part | None) -> Stretches:
+def _joined(swept: BoundedLines, wrong: Any, part: Part | None) -> Stretches:
     """Neighbouring cells that are told alike as one stretch."""
     gaps = np.flatnonzero(~wrong)
     found = [
         (
-            Cells(lost := np.flatnonzero(wrong), swept.omega[lost], swept.omega[lost + 1]),
+            BetweenLines(lost := np.flatnonzero(wrong), swept.omega[lost], swept.omega[lost + 1]),
             np.zeros(len(lost), int),
         )
     ]
@@ -388,10 +390,10 @@ def _joined(swept: Swept, wrong: Any, part: Part | None) -> Stretches:
     return Stretches(low[starts], high[np.append(starts[1:], len(code)) - 1], code[starts])
 
 
-def _settled(swept: Swept, gaps: Any, part: Part | None) -> list[tuple[Cells, Any]]:
+def _settled(swept: BoundedLines, gaps: Any, part: Part | None) -> list[tuple[BetweenLines, Any]]:
     """Cells of gaps, each with what is told of it."""
     found = []
-    cells = Cells(gaps, swept.omega[gaps], swept.omega[gaps + 1])
+    cells = BetweenLines(gaps, swept.omega[gaps], swept.omega[gaps + 1])
     while len(cells.gap):
         code, is_open = _code(swept, cells, part)
         crowd = np.bincount(cells.gap[~is_open & (code == 0)], minlength=len(swept.omega)) > _MOST
@@ -406,13 +408,13 @@ def _settled(swept: Swept, gaps: Any, part: Part | None) -> list[tuple[Cells, An
     return found
 
 
-def _code(swept: Swept, cells: Cells, part: Part | None) -> tuple[Any, Any]:
+def _code(swept: BoundedLines, cells: BetweenLines, part: Part | None) -> tuple[Any, Any]:
     """Of each cell what one of its discs tells, and whether it lies too far within what none tells
     to be halved."""
     middle = (cells.low + cells.high) / 2
     codes, is_open = np.zeros(len(middle), int), np.ones(len(middle), bool)
     for whole, point in zip(
-        swept.lines(cells), swept.lines(Cells(cells.gap, middle, middle)), strict=True
+        swept.lines(cells), swept.lines(BetweenLines(cells.gap, middle, middle)), strict=True
     ):
         told, here = judged(swept.scene, whole, part), judged(swept.scene, point, part)
         assert told
@@ -435,7 +437,7 @@ MOST_COHERENCE = 1 - 1e-6
 
 
 @dataclass(frozen=True)
-class Share:
+class Remedy:
     """What resolves half of the open lines, and all of them; None where nothing sensible does."""
 
     half: float | None
@@ -456,12 +458,12 @@ class Needed:
     """
 
     lines: int
-    radius: Share
-    coherence: Share | None
-    averages: Share | None
+    radius: Remedy
+    coherence: Remedy | None
+    averages: Remedy | None
 
 
-def needed(x: Lines, found: Sequence[Judged]) -> Needed | None:
+def needed(x: Lines, found: Sequence[JudgedLine]) -> Needed | None:
     """Of the lines that are open in some judgement; None if none is."""
     open_lines = np.any([one.verdict == 0 for one in found], axis=0)
     if not open_lines.any():
@@ -475,7 +477,7 @@ def needed(x: Lines, found: Sequence[Judged]) -> Needed | None:
     return Needed(int(open_lines.sum()), _shares(-margin, negated=True), coherence, averages)
 
 
-def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[Share, Share]:
+def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[Remedy, Remedy]:
     assert felt.averages is not None
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = margin * np.abs(x.environment[at]) / np.abs(x.perceived[at])
@@ -484,7 +486,7 @@ def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[
     return _shares(coherence, most=MOST_COHERENCE), _shares(averages, most=MOST_AVERAGES)
 
 
-def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Share:
+def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Remedy:
     """The value that is enough for at least half of the lines, and for all; None for one above
     ``most``."""
     row, middle = np.nan_to_num(values, nan=np.inf), (len(values) - 1) // 2
@@ -496,10 +498,10 @@ def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Sh
         None if value > most or not np.isfinite(value) else -value if negated else value
         for value in found
     )
-    return Share(half, every)
+    return Remedy(half, every)
 
 
-class Row(NamedTuple):
+class LineResult(NamedTuple):
     """What is said of one line. ``radius`` : of the disc around the change, relative to
     ``|H_env|``; None where none is known."""
 
@@ -507,9 +509,9 @@ class Row(NamedTuple):
     ratio_real: float
     ratio_imag: float
     radius: float | None
-    real: Verdict
-    imag: Verdict
-    joint: Verdict | None = None
+    real: PartVerdict
+    imag: PartVerdict
+    joint: PartVerdict | None = None
 
 
 class MeasuredPercept(NamedTuple):
@@ -559,7 +561,7 @@ class MeasuredEvaluation(Answer):
     lines: Lines
     distance: Mapping[Part, Reals]
     verdict: Mapping[Part, Any]
-    joint: Judged | None
+    joint: JudgedLine | None
     signs: Mapping[Part, Signs]
     needed: Needed | None
 
@@ -602,17 +604,17 @@ class MeasuredEvaluation(Answer):
         return len(self) > 1 and bool((np.abs(felt + wanted) < np.abs(felt - wanted)).all())
 
     @cached_property
-    def rows(self) -> tuple[Row, ...]:
+    def rows(self) -> tuple[LineResult, ...]:
         """Every line that is judged."""
         return tuple(self._rows())
 
-    def _rows(self) -> Iterator[Row]:
+    def _rows(self) -> Iterator[LineResult]:
         x = self.lines
         radius = [None] * len(self) if x.radius is None else x.radius.tolist()
         ratios = np.abs(x.change.real).tolist(), np.abs(x.change.imag).tolist()
         codes = [self.verdict[part] for part in Part] + ([self.joint.verdict] if self.joint else [])
         told = ((CODES[code] for code in row.tolist()) for row in codes)
-        yield from map(Row, x.omega.tolist(), *ratios, radius, *told)
+        yield from map(LineResult, x.omega.tolist(), *ratios, radius, *told)
 
     def noticed(self, part: Part | None) -> Any:
         """Where step 2 asks how a part is felt, or None for both together, which neither is by
@@ -730,7 +732,7 @@ def _percept(p: MeasuredPercept) -> dict[str, Any]:
     }
 
 
-def _row(x: Row) -> dict[str, Any]:
+def _row(x: LineResult) -> dict[str, Any]:
     numbers = {"ratio_real": x.ratio_real, "ratio_imag": x.ratio_imag, "radius": x.radius}
     finite = {
         key: value if value is not None and isfinite(value) else None

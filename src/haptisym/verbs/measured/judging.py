@@ -232,7 +232,7 @@ OPEN = 2
 """A sign that a disc does not tell."""
 
 
-class Verdict(Enum):
+class PartVerdict(Enum):
     """Of a part at a line."""
 
     EXCEEDS = "exceeds"
@@ -240,7 +240,7 @@ class Verdict(Enum):
     UNRESOLVED = "unresolved"
 
 
-CODES = {1: Verdict.EXCEEDS, -1: Verdict.BELOW, 0: Verdict.UNRESOLVED}
+CODES = {1: PartVerdict.EXCEEDS, -1: PartVerdict.BELOW, 0: PartVerdict.UNRESOLVED}
 
 
 @dataclass(frozen=True, eq=False)
@@ -336,7 +336,7 @@ def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedLine:
     """``distance`` : how far, relative to ``|H_env|``, a line's change lies outside the region,
     negative inside; ``verdict`` : 1 where the whole disc lies outside, -1 where it lies inside, 0
     where it does not tell."""
@@ -345,7 +345,7 @@ class Judged:
     verdict: Any
 
 
-def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> Judged | None:
+def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> JudgedLine | None:
     """Of a part by itself, or of both together: None where the region judges each by itself."""
     c = scene.threshold
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -375,7 +375,7 @@ def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
     )
 
 
-def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> Judged:
+def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedLine:
     """Where H_env is 0, what of dH is judged is compared with the floor."""
     zero = (x.environment == 0) & (x.env_radius == 0)
     is_any = bool(zero.any())
@@ -389,7 +389,7 @@ def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> Judged:
     if is_any:
         outside = np.where(zero, moved > x.perc_radius + floor, outside)
         inside = np.where(zero, moved + x.perc_radius <= floor, inside)
-    return Judged(distance, outside.astype(np.int8) - inside.astype(np.int8))
+    return JudgedLine(distance, outside.astype(np.int8) - inside.astype(np.int8))
 
 
 # Step 2.

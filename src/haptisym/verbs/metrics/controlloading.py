@@ -47,10 +47,10 @@ from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import Dimension, MotionKind, Number, quantity
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.metrics.freeresponse import Rule, at_most, free_response
+from haptisym.verbs.metrics.freeresponse import FlightRule, at_most, free_response
 from haptisym.verbs.metrics.metric import value_at
 
-RULES = {"14cfr60-a2a": Rule.AEROPLANE, "14cfr60-c2a": Rule.HELICOPTER}
+RULES = {"14cfr60-a2a": FlightRule.AEROPLANE, "14cfr60-c2a": FlightRule.HELICOPTER}
 """The tables by their names: aeroplanes, helicopters."""
 POUND = quantity("1 lbf", Dimension.FORCE).value
 
@@ -67,14 +67,14 @@ class Control:
 
 
 _FIVE, _TWO, _HALF = Rational(5), Rational(2), Rational(1, 2)
-CONTROLS: dict[Rule, dict[str, Control]] = {
-    Rule.AEROPLANE: {
+CONTROLS: dict[FlightRule, dict[str, Control]] = {
+    FlightRule.AEROPLANE: {
         "pitch": Control("2.a.1", "2.b.1", _TWO, _FIVE),
         "roll": Control("2.a.2", "2.b.2", _TWO, Rational(3)),
         "pedals": Control("2.a.3", "2.b.3", _FIVE, _FIVE),
         "nosewheel": Control("2.a.4", "", _TWO, Rational(3)),
     },
-    Rule.HELICOPTER: {
+    FlightRule.HELICOPTER: {
         "cyclic": Control("2.a.1", "2.a.5", Rational(1, 4), Integer(1)),
         "collective": Control("2.a.2", "2.a.5", _HALF, Integer(1)),
         "pedals": Control("2.a.2", "2.a.5", _HALF, Integer(1)),
@@ -138,7 +138,7 @@ class ControlLoading(Answer):
     _figure: ClassVar[str] = "haptisym.figures.effects:CONTROL"
 
     evaluation: Evaluation
-    rule: Rule
+    rule: FlightRule
     control: str
     trials: tuple[Trial, ...]
     travel: Any = None
@@ -159,7 +159,7 @@ class ControlLoading(Answer):
         """What is let go: of a helicopter with its friction off."""
         return (
             _without_friction(self.scene)
-            if self.rule is Rule.HELICOPTER
+            if self.rule is FlightRule.HELICOPTER
             else self.evaluation.distortion
         )
 
@@ -285,7 +285,7 @@ class _Asked:
     """A question to the table: a travel in m and durations in s, where they are known."""
 
     evaluation: Evaluation
-    rule: Rule
+    rule: FlightRule
     control: Control
     travel: Any
     sweeps: tuple[Any, ...]
@@ -311,7 +311,9 @@ class _Asked:
         """What is felt, of a helicopter with its friction off."""
         scene = self.evaluation.scene
         return (
-            _without_friction(scene) if self.rule is Rule.HELICOPTER else self.evaluation.distortion
+            _without_friction(scene)
+            if self.rule is FlightRule.HELICOPTER
+            else self.evaluation.distortion
         )
 
     def trials(self) -> Iterator[Trial]:
@@ -319,9 +321,9 @@ class _Asked:
         yield self.static_force()
         yield self.breakout()
         yield from self.free()
-        if self.rule is Rule.AEROPLANE and self.control.dynamic:
+        if self.rule is FlightRule.AEROPLANE and self.control.dynamic:
             yield from self.swept()
-        if self.rule is Rule.HELICOPTER:
+        if self.rule is FlightRule.HELICOPTER:
             yield Trial(
                 "2.a.6", "freeplay", "0.10 in", why="a linear model has no freeplay: measure it"
             )
@@ -389,7 +391,7 @@ class _Asked:
     def breakout(self) -> Trial:
         """The display's dry friction: the environment has none."""
         most, pounds = self.control.breakout * POUND, float(self.control.breakout)
-        tolerance = f"{pounds:g} lb" + (" or 25 %" if self.rule is Rule.HELICOPTER else "")
+        tolerance = f"{pounds:g} lb" + (" or 25 %" if self.rule is FlightRule.HELICOPTER else "")
         trial = Trial(
             self.control.static, "breakout", tolerance, 0, ExactNumber(self.friction), "N"
         )

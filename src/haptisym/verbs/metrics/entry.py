@@ -30,7 +30,7 @@ from haptisym.verbs.metrics.metric import (
     Measured,
     Metric,
     Metrics,
-    Value,
+    MetricValue,
     absolute_stability_measure,
     covers,
     passivity_measure,
@@ -110,13 +110,13 @@ def metrics(
         return Metrics(m.evaluation, found, notes, m, absolute_stability)
 
 
-def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[Value]:
+def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[MetricValue]:
     """|f| at both ends of the band."""
     square = squared_modulus(function)
     points = chart({"": square}, *m.band).points
     found = {end: value_at(square, points[i], "") for end, i in (("low", 0), ("high", -1))}
     roots = {end: x if x is None or x == ZERO else SquareRoot(x) for end, x in found.items()}
-    return [Value(f"{what} at {end} end", x, m.unit) for end, x in roots.items()]
+    return [MetricValue(f"{what} at {end} end", x, m.unit) for end, x in roots.items()]
 
 
 def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
@@ -132,13 +132,13 @@ def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
 
 def _ratio(m: Measured) -> Metric:
     edges = [p for p in m.edges.points if any(_passes(p, x) for x in WITHIN_3_DB)]
-    values = [Value(_edge(p), p.omega, "rad/s") for p in edges]
+    values = [MetricValue(_edge(p), p.omega, "rad/s") for p in edges]
     inside = kept(m.edges)
     upto = "the band" if m.reach == m.band[1] else f"{FAR} times the band's high end"
     return Metric(
         "transmitted impedance ratio",
         m.forms("Gamma"),
-        (*values, Value(f"within 3 dB (up to {upto})", inside, "rad/s")),
+        (*values, MetricValue(f"within 3 dB (up to {upto})", inside, "rad/s")),
         (
             "Lawrence (1993): transparent where the displayed impedance is the environment's, "
             "Z_t = Z_e"
@@ -178,7 +178,10 @@ def _relative(m: Measured) -> Metric:
     return Metric(
         "relative distortion",
         m.forms("Theta"),
-        (Value(circle, m.within, "rad/s"), Value("largest on the band", _largest(square, m))),
+        (
+            MetricValue(circle, m.within, "rad/s"),
+            MetricValue("largest on the band", _largest(square, m)),
+        ),
         "Fu, van Paassen and Mulder (2019): dH over |H_env|, both parts together",
         "verified; the modulus derived",
         _RELATIVE if m.relative else _IN_CIRCLE,
@@ -198,13 +201,13 @@ _IN_CIRCLE = (
 def _range(m: Measured) -> Metric:
     least, most, width = m.port.least, m.port.most, m.port.width
     values = (
-        [Value("|Z_min| everywhere", None, m.unit)]
+        [MetricValue("|Z_min| everywhere", None, m.unit)]
         if least is None
         else _modulus_at_ends(least, m, "|Z_min|")
     )
     for name, function in (("|Z_max|", most), ("|Z_width|", width)):
         shown = (
-            [Value(f"{name} everywhere", None, m.unit)]
+            [MetricValue(f"{name} everywhere", None, m.unit)]
             if function is None
             else _modulus_at_ends(function, m, name)
         )
@@ -233,7 +236,7 @@ def _sensitivity(m: Measured) -> Metric:
     return Metric(
         "sensitivity",
         m.forms("dH_perc/dH_env"),
-        (Value("largest |dH_perc/dH_env| on the band", value),),
+        (MetricValue("largest |dH_perc/dH_env| on the band", value),),
         "derivative of H_perc by H_env",
         "derived (15_metrics)",
         (
@@ -246,7 +249,7 @@ def _sensitivity(m: Measured) -> Metric:
 def _effective(m: Measured) -> Metric:
     names = {"k": "stiffness", "m": "mass", "b": "damping"}
     values = [
-        Value(f"{names[key]} at {short(w)} rad/s", x, m.units[key], at=w)
+        MetricValue(f"{names[key]} at {short(w)} rad/s", x, m.units[key], at=w)
         for w, row in m.effective
         for key, x in row.items()
     ]
@@ -262,7 +265,7 @@ def _effective(m: Measured) -> Metric:
 
 def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
     values = [
-        Value(
+        MetricValue(
             x.name,
             "none" if x.perceived is None else x.perceived,
             x.unit,

@@ -53,7 +53,7 @@ _MOST_SWINGS = 60  # above 5 % of A_d; no control that is judged by these tables
 Numbers = tuple[Expr, ...]
 
 
-class Rule(Enum):
+class FlightRule(Enum):
     """A table of 14 CFR Part 60."""
 
     AEROPLANE = "A2A"
@@ -142,15 +142,15 @@ class Motion:
 
     def passages(
         self, level: Rational, order: int = 0, until: Fraction | None = None
-    ) -> list[Passage]:
+    ) -> list[LevelPassage]:
         """Where a derivative (0: x itself) passes a level after the release, all of them up to a
         time, in order; certified."""
         start, last = self._begun, until or self.end
-        found: list[Passage] = []
+        found: list[LevelPassage] = []
         if order == 0:  # monotonic at first
             low = sign_of(self.begin - expression_ball(level))
             if low and _sign(self._at(start) - expression_ball(level)) == -low:
-                found.append(Passage(self, level, 0, Fraction(0), start))
+                found.append(LevelPassage(self, level, 0, Fraction(0), start))
         cells = Waiting([(start, max(last, start))])
         for low_end, high_end in cells:
             if self._is_apart(low_end, high_end, level, order):
@@ -160,7 +160,7 @@ class Motion:
                     _sign(self._at(t, order) - expression_ball(level)) for t in (low_end, high_end)
                 ]
                 if signs[0] != signs[1]:
-                    found.append(Passage(self, level, order, low_end, high_end))
+                    found.append(LevelPassage(self, level, order, low_end, high_end))
                 continue
             if high_end - low_end < _FINEST * last:
                 raise UndecidedError("whether a free response is tangent to a level or crosses it")
@@ -229,7 +229,7 @@ def zeros(coefficients: Numbers, bits: int) -> tuple[Any, ...]:
 
 
 @dataclass(frozen=True, repr=False)
-class Passage(RealNumber):
+class LevelPassage(RealNumber):
     """The one time between two others at which a motion, or a derivative of it, passes a level;
     s."""
 
@@ -269,7 +269,7 @@ class Span(RealNumber):
     """The time between two passages, s; or, of a ``height``, |x|/A_d at one."""
 
     first: RealNumber
-    last: Passage
+    last: LevelPassage
     height: bool = False
 
     def ball(self, bits: int) -> Ball:
@@ -296,7 +296,7 @@ class Swings:
         return next(iter(self.motion.passages(level)), None)
 
     @cached_property
-    def crossings(self) -> list[Passage]:
+    def crossings(self) -> list[LevelPassage]:
         """Of zero: all while the motion is larger than 5 %, and at least three where the slowest
         motion swings for ever."""
         motion, until = self.motion, self.motion.end
@@ -376,7 +376,7 @@ class FreeResponse:
         return all(check.passes for check in self.checks) if self.checks else None
 
 
-def free_response(d: Distortion, rule: Rule = Rule.AEROPLANE) -> FreeResponse:
+def free_response(d: Distortion, rule: FlightRule = FlightRule.AEROPLANE) -> FreeResponse:
     """The free-response test of what is felt against the environment by one of the tables, all
     verdicts proven.
 
@@ -462,14 +462,14 @@ def _squarefree(polynomial: Polynomial) -> Iterator[tuple[Polynomial, int]]:
         left, shared, times = again, shared / again, times + 1
 
 
-def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
+def _checks(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
     if not env.crossings:
         pair = _fall(env), _fall(perc)
         yield _ratio_check("time from 90 % to 10 % of A_d", *pair, 10)
     else:
         first = (
             "from 90 % of A_d to the first zero crossing"
-            if rule is Rule.AEROPLANE
+            if rule is FlightRule.AEROPLANE
             else "first zero crossing"
         )
         yield _ratio_check(f"P_0, {first}", _start(env, rule), _start(perc, rule), 10)
@@ -493,13 +493,13 @@ def _checks(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
 def _fall(x: Swings) -> RealNumber | None:
     """From 90 % to 10 % of A_d; no time where it leaps below both at once."""
     first, last = x.first(Rational(9, 10)), x.first(Rational(1, 10))
-    return last if first is None or not isinstance(last, Passage) else Span(first, last)
+    return last if first is None or not isinstance(last, LevelPassage) else Span(first, last)
 
 
-def _start(x: Swings, rule: Rule) -> RealNumber | None:
+def _start(x: Swings, rule: FlightRule) -> RealNumber | None:
     if not x.crossings:
         return None
-    first = x.first(Rational(9, 10)) if rule is Rule.AEROPLANE else _AT_ONCE
+    first = x.first(Rational(9, 10)) if rule is FlightRule.AEROPLANE else _AT_ONCE
     return None if first is None else Span(first, x.crossings[0])
 
 
@@ -521,7 +521,7 @@ def _float(x: RealNumber) -> float:
     return float(x.ball(64).mid())
 
 
-def _amplitudes(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
+def _amplitudes(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
     """Of each overshoot that is above 5 % of A_d on either side; from the fourth on in one row,
     with the numbers of that one."""
     count = min(max(env.significant, perc.significant), len(env.overshoots))
@@ -537,9 +537,9 @@ def _amplitudes(env: Swings, perc: Swings, rule: Rule) -> Iterator[Check]:
         yield Check(name, fourth.environment, fourth.perceived, "", fourth.tolerance, passes, least)
 
 
-def _overshoot(n: int, env: Swings, perc: Swings, rule: Rule) -> Check:
+def _overshoot(n: int, env: Swings, perc: Swings, rule: FlightRule) -> Check:
     own = perc.overshoots[n - 1] if n <= len(perc.overshoots) else None
-    later = rule is Rule.HELICOPTER and n > 1
+    later = rule is FlightRule.HELICOPTER and n > 1
     known, of = env.overshoots[n - 1], env.overshoots[n - 1 if later else 0]
     limit = Rational(1, 5) if later else Rational(1, 10)
 

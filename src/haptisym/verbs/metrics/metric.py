@@ -34,7 +34,7 @@ from haptisym.kernel.roots import Chart, Interval, Point, chart, sign_of_number
 from haptisym.model.distortion import Distortion
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene, clocks
-from haptisym.verbs.metrics.freeresponse import FreeResponse, Rule, free_response
+from haptisym.verbs.metrics.freeresponse import FlightRule, FreeResponse, free_response
 
 
 @dataclass(frozen=True)
@@ -433,7 +433,7 @@ class Measured:
     @cached_property
     def free_of_a_helicopter(self) -> FreeResponse:
         """The same, as a helicopter's is judged."""
-        return free_response(self.d, Rule.HELICOPTER)
+        return free_response(self.d, FlightRule.HELICOPTER)
 
     @property
     def unit(self) -> str:
@@ -466,7 +466,7 @@ def covers(bands: Bands, table: Chart) -> bool:
 
 
 @dataclass(frozen=True)
-class Value:
+class MetricValue:
     """One number of a measure, or bands, or a word; None where it is infinite. ``unit`` is empty
     for a ratio.
 
@@ -491,7 +491,7 @@ class Metric(Shown):
 
     name: str
     forms: tuple[Form, ...]
-    values: tuple[Value, ...]
+    values: tuple[MetricValue, ...]
     source: str
     evidence: str
     verdict: str
@@ -596,7 +596,7 @@ def _metric_row(x: Metric) -> dict[str, Any]:
     }
 
 
-def _value_row(x: Value) -> dict[str, Any]:
+def _value_row(x: MetricValue) -> dict[str, Any]:
     found = {"what": x.what, "value": _plain(x.value), "unit": x.unit}
     if x.reference is None:
         return found
@@ -626,7 +626,7 @@ def passivity_measure(m: Measured) -> Metric:
         "passivity",
         (),
         (
-            Value("Im H_perc >= 0 on the band", m.passive, "rad/s"),
+            MetricValue("Im H_perc >= 0 on the band", m.passive, "rad/s"),
             *(_values(m, found) if found else ()),
         ),
         "a display is stable with any passive operator exactly if H_perc/s is positive real",
@@ -638,16 +638,18 @@ def passivity_measure(m: Measured) -> Metric:
     )
 
 
-def _values(m: Measured, found: Passivity) -> list[Value]:
+def _values(m: Measured, found: Passivity) -> list[MetricValue]:
     high = ExactNumber(found.high)
     rows = [
-        Value(f"Im H_perc < 0, searched up to {short(high)} rad/s", found.active, "rad/s", at=high)
+        MetricValue(
+            f"Im H_perc < 0, searched up to {short(high)} rad/s", found.active, "rad/s", at=high
+        )
     ]
-    rows += [Value("Im H_perc beyond that", found.beyond.value)]
+    rows += [MetricValue("Im H_perc beyond that", found.beyond.value)]
     if (given := found.most_given) and found.active:
         where = f" at {short(given.omega)} rad/s" if given.omega else ""
         rows += [
-            Value(
+            MetricValue(
                 f"most energy given per cycle, over π A²{where}",
                 given.value,
                 m.unit,
@@ -656,7 +658,7 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
         ]
     untold = found.holds is None and found.beyond is Beyond.CLOCK
     rows += [
-        Value(
+        MetricValue(
             "any passive operator",
             "undecided for a sampled display" if untold else _ANSWERS[found.holds],
         )
@@ -668,7 +670,7 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
             else ", approached at high frequency"
         )
         rows += [
-            Value(
+            MetricValue(
                 f"hand damping that compensates it{where}",
                 found.damping.value,
                 m.units["b"],
@@ -676,8 +678,8 @@ def _values(m: Measured, found: Passivity) -> list[Value]:
             )
         ]
     elif found.is_unbounded:
-        rows += [Value("hand damping that compensates it", "none: the activity is unbounded")]
-    return [*rows, Value("stable under prescribed motion", _YES[m.evaluation.stable])]
+        rows += [MetricValue("hand damping that compensates it", "none: the activity is unbounded")]
+    return [*rows, MetricValue("stable under prescribed motion", _YES[m.evaluation.stable])]
 
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
@@ -716,14 +718,14 @@ def absolute_stability_measure(m: Measured) -> Metric:
     """Llewellyn's criterion: the band where its conditions on the axis hold, and all of it at all
     frequencies."""
     bands, whole = m.llewellyn, m.unconditional
-    rows: tuple[Value, ...] = ()
+    rows: tuple[MetricValue, ...] = ()
     if bands is None:
         verdict = "not offered: D = 0, so that the hybrid matrix does not exist"
     else:
         rows = (
-            Value("conditions on the axis hold, on the band", bands, "rad/s"),
-            Value("conditions on the axis at all frequencies", _ANSWERS[whole.axis]),
-            Value("conditions on the poles", _ANSWERS[whole.poles]),
+            MetricValue("conditions on the axis hold, on the band", bands, "rad/s"),
+            MetricValue("conditions on the axis at all frequencies", _ANSWERS[whole.axis]),
+            MetricValue("conditions on the poles", _ANSWERS[whole.poles]),
         )
         verdict = _absolutely(m, covers(bands, m.evaluation.chart))
     return Metric(

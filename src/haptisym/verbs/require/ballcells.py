@@ -34,7 +34,7 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError
 from haptisym.kernel.reals import Ball, dyadic, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
-from haptisym.verbs.require.freeparameter import Conditions, Told, ladder, pieces
+from haptisym.verbs.require.freeparameter import Conditions, JudgedValues, ladder, pieces
 
 _BITS = 128
 _SAMPLES = 32
@@ -293,14 +293,14 @@ def _ball(between: Span) -> Ball:
 
 
 @dataclass(frozen=True, eq=False)
-class Function:
+class ConditionFunction:
     """One of the functions of a condition: N over D."""
 
     above: Sheet
     below: Sheet
 
     @classmethod
-    def of(cls, f: RealFunction, free: Symbol) -> Function:
+    def of(cls, f: RealFunction, free: Symbol) -> ConditionFunction:
         """A function in which a parameter is free."""
         own = f.half_angled
         return cls(*(Sheet(x, own.ring, free) for x in (own.numerator, own.denominator)))
@@ -354,32 +354,33 @@ class BallCells:
     scale: Fraction
     verdict: Callable[[Rational], bool | None]
 
-    def told(self, low: Fraction, high: Fraction) -> list[Told]:
+    def told(self, low: Fraction, high: Fraction) -> list[JudgedValues]:
         """What is known of the values from one to another, in order."""
         marks = map(Fraction, ladder(float(low), float(high), float(self.scale)))
         start = [_Cell(a, b) for a, b in pairwise(marks)]
         waiting = Waiting(start, self._rank, most=_MOST_CELLS, what="cells of values")
-        found = list[Told]()
+        found = list[JudgedValues]()
         try:
             for cell in waiting:
                 told = self._told(cell)
                 if isinstance(told, list):
                     found += told
                 elif self._width(cell) < _NARROW:
-                    found.append(Told(cell.low, cell.high, None))
+                    found.append(JudgedValues(cell.low, cell.high, None))
                 else:
                     middle = _middle(cell.low, cell.high)
                     waiting.add(_Cell(cell.low, middle, told), _Cell(middle, cell.high, told))
         except LimitError:
             pass
-        found += [Told(x.low, x.high, None) for x in waiting.rest]
+        found += [JudgedValues(x.low, x.high, None) for x in waiting.rest]
         return _merged(sorted(found, key=lambda x: x.low))
 
     @cached_property
-    def _functions(self) -> list[list[Function]]:
+    def _functions(self) -> list[list[ConditionFunction]]:
         """Of each condition the functions that must not all be positive."""
         return [
-            [Function.of(f, self.free) for f in pieces(own)] for own in self.conditions.values()
+            [ConditionFunction.of(f, self.free) for f in pieces(own)]
+            for own in self.conditions.values()
         ]
 
     @cached_property
@@ -401,7 +402,7 @@ class BallCells:
             low + (high - low) * x for x in [1 - Fraction(1, 2**20), *sorted(shares, reverse=True)]
         ]
 
-    def _told(self, cell: _Cell) -> list[Told] | tuple[Fraction, ...]:
+    def _told(self, cell: _Cell) -> list[JudgedValues] | tuple[Fraction, ...]:
         """What is known of a cell; frequencies at which a condition is likely broken where nothing
         is."""
         with flint.ctx.workprec(_BITS):
@@ -410,13 +411,13 @@ class BallCells:
             for _ in range(_MOST_LEVELS):
                 broken = [(own, x) for own, x in suspects if _is_positive(own, x, cell.middle)]
                 if any(self._is_broken(own, x, cell) for own, x in broken):
-                    return [Told(cell.low, cell.high, kept=False)]
+                    return [JudgedValues(cell.low, cell.high, kept=False)]
                 if broken:
                     return tuple({x for _, x in broken[:_MOST_HINTS]})
                 known = [(own, piece, _trend(own, piece, cell.values)) for own, piece in left]
                 trends = {trend for _, _, trend in known if trend is not None}
                 if not trends:
-                    return [Told(cell.low, cell.high, kept=True)]
+                    return [JudgedValues(cell.low, cell.high, kept=True)]
                 if trends in ({1}, {-1}):
                     return self._monotone(cell, growing=trends == {1})
                 left = [
@@ -430,13 +431,15 @@ class BallCells:
                 suspects = [(own, _middle_of(piece)) for own, piece in left]
         return ()
 
-    def _is_broken(self, functions: Sequence[Function], place: Fraction, cell: _Cell) -> bool:
+    def _is_broken(
+        self, functions: Sequence[ConditionFunction], place: Fraction, cell: _Cell
+    ) -> bool:
         """Whether a condition is broken at a frequency, which is on the band, for all values of a
         cell."""
         low, high = map(expression_ball, self.band)
         return bool(low <= dyadic(place) <= high) and _is_positive(functions, place, cell.values)
 
-    def _monotone(self, cell: _Cell, *, growing: bool) -> list[Told]:
+    def _monotone(self, cell: _Cell, *, growing: bool) -> list[JudgedValues]:
         """What verdicts tell of a cell in which more and more is broken as the values grow, or
         fall.
 
@@ -445,9 +448,9 @@ class BallCells:
         """
         best, worst = cell.values if growing else cell.values[::-1]
         if self.verdict(_rational(best)) is False:
-            return [Told(cell.low, cell.high, kept=False)]
+            return [JudgedValues(cell.low, cell.high, kept=False)]
         if self.verdict(_rational(worst)) is True:
-            return [Told(cell.low, cell.high, kept=True)]
+            return [JudgedValues(cell.low, cell.high, kept=True)]
         near, far = best, worst
         for _ in range(_MOST_HALVES):
             middle = _middle_of((near, far))
@@ -457,7 +460,9 @@ class BallCells:
                 break
             far = middle
         parts = (best, near, True, None), (near, far, None, 0.0), (far, worst, False, None)
-        return [Told(min(a, b), max(a, b), kept, slant) for a, b, kept, slant in parts if a != b]
+        return [
+            JudgedValues(min(a, b), max(a, b), kept, slant) for a, b, kept, slant in parts if a != b
+        ]
 
     def _rank(self, cell: _Cell) -> tuple[Fraction, Fraction]:
         return -max(self._width(cell), _COARSE), cell.low
@@ -467,12 +472,12 @@ class BallCells:
         return (cell.high - cell.low) / max(-cell.low, cell.high, self.scale / 1000)
 
 
-def _is_positive(functions: Sequence[Function], place: Fraction, values: Span) -> bool:
+def _is_positive(functions: Sequence[ConditionFunction], place: Fraction, values: Span) -> bool:
     """Whether a condition is broken at a frequency for all values between two."""
     return all(x.over(_point(place), values).sign > 0 for x in functions)
 
 
-def _trend(functions: Sequence[Function], piece: Span, values: Span) -> int | None:
+def _trend(functions: Sequence[ConditionFunction], piece: Span, values: Span) -> int | None:
     """Whether a condition is broken on a piece of the band for more and more of the values, 1, or
     for fewer, -1.
 
@@ -485,13 +490,13 @@ def _trend(functions: Sequence[Function], piece: Span, values: Span) -> int | No
     return trends.pop() if len(trends) == 1 else 0
 
 
-def _merged(told: Sequence[Told]) -> list[Told]:
+def _merged(told: Sequence[JudgedValues]) -> list[JudgedValues]:
     """Neighbours of which the same is known as one."""
-    found = list[Told]()
+    found = list[JudgedValues]()
     for x in told:
         last = found[-1] if found else None
         if last is not None and last.kept is x.kept and last.slant is None and x.slant is None:
-            found[-1] = Told(last.low, x.high, x.kept)
+            found[-1] = JudgedValues(last.low, x.high, x.kept)
         else:
             found.append(x)
     return found

@@ -23,7 +23,7 @@ from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber
-from haptisym.kernel.sets import Point
+from haptisym.kernel.sets import SingleValue
 from haptisym.model.scene import Scene
 from haptisym.verbs.evaluate.certificate import TOO_LONG, afford, document, name_in_file, shown
 from haptisym.verbs.evaluate.products import Linked, products, rectangular
@@ -231,7 +231,7 @@ def _afford(slabs: Sequence[dict[str, Any]], linked: Linked) -> None:
 
 
 def _binds(
-    ends: Mapping[Any, Point],
+    ends: Mapping[Any, SingleValue],
     values: Sequence[tuple[Value, Value, bool]],
     slabs: Sequence[Sequence[Any]],
 ) -> list[str]:
@@ -321,7 +321,7 @@ def _starts(found: Requirement) -> list[Fraction]:
 
 
 def _values(
-    found: Requirement, bounds: Callable[[Point | None], Bounds | None]
+    found: Requirement, bounds: Callable[[SingleValue | None], Bounds | None]
 ) -> list[tuple[Value, Value, bool]]:
     """Intervals of values, ascending, each with whether it is feasible."""
     low_end, high_end = (None if x is None else _bounds(x) for x in found.domain.ends)
@@ -343,7 +343,7 @@ def _values(
     return rows
 
 
-def _end(x: Point | None, *, digits: int, apart: bool) -> Bounds | None:
+def _end(x: SingleValue | None, *, digits: int, apart: bool) -> Bounds | None:
     """Bounds of an end; ``apart`` : where something binds it is neither of them, as no bounds of
     sines show that zero."""
     if x is None:

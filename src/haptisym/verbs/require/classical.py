@@ -38,7 +38,7 @@ class _Wall:
 
 
 @dataclass(frozen=True)
-class Line:
+class StiffnessBound:
     """A bound on the stiffness. ``excess`` : K minus the bound, for values of both free parameters,
     by path.
 
@@ -87,7 +87,9 @@ class Encoder:
         return cls(*(float(x.value) for x in read))
 
 
-def lines(scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None) -> tuple[Line, ...]:
+def lines(
+    scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None
+) -> tuple[StiffnessBound, ...]:
     """Those that hold of a scene's kind and depend on what is free: a wall, a clock or a delay, a
     damped device."""
     if not _is_wall(scene):
@@ -101,15 +103,15 @@ def lines(scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None) ->
 
         return excess
 
-    found, at = list[Line](), _wall(scene, nominal)
+    found, at = list[StiffnessBound](), _wall(scene, nominal)
     if _depends(scene, nominal):
         small = "K T^2/m and B T/m small, in a hand"
         linear = of(lambda w: (w.b + w.hand + w.B) / (w.T / 2 + w.late))
-        found.append(Line("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", small, linear))
+        found.append(StiffnessBound("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", small, linear))
         if at.T and not at.late:
             bound = of(lambda w: 2 * (w.b - abs(w.B)) / w.T)
             found.append(
-                Line(
+                StiffnessBound(
                     "Colgate and Schenkel",
                     "K < 2 (b - |B|)/T",
                     "any passive operator, no delay",
@@ -134,7 +136,9 @@ def lines(scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None) ->
         )
         where = ((DAMPING, 0.0),) if DAMPING in nominal else ()
         found.append(
-            Line("Abbott and Okamura", "K < 2 f_c/Delta", words, of(lambda _: step), where)
+            StiffnessBound(
+                "Abbott and Okamura", "K < 2 f_c/Delta", words, of(lambda _: step), where
+            )
         )
     return tuple(found)
 

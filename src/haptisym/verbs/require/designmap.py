@@ -43,7 +43,14 @@ from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import THRESHOLD, Knob, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.model.valueranges import domain
-from haptisym.verbs.require.classical import DAMPING, STIFFNESS, Encoder, Line, lines, need_encoder
+from haptisym.verbs.require.classical import (
+    DAMPING,
+    STIFFNESS,
+    Encoder,
+    StiffnessBound,
+    lines,
+    need_encoder,
+)
 from haptisym.verbs.require.freeparameter import (
     asked_of,
     conditions,
@@ -777,7 +784,7 @@ class DesignMap(Answer):
         } | {(x, Kind.TOUCH): touch_polynomial(own) for x, own in found.items()}
 
     @cached_property
-    def lines(self) -> tuple[Line, ...]:
+    def lines(self) -> tuple[StiffnessBound, ...]:
         """The classical bounds on a stiffness for which the scene has what they need, where
         stability is asked."""
         return lines(self.scene, self.free, self.encoder) if STABLE in self.that else ()

@@ -33,11 +33,11 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError, UndecidedError
 from haptisym.kernel.reals import expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega
-from haptisym.kernel.where import Array, Batches, Cells, Curve, Search, halves, joined, search
+from haptisym.kernel.where import Array, Batches, Cells, LineBound, Search, halves, joined, search
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene
-from haptisym.programs.taylormodels import Model, between, floated, valued, variable
-from haptisym.verbs.require.freeparameter import ExactSign, Told, ladder
+from haptisym.programs.taylormodels import TaylorModel, between, floated, valued, variable
+from haptisym.verbs.require.freeparameter import ExactSign, JudgedValues, ladder
 
 _FIRST_PIECES, _SHORT_PIECES = (
     tuple(n / 16 for n in range(17)),
@@ -87,9 +87,9 @@ class FloatCells:
     free: Knob
     criteria: Sequence[Criterion]
     scale: float
-    is_broken: Callable[[Told], bool] = lambda _: False
+    is_broken: Callable[[JudgedValues], bool] = lambda _: False
 
-    def told(self, low: float, high: float) -> list[Told]:
+    def told(self, low: float, high: float) -> list[JudgedValues]:
         """What is known of the values from one to another, in order."""
         least = (
             0.0 if low * high > 0 else self.scale * _COARSE
@@ -134,7 +134,7 @@ class FloatCells:
     def _judges(self) -> list[_Judge]:
         return [_Judge(*x) for x in self._excesses or ()]
 
-    def _finer(self, runs: Sequence[Told]) -> list[Told]:
+    def _finer(self, runs: Sequence[JudgedValues]) -> list[JudgedValues]:
         """The same with what is open cut more finely, where it is not shown to hold one end; the
         likely ends first."""
         places = [i for i, x in enumerate(runs) if x.open is not None]
@@ -166,7 +166,7 @@ class FloatCells:
                 found[i] = [turned]
         return _merged(x for own in found.values() for x in own)
 
-    def _turned(self, runs: Sequence[Told], i: int) -> Told:
+    def _turned(self, runs: Sequence[JudgedValues], i: int) -> JudgedValues:
         """What is open with whether it holds one end for certain."""
         own = runs[i]
         if own.open is None or not _is_between(runs, i):
@@ -252,7 +252,7 @@ def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Arr
         return np.nan_to_num((low + high) / 2, nan=0.0, posinf=0.0, neginf=0.0)
 
 
-def _is_between(runs: Sequence[Told], i: int) -> bool:
+def _is_between(runs: Sequence[JudgedValues], i: int) -> bool:
     """Whether the values below keep the conditions and those above do not, or the other way
     round."""
     return 0 < i < len(runs) - 1 and {runs[i - 1].kept, runs[i + 1].kept} == {True, False}
@@ -265,25 +265,27 @@ def _wider(share: float, least: float) -> Callable[[Array], Array]:
     )
 
 
-def _runs(*parts: Cells) -> list[Told]:
+def _runs(*parts: Cells) -> list[JudgedValues]:
     """Cells that are kept, broken and left as they follow each other, those of which the same is
     known as one."""
     listed = sorted(
         (*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x))
     )
-    found = list[Told]()
+    found = list[JudgedValues]()
     for n, group in groupby(listed, key=lambda row: row[2]):
         rows = [*group]
         cells = parts[n][[row[3] for row in rows]] if n == 2 else None
         found.append(
-            Told(Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells)
+            JudgedValues(
+                Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells
+            )
         )
     return found
 
 
-def _merged(told: Iterable[Told]) -> list[Told]:
+def _merged(told: Iterable[JudgedValues]) -> list[JudgedValues]:
     """Neighbours of which the same is known as one."""
-    found = list[Told]()
+    found = list[JudgedValues]()
     for x in told:
         if found and x.kept is not None and found[-1].kept is x.kept:
             found[-1] = replace(found[-1], high=x.high)
@@ -309,7 +311,7 @@ class _Judge:
     larger: Callable[[], Excess] | None
     looked: int = 0
 
-    def __call__(self, cells: Array) -> Curve:
+    def __call__(self, cells: Array) -> LineBound:
         self.looked += len(cells)
         found = self.excess.curve(cells)
         if self.larger and self.looked > _HARD:
@@ -320,7 +322,7 @@ class _Judge:
 
 
 Span: TypeAlias = tuple[float, float]
-Parts: TypeAlias = dict[Expr, list[Model | None]]
+Parts: TypeAlias = dict[Expr, list[TaylorModel | None]]
 """By powers of omega real and imaginary part; None for 0."""
 _BITS = 160
 _ROUNDING = 1e-14
@@ -328,7 +330,7 @@ _QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 
 @dataclass(frozen=True)
-class Term:
+class LagTerm:
     """number(q) s^power exp(-s lag(q))."""
 
     power: Expr
@@ -347,7 +349,7 @@ class Term:
             return float(half.cos_pi()), float(half.sin_pi())
 
 
-def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
+def terms_in(ring: Ring, polynomial: Polynomial) -> list[LagTerm]:
     """A polynomial as terms, of each power and delay one."""
     found: dict[tuple[Expr, Expr], Expr] = {}
     first, last = ring.size, ring.size + len(ring.lags)
@@ -360,7 +362,7 @@ def terms_in(ring: Ring, polynomial: Polynomial) -> list[Term]:
         more = sum((n * x for n, x in zip(own[last:], ring.orders, strict=False)), Integer(0))
         place = own[0] + more, lag
         found[place] = found.get(place, Integer(0)) + number
-    return [Term(*place, number) for place, number in found.items()]
+    return [LagTerm(*place, number) for place, number in found.items()]
 
 
 Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
@@ -368,7 +370,7 @@ Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
 known."""
 
 
-def beginnings(row: Sequence[Term]) -> Iterator[Turned]:
+def beginnings(row: Sequence[LagTerm]) -> Iterator[Turned]:
     """Of each term what is left with delays as 1 - s lag."""
     for x in row:
         yield x.power, x.power, x.number
@@ -376,7 +378,7 @@ def beginnings(row: Sequence[Term]) -> Iterator[Turned]:
             yield x.power + 1, x.power - 1, x.number * x.lag
 
 
-def endings(row: Sequence[Term]) -> Iterator[Turned]:
+def endings(row: Sequence[LagTerm]) -> Iterator[Turned]:
     """The terms, of which those that come late turn on and on."""
     for x in row:
         yield x.power, x.power, x.number if x.lag == 0 else None
@@ -394,7 +396,7 @@ def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr,
     return {p: form for p, x in found.items() if (form := x.expand()) != 0}, unknown
 
 
-def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
+def add_to(found: Parts, power: Expr, model: TaylorModel, C: float, S: float) -> None:
     """Add a model times C to the real part of what stands at a power of omega, and times S to the
     imaginary part."""
     pair = found.setdefault(power, [None, None])
@@ -404,11 +406,11 @@ def add_to(found: Parts, power: Expr, model: Model, C: float, S: float) -> None:
             pair[i] = more if known is None else known + more
 
 
-def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
+def imaginary(above: Parts, below: Parts) -> dict[Expr, TaylorModel]:
     """Of above times the conjugate of below."""
-    found: dict[Expr, Model] = {}
+    found: dict[Expr, TaylorModel] = {}
 
-    def add(power: Expr, x: Model | None, y: Model | None, sign: float) -> None:
+    def add(power: Expr, x: TaylorModel | None, y: TaylorModel | None, sign: float) -> None:
         if x is not None and y is not None:
             more = (x * y).times(sign)
             found[power] = found[power] + more if power in found else more
@@ -420,13 +422,13 @@ def imaginary(above: Parts, below: Parts) -> dict[Expr, Model]:
     return found
 
 
-class Powers:
+class ModelPowers:
     """x^p of a model, p >= 0, whole powers each made once: 1, x, x^2, ..."""
 
-    def __init__(self, x: Model) -> None:
+    def __init__(self, x: TaylorModel) -> None:
         self.x, self._known = x, [x.number(1.0)]
 
-    def __call__(self, p: Expr) -> Model:
+    def __call__(self, p: Expr) -> TaylorModel:
         if not isinstance(p, Integer):
             return self.x.to_the(self.x.number(floated(p)))
         while len(self._known) <= int(p):
@@ -434,14 +436,14 @@ class Powers:
         return self._known[int(p)]
 
 
-def bent_sinc(angle: Model) -> Model:
+def bent_sinc(angle: TaylorModel) -> TaylorModel:
     """(sinc x - 1)/x^2, which lies between -1/6 and -1/6 + x^2/120."""
     most = np.abs(np.stack(angle.bounds()))[:, :, 0].max(0)
     low = np.full(len(most), -1 / 6 * (1 + 1e-12))
     return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), angle)
 
 
-def variables(cells: Array) -> tuple[Model, Model]:
+def variables(cells: Array) -> tuple[TaylorModel, TaylorModel]:
     """Frequency and parameter, over cells of their values."""
     found = []
     for i in (0, 1):
@@ -498,7 +500,7 @@ class _Points:
         return _Points(c0, c0 * (self.r / self.c0 + _ROUNDING))
 
 
-def ends_of(model: Model) -> tuple[float, float]:
+def ends_of(model: TaylorModel) -> tuple[float, float]:
     """The least and the largest that a model is in any of its cells."""
     low, high = model.bounds()
     return float(low.min()), float(high.max())
@@ -515,15 +517,15 @@ def span(low: Rational, high: Rational) -> Span:
 class _Late:
     """A delay over cells, and what it makes of a frequency."""
 
-    def __init__(self, omega: Model, lag: Model) -> None:
+    def __init__(self, omega: TaylorModel, lag: TaylorModel) -> None:
         self.lag, self.angle = lag, omega * lag
 
     @cached_property
-    def cosine(self) -> Model:
+    def cosine(self) -> TaylorModel:
         return self.angle.cosine_and_sine()[0]
 
     @cached_property
-    def sinc(self) -> Model:
+    def sinc(self) -> TaylorModel:
         return self.angle.sinc()
 
 
@@ -535,7 +537,7 @@ _FIRST = 48
 class Energy:
     """Im(N conj D) of a dynamics with one symbol."""
 
-    def __init__(self, rows: Sequence[Sequence[Term]], symbol: Symbol) -> None:
+    def __init__(self, rows: Sequence[Sequence[LagTerm]], symbol: Symbol) -> None:
         self._rows, self.symbol = rows, symbol
 
     @classmethod
@@ -642,7 +644,7 @@ class Energy:
                 for x in forms
             )
             rows.append(
-                [Term(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)]
+                [LagTerm(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)]
             )
         return Energy(rows, self.symbol)
 
@@ -719,24 +721,28 @@ class Energy:
         low, high = (x[:, 0] for x in self._function(*variables(cells)).bounds())
         return low, high
 
-    def _function(self, omega: Model, q: Model) -> Model:
+    def _function(self, omega: TaylorModel, q: TaylorModel) -> TaylorModel:
         """G over cells."""
         with np.errstate(all="ignore"):
             found = self._coefficients(omega, q)
-            total, powers = omega.number(0.0), Powers(omega)
+            total, powers = omega.number(0.0), ModelPowers(omega)
             for p, model in found.items():
                 total = total + model * powers(p - self._lowest)
             return total
 
-    def _coefficients(self, omega: Model, q: Model, *, expanded: bool = False) -> dict[Expr, Model]:
+    def _coefficients(
+        self, omega: TaylorModel, q: TaylorModel, *, expanded: bool = False
+    ) -> dict[Expr, TaylorModel]:
         """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the
         rest."""
         with np.errstate(all="ignore"):
             above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
             return imaginary(above, below)
 
-    def _parts(self, row: Sequence[Term], omega: Model, q: Model, *, expanded: bool) -> Parts:
-        found, powers, late_by = Parts(), Powers(q), dict[Expr, _Late]()
+    def _parts(
+        self, row: Sequence[LagTerm], omega: TaylorModel, q: TaylorModel, *, expanded: bool
+    ) -> Parts:
+        found, powers, late_by = Parts(), ModelPowers(q), dict[Expr, _Late]()
         for x in row:
             C, S = x.turned
             number = self._valued(x.number, powers)
@@ -758,7 +764,7 @@ class Energy:
             add_to(found, x.power + 3, late * own.lag * own.lag * bent_sinc(own.angle), S, -C)
         return found
 
-    def _valued(self, form: Expr, powers: Powers) -> Model:
+    def _valued(self, form: Expr, powers: ModelPowers) -> TaylorModel:
         """A number or a delay over cells of the parameter, of which the powers are known."""
         if form not in self._rows_of:
             is_one = form.is_polynomial(self.symbol)
@@ -778,7 +784,7 @@ class Energy:
         they are no polynomials."""
         return {}
 
-    def _reach(self, q: Span, place: tuple[Model, Model] | None = None) -> float | None:
+    def _reach(self, q: Span, place: tuple[TaylorModel, TaylorModel] | None = None) -> float | None:
         """From where on Im H > 0 for all values of a range; None where that is not shown. ``place``
         : frequency and value."""
         omega, value = place or variables(np.array([[[0.0, 0.0], q]]))
@@ -788,7 +794,7 @@ class Energy:
             sizes: dict[Expr, float] = {}
             for x in row:
                 if x.lag != 0:
-                    most = max(map(abs, ends_of(self._valued(x.number, Powers(value)))))
+                    most = max(map(abs, ends_of(self._valued(x.number, ModelPowers(value)))))
                     sizes[x.power] = sizes.get(x.power, 0.0) + most
             others.append(sizes)
         known = imaginary(*sure)

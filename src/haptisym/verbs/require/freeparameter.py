@@ -62,7 +62,7 @@ def asked_of(
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
+class JudgedValues:
     """Values between two: ``kept`` with all conditions on all of the band, or not; None where that
     is not told.
 

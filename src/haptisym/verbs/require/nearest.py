@@ -45,7 +45,7 @@ _SIMPLER = (0.1, 0.01, 1e-3, 1e-5)
 
 
 @dataclass(frozen=True)
-class Question:
+class ParameterQuestion:
     """What was asked about one parameter, which no value does; criteria that are about ratios, held
     against numbers."""
 
@@ -177,7 +177,7 @@ class Nearest:
     at_least: float = 1.0
 
 
-def nearest(r: Question) -> Nearest | None:
+def nearest(r: ParameterQuestion) -> Nearest | None:
     """The value that comes nearest where none will do, found in five seconds; None where none
     shows."""
     plain = all(
@@ -200,7 +200,7 @@ def nearest(r: Question) -> Nearest | None:
     return best
 
 
-def _tried(r: Question) -> Iterator[Expr]:
+def _tried(r: ParameterQuestion) -> Iterator[Expr]:
     """Values that may come nearest: as floats tell, and the scene's own."""
     yield from r.best()
     low, high, own = r.domain.low, r.domain.high, r.free.value
@@ -208,7 +208,7 @@ def _tried(r: Question) -> Iterator[Expr]:
         yield own
 
 
-def _bounded(r: Question, best: Nearest) -> float | Expr | None:
+def _bounded(r: ParameterQuestion, best: Nearest) -> float | Expr | None:
     """By how much every value fails at least, or a value that comes nearer than the best; None
     where neither shows."""
     for power in _CLOSE:
@@ -230,7 +230,7 @@ def _simple(x: float) -> Rational:
     return Rational(near.numerator, near.denominator)
 
 
-def _at(r: Question, value: Expr) -> Nearest | None:
+def _at(r: ParameterQuestion, value: Expr) -> Nearest | None:
     """How far a value is from doing; None where the scene does not exist at it, or a ratio has no
     bound."""
     try:

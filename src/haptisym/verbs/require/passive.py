@@ -37,8 +37,8 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.sets import (
     STOPPED,
     Cell,
-    Change,
-    Changes,
+    CriticalValue,
+    CriticalValues,
     Domain,
     Open,
     Question,
@@ -138,7 +138,7 @@ class _Display:
     def _is_polynomial(self, form: Expr) -> bool:
         return bool(form.is_polynomial(self.free.symbol))
 
-    def changes(self) -> Iterator[Change]:
+    def changes(self) -> Iterator[CriticalValue]:
         """The zeros of these, of H_perc(0), and of the highest power of the numerator."""
         rest = self._at_rest
         forms = [(x.form, Kind.START if x is rest else Kind.FAR) for x in self._signs]
@@ -149,7 +149,7 @@ class _Display:
             if form.has(self.free.symbol) and self._is_polynomial(form):
                 omega = ExactNumber(Integer(0)) if kind is Kind.START else None
                 for value in zeros_of(form, self.free.symbol):
-                    yield Change(value, (Binding(PASSIVE, omega, kind),))
+                    yield CriticalValue(value, (Binding(PASSIVE, omega, kind),))
 
     # Cells of values between two of these zeros
 
@@ -282,8 +282,8 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     perceived = Distortion.of(
         scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
     ).perc
-    turns = list[Change]()
-    lone: Callable[[Change], bool | None] | None = None
+    turns = list[CriticalValue]()
+    lone: Callable[[CriticalValue], bool | None] | None = None
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
         if condition.axis.functions:
@@ -292,7 +292,7 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
             return _by_cells(scene, free, asked)
         turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
 
-        def lone(x: Change) -> bool | None:
+        def lone(x: CriticalValue) -> bool | None:
             if _is_denied_by_poles(perceived, free, x.value):
                 return False
             return _alone_by_signs(scene, condition, free, x)
@@ -307,11 +307,11 @@ def _between(
     scene: Scene,
     free: Knob,
     asked: Domain,
-    turns: Iterable[Change],
+    turns: Iterable[CriticalValue],
     verdict: Callable[[Rational], bool | None],
-    at: Callable[[Change], bool | None] | None = None,
+    at: Callable[[CriticalValue], bool | None] | None = None,
     cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None,
-    lone: Callable[[Change], bool | None] | None = None,
+    lone: Callable[[CriticalValue], bool | None] | None = None,
 ) -> ValueSet:
     """The values with a verdict that changes at some alone; none at which there is no scene.
 
@@ -325,14 +325,16 @@ def _between(
     def exact(value: Rational) -> bool | None:
         return False if value in nowhere else verdict(value)
 
-    def bound(x: Change) -> Change:
+    def bound(x: CriticalValue) -> CriticalValue:
         """Nothing binds where there is no scene."""
         return (
-            Change(x.value) if isinstance(x.value, ExactNumber) and x.value.value in nowhere else x
+            CriticalValue(x.value)
+            if isinstance(x.value, ExactNumber) and x.value.value in nowhere
+            else x
         )
 
-    critical_values = [*map(bound, turns), *map(Change, gone)]
-    changes = Changes(critical_values, [Open(None, None, _LEFT)] if cells else [])
+    critical_values = [*map(bound, turns), *map(CriticalValue, gone)]
+    changes = CriticalValues(critical_values, [Open(None, None, _LEFT)] if cells else [])
     question = Question(exact, free.value, lambda: [changes], at=at, cells=cells, lone=lone)
     return solve(question, asked).without(gone)
 
@@ -375,7 +377,9 @@ def _is_denied_by_poles(function: RationalFunction, free: Knob, value: RealNumbe
     return False
 
 
-def _alone_by_signs(scene: Scene, condition: RealFunction, free: Knob, x: Change) -> bool | None:
+def _alone_by_signs(
+    scene: Scene, condition: RealFunction, free: Knob, x: CriticalValue
+) -> bool | None:
     """Whether a display is passive at a value between others at which it is not: no where Im H_perc
     < 0 shows; else not known.
 
@@ -405,7 +409,7 @@ _OCTAVES, _NEXT = 40, 40
 to another one."""
 
 
-def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:
+def _of_signs(condition: RealFunction, free: Knob) -> Iterator[CriticalValue]:
     """Where Im H_perc begins or ceases to be negative somewhere on (0, infinity)."""
     if free.symbol not in condition.axis.meanings:
         return
@@ -420,7 +424,7 @@ def _of_signs(condition: RealFunction, free: Knob) -> Iterator[Change]:
         omega = None
         for factor, _ in polynomial.factor()[1]:
             for value in real_roots(factor, index, negative=True):
-                yield Change(value, (Binding(PASSIVE, omega, kind),))
+                yield CriticalValue(value, (Binding(PASSIVE, omega, kind),))
 
 
 def _end(polynomial: Polynomial, power: int) -> Polynomial:
@@ -433,7 +437,7 @@ def _leading(polynomial: Polynomial) -> Polynomial:
     return _end(polynomial, int(polynomial.degrees()[0]))
 
 
-def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Change]:
+def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[CriticalValue]:
     """Where poles of a function cross the axis, or poles or zeros come from infinity or to 0."""
     ring = function.ring
     assert isinstance(ring, Ring)
@@ -454,7 +458,7 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[Change]:
     for kind, polynomial in found:
         for factor, _ in polynomial.factor()[1] if polynomial else ():
             for value in real_roots(factor, index, negative=True):
-                yield Change(value, (Binding(PASSIVE, None, kind),))
+                yield CriticalValue(value, (Binding(PASSIVE, None, kind),))
 
 
 _PIECES, _MOST_PIECES = 16, 2000
@@ -478,17 +482,20 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     at_rest = loop.at_rest(ring)[1]
     if at_rest.has(free.symbol):
         turns += [
-            Change(x, (Binding(PASSIVE, None, Kind.START),)) for x in zeros_of(at_rest, free.symbol)
+            CriticalValue(x, (Binding(PASSIVE, None, Kind.START),))
+            for x in zeros_of(at_rest, free.symbol)
         ]
     for held in (loop.mass, loop.stiffness, loop.damping):  # of a device they may be negative
         turns += (
-            [Change(x, ()) for x in zeros_of(held, free.symbol)] if held.has(free.symbol) else []
+            [CriticalValue(x, ()) for x in zeros_of(held, free.symbol)]
+            if held.has(free.symbol)
+            else []
         )
 
     def verdict(value: Rational) -> bool | None:
         return sampled_verdict(free.put(scene, value))
 
-    def spared_at(x: Change) -> bool:
+    def spared_at(x: CriticalValue) -> bool:
         return _is_positive(margins, free, x.value)
 
     return _between(scene, free, asked, turns, verdict, at=spared_at)
@@ -504,7 +511,7 @@ def sampled_verdict(scene: Scene) -> bool | None:
     return found.passive
 
 
-def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[Change]:
+def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[CriticalValue]:
     """Where the damping that is left over becomes 0 at some angle, or begins to have a pole
     there."""
     for margin, start in zip(margins, (Kind.START, Kind.FAR), strict=True):
@@ -515,7 +522,7 @@ def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[Change]
             kind = start if reason and reason[1] is Kind.START else Kind.TOUCH
             for factor, _ in polynomial.factor()[1] if polynomial else ():
                 for value in real_roots(factor, index, negative=True):
-                    yield Change(value, (Binding(PASSIVE, None, kind),))
+                    yield CriticalValue(value, (Binding(PASSIVE, None, kind),))
 
 
 def _is_positive(margins: Sequence[RealFunction], free: Knob, value: RealNumber) -> bool:

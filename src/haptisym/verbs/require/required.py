@@ -28,7 +28,7 @@ from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver, whole
 from haptisym.kernel.rings import Polynomial, c, monomials, omega
-from haptisym.kernel.sets import STOPPED, Domain, Piece, Point, ValueSet, combined
+from haptisym.kernel.sets import STOPPED, Domain, Piece, SingleValue, ValueSet, combined
 from haptisym.kernel.solutions import Solution
 from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.model.catalogue import Hand
@@ -264,7 +264,7 @@ class Requirement(Answer):
         return not self.undecided
 
     @property
-    def ends(self) -> tuple[Point, ...]:
+    def ends(self) -> tuple[SingleValue, ...]:
         """The ends at which a condition binds, in order."""
         return self.values.ends
 
@@ -274,9 +274,9 @@ class Requirement(Answer):
         all."""
         if self.feasible or self.undecided or not has_arrays():  # without NumPy nobody guesses
             return None
-        from haptisym.verbs.require.nearest import Question, nearest
+        from haptisym.verbs.require.nearest import ParameterQuestion, nearest
 
-        return nearest(Question(self.scene, self.free, self.domain, self.criteria))
+        return nearest(ParameterQuestion(self.scene, self.free, self.domain, self.criteria))
 
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
@@ -295,7 +295,7 @@ class Requirement(Answer):
         found = solve_all(self.scene, self.free, self.domain, criteria)
         return replace(self, values=found, criteria=criteria, that=())
 
-    def form(self, end: Point) -> Expr | None:
+    def form(self, end: SingleValue) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None
         where none is readable."""
         if isinstance(end.value, Sliver) or float(end.value) <= 0:
@@ -407,7 +407,7 @@ class Requirement(Answer):
             x for x in (self._inequality(span, forms) for span in self.feasible) if x
         )
 
-    def _inequality(self, piece: Piece, forms: dict[Point, Expr | None]) -> str:
+    def _inequality(self, piece: Piece, forms: dict[SingleValue, Expr | None]) -> str:
         name = self.free.symbol.name
         if piece.is_single and piece.first in forms:
             return f"{name} = {forms[piece.first]}"

@@ -60,8 +60,8 @@ from haptisym.kernel.sets import (
     Bisected,
     Cell,
     Domain,
-    Point,
     Question,
+    SingleValue,
     Stretch,
     ValueSet,
     combined,
@@ -75,7 +75,7 @@ from haptisym.model.valueranges import searched
 from haptisym.verbs.require.ballcells import BallCells
 from haptisym.verbs.require.freeparameter import (
     Conditions,
-    Told,
+    JudgedValues,
     allowed,
     conditions,
     each,
@@ -220,7 +220,7 @@ class Ends:
     range: tuple[Fraction, Fraction]
 
     @cached_property
-    def told(self) -> list[Told]:
+    def told(self) -> list[JudgedValues]:
         """What is known of all values of a range, in order."""
         return _told(self.kept, self.found, *self.range)
 
@@ -231,12 +231,12 @@ class Ends:
         pairs = zip(self.told, pairwise([low, *inner, high]), strict=True)
         return [Cell(a, b, x.kept, "" if x.kept is not None else _UNSETTLED) for x, (a, b) in pairs]
 
-    def end(self, low: RealNumber, _: RealNumber, low_holds: bool) -> Point | None:  # noqa: FBT001
+    def end(self, low: RealNumber, _: RealNumber, low_holds: bool) -> SingleValue | None:  # noqa: FBT001
         """The one end in what is open between two values; known by its enclosure alone where there
         may be several."""
         [told] = (x for x in self.told[1:] if not ordered(low, ExactNumber(_rational(x.low))))
         if told.slant is None:
-            return Point(Sliver(told.low, told.high)) if told.is_narrow else None
+            return SingleValue(Sliver(told.low, told.high)) if told.is_narrow else None
         end = Bisected(self.kept, told.low, told.high, low_holds, self.kept.excess)
         places, width = self._places(end)
         if (exact := self._exact(end, places)) is not None:
@@ -248,7 +248,7 @@ class Ends:
             else ExactNumber(band[x.kind is Kind.EDGE])
             for x in places
         ]
-        return Point(end, None, _listed([*zip(places, omegas, strict=True)]))
+        return SingleValue(end, None, _listed([*zip(places, omegas, strict=True)]))
 
     def _places(self, end: Bisected) -> tuple[list[Place], Fraction]:
         """Where what binds is broken just beyond an end, and how near: nearer where there are
@@ -261,7 +261,7 @@ class Ends:
                 break
         return places, width
 
-    def _exact(self, end: Bisected, places: Sequence[Place]) -> Point | None:
+    def _exact(self, end: Bisected, places: Sequence[Place]) -> SingleValue | None:
         """The end where it is rational, or rational in pi, if it shows to be that: there a
         criterion holds with equality."""
         low, high = (ExactNumber(_rational(x)) for x in end.between(_CLOSE))
@@ -284,7 +284,7 @@ class Ends:
                 if own == place.criterion and place.holds(omega)
             ]
             if own:
-                return Point(x, None, _listed(own))
+                return SingleValue(x, None, _listed(own))
         return None
 
 
@@ -349,11 +349,11 @@ class ThresholdProblem:
         if found is None:
             return none
         value = SquareRoot(Largest(tuple(x.value for _, x in found)))
-        bottom = Point(value, holds=True, bindings=_bindings(found))
+        bottom = SingleValue(value, holds=True, bindings=_bindings(found))
         if high is not None and self._touches(high):
             last = replace(bottom, holds=self.domain.holds_high)
             return ValueSet(
-                (Point(ExactNumber(low), holds=False), last),
+                (SingleValue(ExactNumber(low), holds=False), last),
                 (None, Stretch(holds=False), None),
                 self.domain,
             )
@@ -423,7 +423,7 @@ class SignsAlone:
         """All values of the domain with which none of them is broken, single ones among them."""
         low, high = asked.ends
         inside = [x for x in self._turns if _between(low, x, high)]
-        points = [Point(x, self._kept(x), self._bindings(x)) for x in inside]
+        points = [SingleValue(x, self._kept(x), self._bindings(x)) for x in inside]
         gaps = pairwise([low, *inside, high])
         cells: list[Stretch | None] = [
             Stretch(self._kept(ExactNumber(rational_between(a, b)))) for a, b in gaps
@@ -434,10 +434,12 @@ class SignsAlone:
             points, cells = [*points, self._end(high, asked, exists)], [*cells, None]
         return ValueSet(tuple(points), tuple(cells), asked)
 
-    def _end(self, x: RealNumber, asked: Domain, exists: Callable[[Expr], bool]) -> Point:
+    def _end(self, x: RealNumber, asked: Domain, exists: Callable[[Expr], bool]) -> SingleValue:
         """An end of what is asked about."""
         assert isinstance(x, ExactNumber)
-        return Point(x, asked.holds(x) and exists(x.value) and self._kept(x), self._bindings(x))
+        return SingleValue(
+            x, asked.holds(x) and exists(x.value) and self._kept(x), self._bindings(x)
+        )
 
     @cached_property
     def _index(self) -> int:
@@ -579,7 +581,7 @@ def _by_cells(
     return solve_question(Question(ends.kept, own, cells=ends.cells, end=ends.end), asked, bounds)
 
 
-def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[Told]:
+def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[JudgedValues]:
     """What is known of all values between two: by floats, or by balls where there is no NumPy."""
     if has_arrays():
         from haptisym.verbs.require.floatcells import FloatCells  # which not every question needs
@@ -592,7 +594,7 @@ def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[
     return balls.told(low, high)
 
 
-def _is_broken(kept: Kept, found: Conditions, told: Told) -> bool:
+def _is_broken(kept: Kept, found: Conditions, told: JudgedValues) -> bool:
     """Whether balls show at a frequency that a condition is broken for all values between two."""
     with suppress(SceneError, UndecidedError), flint.ctx.workprec(_BITS):
         places = [x.ball(_BITS).mid() for x in kept.broken(_rational(told.high))]

@@ -23,7 +23,7 @@ from flint import arb
 from sympy import Expr, Integer, Symbol, pi
 
 from haptisym.judge.answers import Answer
-from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, Curve
+from haptisym.judge.crossings import Criterion, Crossing, CrossingKind, PerceptFunction
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.dynamics import RealFunction
@@ -31,7 +31,7 @@ from haptisym.kernel.errors import LimitError
 from haptisym.kernel.objects import Shown, counted, titled
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, at_rising_precision
 from haptisym.kernel.rings import c, omega
-from haptisym.kernel.roots import Lattice, Piece, Point, Signed, chart
+from haptisym.kernel.roots import Lattice, LatticePiece, Point, Signed, chart
 from haptisym.kernel.solutions import Equation, ImplicitSlope
 from haptisym.kernel.zeros import is_clear
 from haptisym.model.jnd import Part
@@ -192,7 +192,7 @@ class VariedParameter:
         """Whether no smaller value makes a scene."""
         return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
-    def factors(self, of: Criterion | Piece | str) -> Factors:
+    def factors(self, of: Criterion | LatticePiece | str) -> Factors:
         """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and
         below the line."""
         if of not in self._known:
@@ -200,7 +200,7 @@ class VariedParameter:
         return self._known[of]
 
     @cached_property
-    def _known(self) -> dict[Criterion | Piece | str, Factors]:
+    def _known(self) -> dict[Criterion | LatticePiece | str, Factors]:
         return {}
 
 
@@ -247,7 +247,7 @@ def at(
     return _one_sided(p, slope, where)
 
 
-def _in_time(p: VariedParameter, of: Criterion | Piece | str, *where: Any) -> Sensitivity:
+def _in_time(p: VariedParameter, of: Criterion | LatticePiece | str, *where: Any) -> Sensitivity:
     """The sensitivity of a frequency; undecided where the time is over before it is found."""
     try:
         return at(p, p.factors(of), *where)
@@ -330,7 +330,7 @@ class Sensitivities(Answer):
     def changeovers_environment(self) -> tuple[Sensitive, ...]:
         """Where Re H_env changes its sign."""
         return tuple(
-            self._changeover("env", Curve.ENVIRONMENT, x)
+            self._changeover("env", PerceptFunction.ENVIRONMENT, x)
             for x in self.evaluation.changeovers_environment
         )
 
@@ -338,7 +338,7 @@ class Sensitivities(Answer):
     def changeovers_perceived(self) -> tuple[Sensitive, ...]:
         """Where Re H_perc changes its sign."""
         return tuple(
-            self._changeover("perc", Curve.PERCEIVED, x)
+            self._changeover("perc", PerceptFunction.PERCEIVED, x)
             for x in self.evaluation.changeovers_perceived
         )
 
@@ -398,7 +398,7 @@ class Sensitivities(Answer):
             x.omega, tuple(self._in_band(row, x.omega) for row in rows), x.criterion, x.kind
         )
 
-    def _deciding(self, x: Crossing) -> Criterion | Piece | None:
+    def _deciding(self, x: Crossing) -> Criterion | LatticePiece | None:
         """What vanishes at a crossing: of a region one of its functions; None where it is not one
         alone."""
         lattice = x.criterion.function(self.evaluation.distortion)
@@ -424,7 +424,7 @@ class Sensitivities(Answer):
     def _known(self) -> dict[Criterion, tuple[Point, ...]]:
         return {}
 
-    def _changeover(self, system: str, curve: Curve, x: Point) -> Sensitive:
+    def _changeover(self, system: str, curve: PerceptFunction, x: Point) -> Sensitive:
         multiplicity = abs(x.orders[curve, Part.REAL])
         rows = (_in_time(p, system, x.omega, {}, "", multiplicity) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))

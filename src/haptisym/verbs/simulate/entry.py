@@ -72,7 +72,7 @@ it."""
 
 
 @dataclass(frozen=True)
-class Estimate:
+class RecoveredResponse:
     """H_perc at one excited frequency, rad/s: recovered from the simulated force, and by its closed
     form. N/m or N m/rad.
 
@@ -211,7 +211,7 @@ class Simulation(_Runs):
     force: Array
     environment_displacement: Array
     environment_force: Array
-    estimates: tuple[Estimate, ...]
+    estimates: tuple[RecoveredResponse, ...]
     built: tuple[str, ...]
     extras: tuple[Extra, ...] = ()
     notes: tuple[str, ...] = ()
@@ -280,7 +280,7 @@ def _smoothing(motion: Motion) -> dict[str, Any]:
     return {"lowpass": {"cutoff": lowpass.cutoff, "order": lowpass.order, "phase": "zero"}}
 
 
-def _estimate_row(x: Estimate) -> dict[str, Any]:
+def _estimate_row(x: RecoveredResponse) -> dict[str, Any]:
     return {
         "omega": x.omega,
         "simulated": {"real": x.simulated.real, "imag": x.simulated.imag},
@@ -873,7 +873,7 @@ def default_amplitude(scene: Scene) -> float:
 # Results
 
 
-def _result(run: Run, estimates: tuple[Estimate, ...]) -> Simulation:
+def _result(run: Run, estimates: tuple[RecoveredResponse, ...]) -> Simulation:
     engine = run.engine
     time = engine.record.instants.ravel()
     columns = [
@@ -921,7 +921,7 @@ def _error(run: Run) -> ForceError:
     return ForceError(*everything, *(off(limits) if limits else everything), share)
 
 
-def _estimates(run: Run, found: Lock, other: Lock) -> tuple[Estimate, ...]:
+def _estimates(run: Run, found: Lock, other: Lock) -> tuple[RecoveredResponse, ...]:
     assert isinstance(run.motion, Sines)
     omegas = np.array(run.motion.omegas)
     values = run.scene.distortion().compile()(omegas)
@@ -936,7 +936,7 @@ def _estimates(run: Run, found: Lock, other: Lock) -> tuple[Estimate, ...]:
         else why_approximate(run.engine, run.scene)
     )
     return tuple(
-        Estimate(float(w), complex(h), complex(c), float(e), why)
+        RecoveredResponse(float(w), complex(h), complex(c), float(e), why)
         for w, h, c, e in zip(omegas, simulated, closed, error, strict=True)
     )
 

@@ -8,7 +8,7 @@ that lasts longest.
 With delays or powers of s Newton's iteration in floating point runs from many starts. Interval
 Newton encloses the roots that it found furthest to the right, and the argument principle proves
 that there are no others: the proof is written out at
-``Characteristic.is_rightmost``.
+``QuasiPolynomial.is_rightmost``.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Rightmost:
     s: complex
     enclosure: Any
     certified: bool
-    function: Characteristic | None = field(default=None, repr=False)
+    function: QuasiPolynomial | None = field(default=None, repr=False)
     others: tuple[complex, ...] = ()
     """All roots that were found, from the right to the left."""
     order: int = 1
@@ -103,7 +103,7 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     """
     ring = dynamics.ring
     assert isinstance(ring, Ring)
-    roots = [x for x in Characteristic.of(dynamics.denominator, ring).roots() if abs(x) > _SLACK]
+    roots = [x for x in QuasiPolynomial.of(dynamics.denominator, ring).roots() if abs(x) > _SLACK]
     if order_at_0(dynamics.denominator, ring) > order_at_0(dynamics.numerator, ring):
         roots.append(0j)
     return max(roots, key=lambda x: x.real, default=None)
@@ -133,7 +133,7 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
             ]
         return Rightmost.of_all([*roots, *[(acb(0), 1)] * is_root]) if roots or is_root else None
     simple = reduce(lambda x, y: x * y, (x for x, _ in factors), ring.constant(1))
-    function, zeros = Characteristic.of(simple, ring), at_least(order_at_0(simple, ring))
+    function, zeros = QuasiPolynomial.of(simple, ring), at_least(order_at_0(simple, ring))
     found = [x for x in function.roots() if not zeros or abs(x) > _SLACK]
     listed = sorted([*found, *[0j] * is_root], key=lambda x: -x.real)
     if not listed:
@@ -221,13 +221,13 @@ def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
 
 
 @dataclass(frozen=True)
-class Characteristic:
+class QuasiPolynomial:
     """A sum of terms, as floats and as balls."""
 
     terms: tuple[Term, ...]
 
     @classmethod
-    def of(cls, polynomial: Polynomial, ring: Ring) -> Characteristic:
+    def of(cls, polynomial: Polynomial, ring: Ring) -> QuasiPolynomial:
         """That of a polynomial of a ring, with numbers only."""
         found: dict[tuple[Rational, Expr], Expr] = {}
         for t in _terms(polynomial, ring):  # several powers of pi may stand before one power of s

@@ -24,16 +24,16 @@ from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
-from haptisym.kernel.sets import Change, Changes, Domain, Open
+from haptisym.kernel.sets import CriticalValue, CriticalValues, Domain, Open
 from haptisym.kernel.where import Array, halves
 from haptisym.programs.onaxis import OnAxis
-from haptisym.programs.taylormodels import Model
+from haptisym.programs.taylormodels import TaylorModel
 from haptisym.verbs.stability.held import need_roots
 from haptisym.verbs.stability.loops import (
     ENDLESS,
     BesideChains,
     Characteristic,
-    Curve,
+    CrossingCurve,
     Loop,
     Meeting,
     Pair,
@@ -58,7 +58,7 @@ _FAR = "where roots meet the imaginary axis: no bound on their frequencies is kn
 _BEYOND = "values further out are not tested"
 
 
-def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[Changes]:
+def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[CriticalValues]:
     """All of them in windows about a value, but for those in what is open.
 
     UndecidedError, for a ``reason``, where they have no bound.
@@ -76,7 +76,7 @@ def searched(loop: Loop, value: Expr, asked: Domain, reason: str) -> Iterator[Ch
             cells = _Cells(form, *strip)
             left += [_open(*strip, _FAR)] if cells.axis.reach is None else _joined(cells.settle())
             found += cells.found
-        yield Changes(tuple(found), (*left, *_outside(ends, asked)))
+        yield CriticalValues(tuple(found), (*left, *_outside(ends, asked)))
         strips = []
         for i, side in enumerate((-1, 1)):
             further = _end(asked, start, side, j)
@@ -231,7 +231,9 @@ class _Cells:
         return None
 
     @staticmethod
-    def _likely(parts: tuple[Model, Model], among: Array) -> Iterator[tuple[int, Array]]:
+    def _likely(
+        parts: tuple[TaylorModel, TaylorModel], among: Array
+    ) -> Iterator[tuple[int, Array]]:
         """Cells in which C is nearly straight, with the place, in halves of one from its middle,
         where C would then be 0."""
         slopes = np.stack([x.c1[:, 0] for x in parts], 1)
@@ -265,14 +267,14 @@ _LOWS = (Rational(15, 16), Rational(1, 2))
 _SETTLED = (Sense.POSITIVE, Sense.NEGATIVE)
 
 
-def meetings(loop: Loop, value: Expr, asked: Domain) -> Iterator[Changes]:
+def meetings(loop: Loop, value: Expr, asked: Domain) -> Iterator[CriticalValues]:
     """Where an open number puts roots on the axis: all, or in windows that grow. UndecidedError
     where that is open.
 
     By one equation in omega as far as that goes; else by a search over both.
     """
     if not loop.moves:
-        yield Changes()
+        yield CriticalValues()
         return
     is_begun = False
     try:
@@ -287,10 +289,10 @@ def meetings(loop: Loop, value: Expr, asked: Domain) -> Iterator[Changes]:
         yield from searched(loop, value, asked, str(error))
 
 
-def _eliminated(loop: Loop, value: Expr) -> Iterator[Changes]:
+def _eliminated(loop: Loop, value: Expr) -> Iterator[CriticalValues]:
     """By one equation in omega."""
     if loop.rests and not loop.ring.lags:  # nor does a root come from infinity, or a chain
-        yield Changes(at_0(loop))
+        yield CriticalValues(at_0(loop))
         return
     found = from_infinity(loop)
     if loop.turns:
@@ -303,15 +305,15 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Changes]:
         clear = [Open(a, b, ENDLESS) for a, b in clear_of_chains(loop, found)]
     found += at_0(loop)
     if loop.rests or (curve := curve_of(loop)) is None:
-        yield Changes(found)
+        yield CriticalValues(found)
         return
     if curve.condition.is_zero:  # one value alone puts roots there, everywhere
         alone = ValueAt(RealFunction(curve.value.reduced()), ExactNumber(Integer(1)))
-        yield Changes((*found, Meeting(alone)))
+        yield CriticalValues((*found, Meeting(alone)))
         return
     settled = asymptotic_sign(curve.condition)
     if settled.sense in _SETTLED:
-        yield Changes((*found, *curve.meetings(_near(settled.radius, loop))))
+        yield CriticalValues((*found, *curve.meetings(_near(settled.radius, loop))))
     elif clear is not None:
         yield from _beside_chains(loop, curve, value, found, clear)
     else:
@@ -319,13 +321,13 @@ def _eliminated(loop: Loop, value: Expr) -> Iterator[Changes]:
 
 
 def _beside_chains(
-    loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting], clear: Sequence[Open]
-) -> Iterator[Changes]:
+    loop: Loop, curve: CrossingCurve, value: Expr, found: Sequence[Meeting], clear: Sequence[Open]
+) -> Iterator[CriticalValues]:
     """In one interval after the other that no chain reaches, the one about a value first."""
     here = ExactNumber(value)
     left = sorted(clear, key=lambda x: not x.covers(here, here))
-    values: Sequence[Change] = found
-    yield Changes(values, left)
+    values: Sequence[CriticalValue] = found
+    yield CriticalValues(values, left)
     beside = BesideChains.of(loop)
     if beside is None or (left and left[0].low is None):
         if left and left[0].covers(here, here):
@@ -333,21 +335,21 @@ def _beside_chains(
         return
     for own in [x for x in left if x.low is not None]:
         assert own.low is not None
-        others, known = [x for x in left if x is not own], Changes()
+        others, known = [x for x in left if x is not own], CriticalValues()
         for known in beside.meetings(curve, own.low, own.high):
-            yield Changes((*values, *known.values), (*others, *known.open))
+            yield CriticalValues((*values, *known.values), (*others, *known.open))
         values, left = (*values, *known.values), [*others, *known.open]
 
 
-def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> Changes:
+def _of_a_delay(loop: Loop, value: Expr, far_out: tuple[Meeting, ...]) -> CriticalValues:
     """Or of an order of s."""
     if _has_chain(loop, value):  # whatever the delay, as long as there is one
-        return Changes((*far_out, Meeting(ExactNumber(Integer(0)))))
+        return CriticalValues((*far_out, Meeting(ExactNumber(Integer(0)))))
     if loop.rests:
-        return Changes((*far_out, *at_0(loop)))
+        return CriticalValues((*far_out, *at_0(loop)))
     found, last = Switches.of(loop).up_to(value)
     left = [] if last is None else [Open(ExactNumber(last), None, _BEYOND)]
-    return Changes((*far_out, *at_0(loop), *found), left)
+    return CriticalValues((*far_out, *at_0(loop), *found), left)
 
 
 def at_0(loop: Loop) -> tuple[Meeting, ...]:
@@ -362,7 +364,9 @@ def _near(radius: Expr, loop: Loop) -> Expr:
     return max(radius, Integer(1))
 
 
-def _windows(loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting]) -> Iterator[Changes]:
+def _windows(
+    loop: Loop, curve: CrossingCurve, value: Expr, found: Sequence[Meeting]
+) -> Iterator[CriticalValues]:
     """Where frequencies never end: as far as values lie in a window, about the value that is asked
     about.
 
@@ -383,7 +387,7 @@ def _windows(loop: Loop, curve: Curve, value: Expr, found: Sequence[Meeting]) ->
             left = [Open(None, ExactNumber(least), ENDLESS)]
             if low is None:
                 left.append(Open(ExactNumber(high), None, ENDLESS))
-            yield Changes((*found, *curve.meetings(reach)), left)
+            yield CriticalValues((*found, *curve.meetings(reach)), left)
     if high is None and low is None:
         raise UndecidedError(ENDLESS)
 

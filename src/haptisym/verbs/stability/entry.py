@@ -24,8 +24,8 @@ from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
 from haptisym.verbs.evaluate.products import NOT_RATIONAL
 from haptisym.verbs.stability.held import (
-    Box,
     EveryPassiveHand,
+    HandsOfBox,
     Held,
     Imposed,
     every_passive_hand,
@@ -84,7 +84,7 @@ class Stability(Answer):
     imposed: Imposed
     held: tuple[Held, ...]
     critical: tuple[Mapping[str, ValueSet], ...]
-    boxes: tuple[Box | None, ...]
+    boxes: tuple[HandsOfBox | None, ...]
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
     digits: int = 15
@@ -139,7 +139,7 @@ class Stability(Answer):
         }
 
     def _held(
-        self, x: Held, sets: Mapping[str, ValueSet], box: Box | None, margin: Margins | None
+        self, x: Held, sets: Mapping[str, ValueSet], box: HandsOfBox | None, margin: Margins | None
     ) -> dict[str, Any]:
         reason = {"reason": x.reason} if x.reason else {}
         chain = {"chain": x.roots.chain.value} if x.roots and x.roots.chain else {}

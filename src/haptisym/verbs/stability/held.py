@@ -353,7 +353,7 @@ class Share(Enum):
 
 
 @dataclass(frozen=True)
-class Box:
+class HandsOfBox:
     """In which hands of the box a display is stable; None where not decided, for the ``reason``.
 
     ``meeting`` : a frequency at which roots lie on the axis for some hand of the box; None if there
@@ -365,7 +365,7 @@ class Box:
     reason: str = ""
 
 
-def whole_box(scene: Scene, hand: Hand) -> Box | None:
+def whole_box(scene: Scene, hand: Hand) -> HandsOfBox | None:
     """In which hands of its box a display is stable; None for a hand without ranges."""
     if not hand.has_ranges:
         return None
@@ -375,15 +375,15 @@ def whole_box(scene: Scene, hand: Hand) -> Box | None:
             return _sampled(scene, hand)
         return _decided(scene.closed.perc, hand)
     except UndecidedError as error:
-        return Box(None, reason=str(error))
+        return HandsOfBox(None, reason=str(error))
 
 
-def _sampled(scene: Scene, hand: Hand) -> Box:
+def _sampled(scene: Scene, hand: Hand) -> HandsOfBox:
     """With a clock: corners counted, and no root on the unit circle anywhere in the box, or both
     kinds among the corners."""
     verdicts = {clocked_roots(scene, x).number == 0 for x in _corners(hand)}
     if len(verdicts) > 1:
-        return Box(Share.SOME)
+        return HandsOfBox(Share.SOME)
     loop = OnCircle.of(scene, hand, {p.symbol: p.interval for p in hand.parameters if p.interval})
     if loop.left():
         raise UndecidedError(
@@ -392,28 +392,28 @@ def _sampled(scene: Scene, hand: Hand) -> Box:
     is_stable = loop.is_stable({p.symbol: p.value for p in hand.parameters if p.interval})
     if is_stable is None:
         raise UndecidedError("whether what does not decay is hidden in some hand of the box")
-    return Box(Share.ALL if is_stable else Share.NONE)
+    return HandsOfBox(Share.ALL if is_stable else Share.NONE)
 
 
-def _decided(perceived: RationalFunction, hand: Hand) -> Box:
+def _decided(perceived: RationalFunction, hand: Hand) -> HandsOfBox:
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
     stable = [x.number == 0 for x in counts]
     try:
         meeting = _meeting(perceived, hand)
     except UndecidedError:
         if any(stable) and not all(stable):  # both kinds are there, wherever they meet
-            return Box(Share.SOME)
+            return HandsOfBox(Share.SOME)
         raise
     if meeting is not None:
         if any(stable):
-            return Box(Share.SOME, meeting)
+            return HandsOfBox(Share.SOME, meeting)
         raise UndecidedError(
             "whether any hand of the box is stable: its corners are not, and the count "
             "changes within"
         )
     if len({(x.number, x.chain) for x in counts}) > 1 and any(stable) == all(stable):
         raise UndecidedError("the count of roots that come from infinity within the box")
-    return Box(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
+    return HandsOfBox(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
 
 
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:

@@ -59,7 +59,7 @@ class Log(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class AngleCurve:
     """One omega for each theta, in a ``box`` of both, where ``turn`` is the angle of -N/Q plus
     omega theta."""
 
@@ -127,7 +127,7 @@ def _off(x: Ball) -> Ball:
     return x - x.mid()
 
 
-def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[Curve]:
+def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[AngleCurve]:
     """All of them for rests between two, as far as a root is on the circle at delays of up to
     ``most``.
 
@@ -140,10 +140,10 @@ def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iter
         for frequencies, delays in waiting:
             box = _ball(*frequencies), _ball(*delays)
             clear, log = log_of(loop, *box)
-            if clear or (log and _is_later(Curve(loop, box, _turn(log, *box)), most)):
+            if clear or (log and _is_later(AngleCurve(loop, box, _turn(log, *box)), most)):
                 continue
             found = _followed(loop, box, log) if log else box
-            if isinstance(found, Curve):
+            if isinstance(found, AngleCurve):
                 yield found
             elif found is not None:
                 width = (delays[1] - delays[0]) / float(end - start)
@@ -172,7 +172,7 @@ def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
     return middle + (log.along.imag + theta) * _off(omega) + (log.later.imag + omega) * _off(theta)
 
 
-def _is_later(curve: Curve, most: Fraction) -> bool:
+def _is_later(curve: AngleCurve, most: Fraction) -> bool:
     """Whether a root is on the circle at longer delays alone: at a low frequency they take long to
     turn it round."""
     if not curve.turn.rad() < 1:
@@ -184,7 +184,7 @@ def _is_later(curve: Curve, most: Fraction) -> bool:
     return bool(lowest < 0 and turn > curve.box[0].upper() * fraction_ball(most))
 
 
-def _followed(loop: Opened, box: Box, log: Log | None) -> Curve | Box | None:
+def _followed(loop: Opened, box: Box, log: Log | None) -> AngleCurve | Box | None:
     """A piece of a curve, narrowed down; None where none is in a box; the box where that is not
     told."""
     omega, theta = box
@@ -196,7 +196,7 @@ def _followed(loop: Opened, box: Box, log: Log | None) -> Curve | Box | None:
         if 4 * omega.rad() > 3 * before.rad():
             turn = _turn(log, before, theta)
             is_narrow = turn.rad() < 1 and _NARROW * omega.rad() < omega.mid()
-            return Curve(loop, (omega, theta), turn) if is_narrow else box
+            return AngleCurve(loop, (omega, theta), turn) if is_narrow else box
         clear, log = log_of(loop, omega, theta)
         if clear:
             return None
@@ -208,7 +208,7 @@ class Turn:
     """Of a curve with so many whole ``samples`` after k turns: Newton's step for omega and the
     delay."""
 
-    curve: Curve
+    curve: AngleCurve
     samples: int
     k: int
 
@@ -289,7 +289,7 @@ class Lateness:
 
     loop: Opened
     own: Rational
-    curves: list[Curve]
+    curves: list[AngleCurve]
     found: list[Passage] = field(default_factory=list)
     senses: list[int] = field(default_factory=list)
     left: list[Span] = field(default_factory=list)
@@ -299,7 +299,7 @@ class Lateness:
     def of(cls, loop: Opened, own: Expr, most: Fraction) -> Lateness | None:
         """None where its curves are not settled."""
         at, period = Fraction(0), Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
-        found = list[Curve]()
+        found = list[AngleCurve]()
         try:
             while at < period:
                 piece, last = loop.piece(at, period)
@@ -327,7 +327,7 @@ class Lateness:
         if not heap:
             self.frontier = None
 
-    def _ahead(self, curve: Curve, n: int, k: int) -> tuple[float, int, int]:
+    def _ahead(self, curve: AngleCurve, n: int, k: int) -> tuple[float, int, int]:
         """The next turn after k, and from which delay on it is."""
         while True:
             k += 1
@@ -335,7 +335,7 @@ class Lateness:
             if delays.upper() > 0:
                 return float(delays.lower()) * (1 - _ROUNDING), n, k
 
-    def _look(self, curve: Curve, k: int) -> None:
+    def _look(self, curve: AngleCurve, k: int) -> None:
         """Put down all that is on a curve after k turns."""
         T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
         first, last = (

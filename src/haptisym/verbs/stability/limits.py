@@ -27,8 +27,8 @@ from haptisym.kernel.roots import ordered
 from haptisym.kernel.sets import (
     STOPPED,
     Cell,
-    Change,
-    Changes,
+    CriticalValue,
+    CriticalValues,
     Domain,
     Open,
     Piece,
@@ -183,8 +183,8 @@ class _Asked:
         loop = self.loop
         tally, one_way = Tally(loop, drifts=self._drifts), Tendency(loop)
 
-        def changes() -> Iterator[Changes]:
-            held_back: Changes | None = None
+        def changes() -> Iterator[CriticalValues]:
+            held_back: CriticalValues | None = None
             try:
                 for n, found in enumerate(meetings(loop, self.free.value, self.asked)):
                     tally.window = held_back = found
@@ -208,7 +208,7 @@ class _Asked:
 
         return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
 
-    def _is_there(self, value: Rational, window: Changes | None) -> bool:
+    def _is_there(self, value: Rational, window: CriticalValues | None) -> bool:
         """Whether the scene is there at a value that may be critical: formulas may divide by 0."""
         places = () if window is None else (x.value for x in window.values)
         critical = {x.value for x in places if isinstance(x, ExactNumber)} | {Integer(0)}
@@ -221,11 +221,13 @@ class _Asked:
             else 0
         )
 
-    def _named(self, found: Changes) -> Changes:
+    def _named(self, found: CriticalValues) -> CriticalValues:
         """With what binds at each value."""
-        return replace(found, values=[Change(x.value, (self._binding(x),)) for x in found.values])
+        return replace(
+            found, values=[CriticalValue(x.value, (self._binding(x),)) for x in found.values]
+        )
 
-    def _binding(self, x: Change) -> Binding:
+    def _binding(self, x: CriticalValue) -> Binding:
         omega = x.omega if isinstance(x, Meeting) else None
         return Binding(self.criterion, omega, Kind.FAR if omega is None else Kind.AXIS)
 
@@ -240,7 +242,7 @@ class Tally:
     """
 
     loop: Loop
-    window: Changes | None = None
+    window: CriticalValues | None = None
     known: dict[Expr, int] = field(default_factory=dict)
     drifts: Callable[[Expr], int | None] = lambda _: 0
 
@@ -289,7 +291,7 @@ def _meets(part: Open, low: RealNumber, high: RealNumber) -> bool:
     return not before and not (part.low is not None and ordered(high, part.low) >= 0)
 
 
-def _is_clear(loop: Loop, x: Change) -> bool:
+def _is_clear(loop: Loop, x: CriticalValue) -> bool:
     """Whether no root lies on the axis at a value after all: as where all but the hand's damping
     vanish at omega = 0."""
     places = [b.omega for b in x.bindings]

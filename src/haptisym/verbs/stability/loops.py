@@ -47,7 +47,7 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
 from haptisym.kernel.rootcount import Roots, Row, late_turns, squares, terms_of
 from haptisym.kernel.roots import ALIKE_BITS, Point, chart, each_once, ordered, sign_of_number
-from haptisym.kernel.sets import Change, Changes, Open
+from haptisym.kernel.sets import CriticalValue, CriticalValues, Open
 from haptisym.model.catalogue import Hand
 from haptisym.model.existence import real_roots
 from haptisym.model.parameters import values
@@ -436,7 +436,7 @@ class _Of(RealNumber):
 
 
 @dataclass(frozen=True)
-class Meeting(Change):
+class Meeting(CriticalValue):
     """A value of the open number with roots on the axis at ``omega``, rad/s; None where they come
     from infinity.
 
@@ -449,7 +449,7 @@ class Meeting(Change):
 
 
 @dataclass(frozen=True)
-class Curve:
+class CrossingCurve:
     """Frequencies where ``condition`` vanishes, and the ``value`` of the open number there:
     functions of omega, over squares.
 
@@ -494,7 +494,7 @@ def minus(f: RationalFunction, number: Expr) -> RationalFunction:
     return f.ring.function(top, f.denominator * shift.denominator)
 
 
-def curve_of(loop: Loop) -> Curve | None:
+def curve_of(loop: Loop) -> CrossingCurve | None:
     """Of values other than delays; None where the open number moves no root."""
     powers = loop.powers
     if len(powers) < 2:
@@ -502,7 +502,7 @@ def curve_of(loop: Loop) -> Curve | None:
     if len(powers) == 2:
         ratio = RationalFunction(loop.ring, powers[0], powers[1]).reduced()
         below = on_axis(ratio)
-        curve = Curve(
+        curve = CrossingCurve(
             below.raw_imag, -below.raw_real, squared_modulus(ratio).function, is_linear=True
         )
     else:
@@ -512,14 +512,14 @@ def curve_of(loop: Loop) -> Curve | None:
     slope = (
         RealFunction(curve.value.reduced()).derivative().function
     )  # on the axis at all of its values: where these turn
-    return Curve(
+    return CrossingCurve(
         slope.ring.function(slope.numerator * slope.denominator, slope.denominator**2),
         curve.value,
         curve.square,
     )
 
 
-def _eliminated(loop: Loop) -> Curve:
+def _eliminated(loop: Loop) -> CrossingCurve:
     axis = loop.ring.axis
     [(real, imag)] = axis.parts([loop.top])
     index = axis.meanings.index(loop.symbol)
@@ -530,7 +530,7 @@ def _eliminated(loop: Loop) -> Curve:
     if resultant.is_zero() or linear is None or not _is_apart(resultant, linear[1], axis):
         raise UndecidedError("where roots meet the imaginary axis")
     c0, c1 = linear
-    return Curve(
+    return CrossingCurve(
         axis.function(resultant), axis.function(-c0 * c1, c1 * c1), axis.function(c0 * c0, c1 * c1)
     )
 
@@ -660,7 +660,9 @@ class BesideChains:
             return None
         return cls(squares(loop.table, late), lag_of(late, loop))
 
-    def meetings(self, curve: Curve, low: RealNumber, high: RealNumber | None) -> Iterator[Changes]:
+    def meetings(
+        self, curve: CrossingCurve, low: RealNumber, high: RealNumber | None
+    ) -> Iterator[CriticalValues]:
         """All between two values, between which no chain is on the right nor at the axis, but for
         gaps, which become smaller."""
         for turning in _RADIANS:
@@ -671,7 +673,7 @@ class BesideChains:
                 list(run) for is_open, run in groupby(pieces, lambda x: x[2] is None) if is_open
             ]
             gaps = [Open(run[0][0], run[-1][1], ENDLESS) for run in runs]
-            yield Changes(curve.meetings(max(known)) if known else (), gaps)
+            yield CriticalValues(curve.meetings(max(known)) if known else (), gaps)
             if not gaps:
                 return
 
@@ -887,7 +889,7 @@ class _Settled:
 
     sense: int
     rate: RationalFunction
-    curve: Curve
+    curve: CrossingCurve
     known: tuple[RealNumber, ...]
 
 
@@ -968,7 +970,7 @@ class Tendency:
             )
 
 
-def _turning_of(curve: Curve) -> RationalFunction:
+def _turning_of(curve: CrossingCurve) -> RationalFunction:
     """Of the phase of g over frequency, times something positive."""
     u, v = curve.value, curve.condition  # g is u - j v, both over the same square
     axis = RealFunction(u).axis

@@ -32,7 +32,16 @@ from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import chart, ordered
-from haptisym.kernel.sets import STOPPED, Change, Changes, Domain, Point, Question, ValueSet, solve
+from haptisym.kernel.sets import (
+    STOPPED,
+    CriticalValue,
+    CriticalValues,
+    Domain,
+    Question,
+    SingleValue,
+    ValueSet,
+    solve,
+)
 from haptisym.model.catalogue import Effect, Hand
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene, clocks
@@ -69,13 +78,13 @@ class Margins(Shown):
         return f"gain {self.gain._line()}, delay {self.delay._line()} s{angle}"
 
     @property
-    def below(self) -> Point | None:
+    def below(self) -> SingleValue | None:
         """The factor down to which it is stable; None where there is no end, or none that is
         known."""
         return self.gain.end(_ONE, -1)
 
     @property
-    def above(self) -> Point | None:
+    def above(self) -> SingleValue | None:
         """The factor up to which it is stable."""
         return self.gain.end(_ONE, 1)
 
@@ -114,11 +123,11 @@ class Margins(Shown):
         }
 
 
-def _float(x: Point | None) -> float | None:
+def _float(x: SingleValue | None) -> float | None:
     return None if x is None else float(x.value)
 
 
-def _omega(x: Point | None) -> float | None:
+def _omega(x: SingleValue | None) -> float | None:
     omega = None if x is None else x.bindings[0].omega
     return None if omega is None else float(omega)
 
@@ -166,7 +175,7 @@ def _phase(scene: Scene, hand: Hand, criterion: Criterion) -> ValueSet:
     return _up_to(ANGLES, min(found, key=lambda x: float(x.value), default=None))
 
 
-def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
+def _turned(loop: Loop, criterion: Criterion) -> list[CriticalValue]:
     """The angles where |A/B| = 1, each with its frequency."""
     if len(loop.powers) != 2:
         return []
@@ -183,15 +192,15 @@ def _turned(loop: Loop, criterion: Criterion) -> list[Change]:
     response = on_axis(ratio)
     places = [x.omega for x in table.points[1:] if x.orders.get("", 0) > 0]
     parts = response.real, response.imag
-    return [Change(Turned(parts, x), (Binding(criterion, x, Kind.AXIS),)) for x in places]
+    return [CriticalValue(Turned(parts, x), (Binding(criterion, x, Kind.AXIS),)) for x in places]
 
 
-def _up_to(asked: Domain, limit: Change | None) -> ValueSet:
+def _up_to(asked: Domain, limit: CriticalValue | None) -> ValueSet:
     """All values up to a limit, beyond which nothing more is needed."""
     question = Question(
         lambda x: limit is None or ordered(ExactNumber(x), limit.value) > 0,
         asked.low,
-        lambda: [Changes([] if limit is None else [limit])],
+        lambda: [CriticalValues([] if limit is None else [limit])],
         lambda _: False,
     )
     return solve(question, asked, near=True)

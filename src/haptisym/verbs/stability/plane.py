@@ -35,7 +35,7 @@ Window: TypeAlias = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Cell:
+class HandCell:
     """Hands of one count: where that is written, and the certified roots of the hand there; None
     where not decided."""
 
@@ -65,7 +65,7 @@ class Plane:
     b: Array
     at_0: float | None
     window: Window
-    cells: tuple[Cell, ...] = ()
+    cells: tuple[HandCell, ...] = ()
 
 
 def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
@@ -212,7 +212,7 @@ def _filled(open_ones: Array) -> Array:
 
 def _cells(
     roots: Callable[[float, float], Roots | None], labels: Array, window: Window
-) -> Iterator[Cell]:
+) -> Iterator[HandCell]:
     """The largest parts, each with the certified count at its pixel that is farthest from the
     boundary."""
     low, high, least, most = window
@@ -225,7 +225,7 @@ def _cells(
             low + (i + 0.5) * (high - low) / _PIXELS,
             least + (j + 0.5) * (most - least) / _PIXELS,
         )
-        yield Cell(k, b, roots(k, b), labels == number)
+        yield HandCell(k, b, roots(k, b), labels == number)
 
 
 def _deepest(part: Any) -> tuple[int, int]:

@@ -24,7 +24,15 @@ from haptisym.judge.colgate import sampled_passivity
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.sets import STOPPED, UNSEARCHED, Change, Changes, Domain, Open, Question
+from haptisym.kernel.sets import (
+    STOPPED,
+    UNSEARCHED,
+    CriticalValue,
+    CriticalValues,
+    Domain,
+    Open,
+    Question,
+)
 from haptisym.model.catalogue import Hand, device
 from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
@@ -72,22 +80,25 @@ def clocked_question(
         return is_held(scene, hand, free, _exact(value))
 
     @cache
-    def search() -> Search:
+    def search() -> OutwardSearch:
         if free.rule not in (Rule.POSITIVE, Rule.NONNEGATIVE, Rule.ANY):
             raise UndecidedError("an order in a sampled loop")
         loop = Opened(loop_of(*moved(scene, hand, free, free.symbol)), free.symbol)
-        return Search(loop, free.value, asked, searched(free, asked), rests, enough, near=near)
+        return OutwardSearch(
+            loop, free.value, asked, searched(free, asked), rests, enough, near=near
+        )
 
     return question_of(search, free.value, criterion)
 
 
-def question_of(search: Callable[[], Search], own: Expr, criterion: Criterion) -> Question:
+def question_of(search: Callable[[], OutwardSearch], own: Expr, criterion: Criterion) -> Question:
     """For ``solve``; ``search`` is begun as late as something is asked."""
 
-    def changes() -> Iterator[Changes]:
+    def changes() -> Iterator[CriticalValues]:
         for found, open_ in search().known():
-            yield Changes(
-                [Change(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found], open_
+            yield CriticalValues(
+                [CriticalValue(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found],
+                open_,
             )
 
     return Question(lambda value: search().holds(value), own, changes, at=lambda _: False)
@@ -115,7 +126,7 @@ def _exact(x: Fraction) -> Rational:
 
 
 @dataclass
-class Search:
+class OutwardSearch:
     """A number of a loop, and how far its values are looked at.
 
     ``reach`` : from where to where. ``enough`` : whether all values from one on are known to do.

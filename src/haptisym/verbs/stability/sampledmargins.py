@@ -18,7 +18,7 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clockedloop import loop_of, series_alone
 from haptisym.verbs.stability.opened import Opened
-from haptisym.verbs.stability.sampled import Search, question_of
+from haptisym.verbs.stability.sampled import OutwardSearch, question_of
 
 
 def factors(scene: Scene, hand: Hand, asked: Domain) -> ValueSet:
@@ -47,5 +47,5 @@ def _loop(scene: Scene, hand: Hand) -> SampledLoop:
 def _found(loop: SampledLoop, symbol: Symbol, own: Expr, hand: Hand, asked: Domain) -> ValueSet:
     assert asked.low is not None
     assert asked.high is not None
-    search = Search(Opened(loop, symbol), own, asked, (asked.low, asked.high), near=True)
+    search = OutwardSearch(Opened(loop, symbol), own, asked, (asked.low, asked.high), near=True)
     return solve(question_of(lambda: search, own, stable_in(hand)), asked, near=True)

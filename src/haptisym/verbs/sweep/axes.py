@@ -1,7 +1,7 @@
 """What a sweep varies, and what it tells of each set.
 
 It varies numbers of a scene by their paths, with values that are checked like the scene's own
-(``axes``). Of each set it tells variables, named by the criteria and hands of the scene (``Told``).
+(``axes``). Of each set it tells variables, named by the criteria and hands of the scene (``SweepVariables``).
 """
 
 from __future__ import annotations
@@ -134,7 +134,7 @@ _PER_SECOND, _ONE = "rad/s", "1"
 
 
 @dataclass(frozen=True)
-class Told:
+class SweepVariables:
     """The variables of a sweep of a scene; ``criteria``: the names of what is judged; ``hands``: by
     their variables."""
 
@@ -142,7 +142,7 @@ class Told:
     hands: Mapping[str, str]
 
     @classmethod
-    def of(cls, scene: Scene) -> Told:
+    def of(cls, scene: Scene) -> SweepVariables:
         """Of a scene: its criteria and its hands."""
         return cls(
             tuple(x.name for x in noticed(scene.threshold)),

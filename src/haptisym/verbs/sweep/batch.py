@@ -120,7 +120,7 @@ def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
     return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
 
 
-class Powers:
+class Monomials:
     """Monomials of the parameters' values, each computed once. ``values``: parameters x sets."""
 
     def __init__(self, values: Array) -> None:
@@ -142,7 +142,7 @@ class Powers:
         return self.monomial(lower) * column if any(lower) else column
 
 
-def coefficients(terms: Sequence[Monomial], rows: int, powers: Powers) -> Batch:
+def coefficients(terms: Sequence[Monomial], rows: int, powers: Monomials) -> Batch:
     """The sums of the monomials of each row, at each set of parameters."""
     values, sizes = np.zeros((2, rows, powers.sets), powers.dtype)
     for term in terms:

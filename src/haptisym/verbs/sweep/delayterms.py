@@ -63,7 +63,15 @@ import numpy as np
 from flint import arb, arb_mat
 from numpy.typing import DTypeLike
 
-from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Powers, coefficients, error, nearest
+from haptisym.verbs.sweep.batch import (
+    Array,
+    Batch,
+    Monomial,
+    Monomials,
+    coefficients,
+    error,
+    nearest,
+)
 
 Exponents: TypeAlias = tuple[int, ...]
 
@@ -93,11 +101,11 @@ class Family:
     variables: Variables
     rows: tuple[Exponents, ...]
 
-    def at(self, powers: Powers) -> Batch:
+    def at(self, powers: Monomials) -> Batch:
         """The coefficients at each set of parameters."""
         return coefficients(self.terms, len(self.rows), powers)
 
-    def polynomial(self, powers: Powers) -> Batch:
+    def polynomial(self, powers: Monomials) -> Batch:
         """Those of all powers of x, where it has no waves."""
         own = self.at(powers)
         values, sizes = np.zeros((2, self.degrees[0] + 1, powers.sets), powers.dtype)
@@ -261,22 +269,22 @@ _FIRST_RATIO, _RATIOS = 8.0, (3.0, 1000.0)
 
 
 @dataclass(frozen=True)
-class Factor:
+class FamilyFactor:
     """A family and its coefficients for each set."""
 
     family: Family
     rows: Batch
 
-    def of(self, sets: Array) -> Factor:
+    def of(self, sets: Array) -> FamilyFactor:
         """For some of the sets."""
-        return Factor(self.family, self.rows.of(sets))
+        return FamilyFactor(self.family, self.rows.of(sets))
 
     @property
     def roundings(self) -> int:
         """How many a value of it suffers at most."""
         return self.rows.roundings + self.family.roundings + _OF_X * self.family.degrees[0] + 1
 
-    def at(self, points: Points, rows: Array) -> Array:
+    def at(self, points: VariablePoints, rows: Array) -> Array:
         """The value with these coefficients: a sum over the products of waves, each times a
         polynomial in x."""
         total: Array | None = None
@@ -295,8 +303,8 @@ class Function:
 
     variables: Variables
     rates: Array
-    above: tuple[Factor, ...]
-    below: tuple[Factor, ...] = ()
+    above: tuple[FamilyFactor, ...]
+    below: tuple[FamilyFactor, ...] = ()
 
     def __sub__(self, other: Function) -> Function:
         return replace(self, below=other.above)
@@ -316,7 +324,7 @@ class Function:
         return max(sum(f.family.degrees[i] for f in side) for side in (self.above, self.below))
 
     @property
-    def _sides(self) -> list[tuple[Factor, ...]]:
+    def _sides(self) -> list[tuple[FamilyFactor, ...]]:
         return [side for side in (self.above, self.below) if side]
 
     @property
@@ -331,7 +339,7 @@ class Function:
 
         They may have more dimensions in front, and then so do the values.
         """
-        points = Points.of(self.variables, x, self.rates, powers)
+        points = VariablePoints.of(self.variables, x, self.rates, powers)
         found = [reduce(mul, [f.at(points, f.rows.values) for f in side]) for side in self._sides]
         shape = x.shape if powers is None else np.broadcast_shapes(x.shape, powers.shape[1:])
         return np.broadcast_to(found[0] - found[1] if len(found) > 1 else found[0], shape)
@@ -344,7 +352,7 @@ class Function:
         """
         growth = np.ones_like(self.rates) if growth is None else growth
         waves = [w for row in growth for w in (row, row)]
-        points = Points(x, [*waves, *(self._powers(x) if powers is None else powers)])
+        points = VariablePoints(x, [*waves, *(self._powers(x) if powers is None else powers)])
         return reduce(
             add, [reduce(mul, [f.at(points, f.rows.sizes) for f in side]) for side in self._sides]
         )
@@ -397,7 +405,7 @@ class Function:
         return left_out(self.sizes(reach, growth, powers) * _SLACK, ratio, degree)
 
 
-class Points:
+class VariablePoints:
     """The variables at points of each set. ``waves``: C, S, C, S, ..., z, ...; their products are
     computed once."""
 
@@ -407,7 +415,9 @@ class Points:
         self._products: dict[Exponents, Array] = {}
 
     @classmethod
-    def of(cls, variables: Variables, x: Array, rates: Array, powers: Array | None) -> Points:
+    def of(
+        cls, variables: Variables, x: Array, rates: Array, powers: Array | None
+    ) -> VariablePoints:
         """Those at points x sets."""
         waves: list[Array] = []
         for rate in rates:

@@ -54,7 +54,7 @@ from haptisym.verbs.sweep.axes import (
     UNKNOWN,
     AxisValues,
     SweepAxis,
-    Told,
+    SweepVariables,
     axes,
 )
 from haptisym.verbs.sweep.batch import Array
@@ -133,7 +133,7 @@ class SweepGrid:
     @property
     def variables(self) -> dict[str, tuple[np.dtype[Any], dict[str, str]]]:
         """Name and kind of what is told of each set, with what it says of itself."""
-        return Told.of(self.scene).variables
+        return SweepVariables.of(self.scene).variables
 
     @cached_property
     def kernel(self) -> Kernel:
@@ -714,7 +714,7 @@ class Swept(Answer):
         return paths, paths
 
     def _body(self) -> dict[str, Any]:
-        data, told = self.data, Told.of(self.scene)
+        data, told = self.data, SweepVariables.of(self.scene)
         held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
         methods = [
             int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))

@@ -42,7 +42,7 @@ import numpy as np
 from flint import arb
 from sympy import Expr, Integer, Rational, S, Symbol
 
-from haptisym.judge.crossings import Criterion, Curve, judged, kept, noticed
+from haptisym.judge.crossings import Criterion, PerceptFunction, judged, kept, noticed
 from haptisym.judge.percepts import changeovers
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import RealFunction, Ring
@@ -64,22 +64,22 @@ from haptisym.verbs.sweep.axes import (
     OPEN,
     SYSTEMS,
     UNKNOWN,
-    Told,
+    SweepVariables,
     held_name,
 )
 from haptisym.verbs.sweep.batch import (
     BITS,
     Array,
     Monomial,
-    Powers,
+    Monomials,
     count_right,
     monomial,
     within_reach,
 )
 from haptisym.verbs.sweep.delayterms import (
     Exponents,
-    Factor,
     Family,
+    FamilyFactor,
     Function,
     Variables,
     Zeros,
@@ -464,7 +464,7 @@ class FamilyReader:
 
 
 @dataclass(frozen=True)
-class Found:
+class PassFrequencies:
     """Frequencies, as fractions of the band's high end, in ascending order for each set."""
 
     sets: Array
@@ -487,7 +487,7 @@ class Ordered:
     signs: Array
 
     @classmethod
-    def of(cls, zeros: list[Found], low: float, count: int) -> Ordered:
+    def of(cls, zeros: list[PassFrequencies], low: float, count: int) -> Ordered:
         """All zeros of all functions, after the band's low end, in ascending order for each set."""
         every = np.arange(count)
         sets = np.concatenate([every, *(x.sets for x in zeros)])
@@ -511,8 +511,8 @@ class Ordered:
 
 
 def changes(
-    lattice: FamilyLattice, zeros: Mapping[Family, Found], low: float, near: float
-) -> tuple[Found, Array]:
+    lattice: FamilyLattice, zeros: Mapping[Family, PassFrequencies], low: float, near: float
+) -> tuple[PassFrequencies, Array]:
     """Where the lattice changes its sign, and for which sets that is certain.
 
     Not where two zeros lie so near each other (relatively, ``near``) that their order is not known,
@@ -538,7 +538,7 @@ def changes(
     begun = {f: row[rows.begins] for f, row in signs.items()}
     certain &= _positive(lattice, begun, at_0=1) == _positive(lattice, begun, at_0=-1)
     first = np.where(positive[rows.begins], 1, -1)
-    return Found(rows.sets[changed], rows.omega[changed], first), certain
+    return PassFrequencies(rows.sets[changed], rows.omega[changed], first), certain
 
 
 def _positive(
@@ -601,9 +601,9 @@ class Pass:
 
     def __init__(self, curves: Curves, band: Band, values: Array) -> None:
         self.curves, self.band, self.sets = curves, band, values.shape[1]
-        self.powers = Powers(values)
+        self.powers = Monomials(values)
         self.decided = within_reach(values, ([f.terms for f in x] for x in curves.products))
-        self._factors: dict[Family, Factor] = {}
+        self._factors: dict[Family, FamilyFactor] = {}
 
     def answers(self) -> tuple[Columns, Array]:
         """All variables, and for which sets they are proven."""
@@ -624,7 +624,7 @@ class Pass:
         """A product for each set."""
         for f in families:
             if f not in self._factors:
-                self._factors[f] = Factor(f, f.at(self.powers))
+                self._factors[f] = FamilyFactor(f, f.at(self.powers))
         variables = families[0].variables
         rates = [self.powers.monomial(x.exponents) * x.constant for x in variables.rates]
         rows = np.array(rates).reshape(-1, self.sets)
@@ -635,13 +635,13 @@ class Pass:
             found = self._isolated(self._at((f,)))
             self.decided[found.sets] = False
 
-    def _crossings(self, e: Excess | None) -> Found:
+    def _crossings(self, e: Excess | None) -> PassFrequencies:
         """Where a criterion's sign changes."""
         if not isinstance(e, FamilyLattice):
             return self._zeros(None if e is None else self._at(e.above) - self._at(e.below))
         zeros = {f: self._zeros(self._at((f,))) for f in e.factors}
         if not zeros:
-            return Found(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, e.sign))
+            return PassFrequencies(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, e.sign))
         found, certain = changes(e, zeros, self.band.low_fraction, 4 * TOLERANCE)
         self.decided &= certain
         return found
@@ -652,9 +652,9 @@ class Pass:
         self.decided &= found.decided
         return found
 
-    def _zeros(self, f: Function | None) -> Found:
+    def _zeros(self, f: Function | None) -> PassFrequencies:
         if f is None:
-            return Found(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, -1))
+            return PassFrequencies(np.zeros(0, dtype=int), np.zeros(0), np.full(self.sets, -1))
         found = self._isolated(f)
         x, proven = refine(f.of(found.sets), found.low, found.high, NARROWER)
         self.decided[found.sets[~proven]] = False
@@ -662,9 +662,9 @@ class Pass:
         # segments overlap by a unit in the last place, where a zero would be found twice
         close = np.diff(omega) < 4 * TOLERANCE * omega[1:]
         self.decided[found.sets[1:][close & (np.diff(found.sets) == 0)]] = False
-        return Found(found.sets, omega, found.first)
+        return PassFrequencies(found.sets, omega, found.first)
 
-    def _told(self, found: Found) -> tuple[Array, Array]:
+    def _told(self, found: PassFrequencies) -> tuple[Array, Array]:
         """How many, and the first one."""
         column = np.full(self.sets, ABSENT)
         begins = np.ones(len(found.sets), dtype=bool)
@@ -672,7 +672,7 @@ class Pass:
         column[found.sets[begins]] = found.omega[begins] * self.band.high
         return np.bincount(found.sets, minlength=self.sets), column
 
-    def _transparency(self, parts: Mapping[str, Found], columns: Columns) -> Columns:
+    def _transparency(self, parts: Mapping[str, PassFrequencies], columns: Columns) -> Columns:
         clear = np.logical_and.reduce([found.first < 0 for found in parts.values()])
         ends = np.fmin.reduce(
             [
@@ -686,7 +686,7 @@ class Pass:
         }
 
 
-def _fraction(parts: list[Found], low: float) -> Array:
+def _fraction(parts: list[PassFrequencies], low: float) -> Array:
     """The part of the band on which all are negative, from all crossings in order."""
     count = len(parts[0].first)
     rows = Ordered.of(parts, low, count)
@@ -717,8 +717,8 @@ def exact_answers(scene: Scene, swept: Sequence[Knob], values: Sequence[float]) 
         SceneError,
         UndecidedError,
     ):  # no dynamics at all here (H_env = 0 everywhere, C H + D = 0), or a doubt
-        return Told.of(scene).no_answer()
-    return Told.of(scene).no_answer() if found.undecided else _row(found)
+        return SweepVariables.of(scene).no_answer()
+    return SweepVariables.of(scene).no_answer() if found.undecided else _row(found)
 
 
 def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart:
@@ -728,16 +728,16 @@ def _chart(scene: Scene, swept: Sequence[Knob], values: Sequence[Expr]) -> Chart
     d = Distortion.of(scene.chain.at({**known, **given}))
     threshold = scene.threshold.with_limits(limits)
     asked: dict[Key, Signed] = {x: x.function(d) for x in noticed(threshold)}
-    asked[Curve.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
-    asked[Curve.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
+    asked[PerceptFunction.ENVIRONMENT, Part.REAL] = part_of(d.env_response, Part.REAL)
+    asked[PerceptFunction.PERCEIVED, Part.REAL] = part_of(d.perc_response, Part.REAL)
     return chart(asked, *scene.band)
 
 
 def _row(found: Chart) -> AnswerRow:
     row: AnswerRow = {"method": EXACT, **_step(found)}
     places: Mapping[str, Sequence[Point]] = {
-        "environment": changeovers(found, Curve.ENVIRONMENT),
-        "perceived": changeovers(found, Curve.PERCEIVED),
+        "environment": changeovers(found, PerceptFunction.ENVIRONMENT),
+        "perceived": changeovers(found, PerceptFunction.PERCEIVED),
     }
     for name, points in places.items():
         row[f"changeovers_{name}"] = len(points)
@@ -776,7 +776,7 @@ class HandCurve:
     def count(self, values: Array) -> tuple[Array, Array]:
         """For each set the number of roots in Re s >= 0, and whether it is proven."""
         powers, decided = (
-            Powers(values),
+            Monomials(values),
             within_reach(values, [(self.top.terms,), (self.bottom.terms,)]),
         )
         counts, certain = count_right(self.top.polynomial(powers))
@@ -874,9 +874,9 @@ class Kernel:
         return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
 
     @property
-    def told(self) -> Told:
+    def told(self) -> SweepVariables:
         """The variables."""
-        return Told.of(self.scene)
+        return SweepVariables.of(self.scene)
 
     @property
     def has_waves(self) -> bool:
@@ -920,7 +920,7 @@ class Kernel:
         return np.concatenate(rest)
 
 
-def _blank(told: Told, sets: int) -> Columns:
+def _blank(told: SweepVariables, sets: int) -> Columns:
     floats = {name: np.full(sets, ABSENT) for name in told.floats}
     counts = {name: np.full(sets, UNKNOWN, dtype=np.int16) for name in told.counts}
     return {**floats, **counts, "method": np.full(sets, EXACT, dtype=np.int8)}

@@ -48,7 +48,7 @@ from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.programs.taylormodels import Model
+from haptisym.programs.taylormodels import TaylorModel
 from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
@@ -215,7 +215,7 @@ def bounded(excess: Excess, cells: Array) -> _Bounded:
     return _Bounded(cells, signs, omega, _widest(model, cells, signs, high - low))
 
 
-def _widest(model: Model, cells: Array, signs: Array, spread: Array) -> Array:
+def _widest(model: TaylorModel, cells: Array, signs: Array, spread: Array) -> Array:
     """The side of each cell along which the excess, and those of its slopes whose signs are open,
     change most."""
     width = cells[:, :, 1] - cells[:, :, 0]
@@ -530,7 +530,7 @@ def _float(x: RealNumber | None) -> float | None:
     return None if x is None else float(x)
 
 
-class Verdict(Enum):
+class BandVerdict(Enum):
     """Whether the display is transparent on the whole band."""
 
     ALL = "all"
@@ -708,17 +708,17 @@ class Tolerances(Answer):
         _ = self.samples
 
     @cached_property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> BandVerdict:
         """Whether the display is transparent on the band for all values, for none, or for some."""
         if self.transparent is not None and self.noticed is not None:
-            return Verdict.DEPENDS
+            return BandVerdict.DEPENDS
         if self._is_one and self.nominal.transparent is not None:
-            return Verdict.ALL if self.nominal.transparent else Verdict.NONE
+            return BandVerdict.ALL if self.nominal.transparent else BandVerdict.NONE
         if not self._search:
-            return Verdict.UNDECIDED
+            return BandVerdict.UNDECIDED
         if self._always_noticed():
-            return Verdict.NONE
-        return Verdict.ALL if self._never_noticed() else Verdict.UNDECIDED
+            return BandVerdict.NONE
+        return BandVerdict.ALL if self._never_noticed() else BandVerdict.UNDECIDED
 
     @property
     def _is_one(self) -> bool:
@@ -892,7 +892,7 @@ class Tolerances(Answer):
         """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent
         from the low end on."""
         low, high = (ExactNumber(x) for x in self.box.scene.band)
-        if self.verdict is Verdict.ALL:
+        if self.verdict is BandVerdict.ALL:
             return high, high
         if self.nominal.bandwidth is None or any(
             float(x.low) <= float(low) for x in self.enclosures
@@ -918,14 +918,14 @@ class Tolerances(Answer):
     @property
     def certified(self) -> bool:
         """Whether the verdict is proven, and that on each hand."""
-        return self.verdict is not Verdict.UNDECIDED and all(x.share for x in self.held)
+        return self.verdict is not BandVerdict.UNDECIDED and all(x.share for x in self.held)
 
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
         moves = zip(self.box.sides, cluster.signs[1:], strict=True)
         steady = {side.name: int(-sign * cluster.signs[0]) for side, sign in moves}
         alone = cluster.regular and cluster.inside
         own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
-        count = 0 if self.verdict is Verdict.ALL else len(own) if alone and own else None
+        count = 0 if self.verdict is BandVerdict.ALL else len(own) if alone and own else None
         face = Face(self.box, criterion.name, {}, self.one)
         (low, at_low), (high, at_high) = (
             self._end(face, form, cluster, highest=end) for end in (False, True)
@@ -1009,7 +1009,7 @@ def tolerances(
 ) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
 
-    Guaranteed: the verdict where it is not ``Verdict.UNDECIDED``; that crossings lie in the
+    Guaranteed: the verdict where it is not ``BandVerdict.UNDECIDED``; that crossings lie in the
     enclosures and nowhere else; how many there are where a count is given; ends said to be reached
     at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each answered with
     certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
