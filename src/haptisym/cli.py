@@ -27,6 +27,8 @@ from haptisym.commands.terminal import (
 )
 from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 
+# The help of a bare call lists all verbs with their first sentences. They are read from the source,
+# as importing the modules would load SymPy.
 _COMMANDS = {
     module: re.findall(
         r'^def (\w+)\(ask: Ask\).*\n    """(.+)$',
@@ -53,10 +55,11 @@ class _Sisters(click.Group):
             return None
         module = "shipped" if name in LIGHT else "verbs"
         with loading():
-            found: click.Command = resolve_name(f"haptisym.commands.{module}:{name}")
+            command: click.Command = resolve_name(f"haptisym.commands.{module}:{name}")
+        # ``loaded`` of ``main``: everything that the verb always needs is there.
         if context.obj is not None:
             context.obj()
-        return found
+        return command
 
     def format_commands(self, _context: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
@@ -65,6 +68,7 @@ class _Sisters(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
+        # The name of a scene file in place of a verb: most likely it is to be evaluated.
         if args and args[0] not in VERBS:
             hint = meant(args[0], VERBS)
             if args[0].endswith(".toml"):
@@ -78,7 +82,11 @@ class _Sisters(click.Group):
         return says_help(super().get_help_option(ctx))
 
 
-def _say_version(context: click.Context, _option: click.Parameter, asked: bool) -> None:  # noqa: FBT001  as click calls it
+def _say_version(
+    context: click.Context,
+    _option: click.Parameter,
+    asked: bool,  # noqa: FBT001  as click calls it
+) -> None:
     if asked and not context.resilient_parsing:
         write(f"haptisym {__version__}\n")
         context.exit()
@@ -129,6 +137,8 @@ def main(loaded: Callable[[], None] | None = None) -> None:
 
     ``loaded`` : is called when everything that the verb always needs is there.
     """
+    # Not in click's own way (standalone), which would print errors and exit by itself: here each
+    # kind of error has a sentence and a status of its own.
     prepare()
     with interrupts() as interrupted:
         try:
@@ -141,7 +151,8 @@ def main(loaded: Callable[[], None] | None = None) -> None:
 
 
 def _told(error: Exception, *, is_interrupted: bool) -> int:
-    """Say what went wrong; the exit status of it."""
+    """Print what went wrong, and return the exit status for it; raise again what nobody foresaw."""
+    # First: an interruption may arrive as another error, of the package that it fell into.
     if is_interrupted or isinstance(error, click.exceptions.Abort):
         return _failed(f"interrupted{_how_far(error)}", 130)
     match error:
@@ -170,11 +181,13 @@ def _told(error: Exception, *, is_interrupted: bool) -> int:
 
 
 def _how_far(error: BaseException) -> str:
-    """What a verb said of how far it came when it was interrupted."""
-    said = str(error.__cause__ or "") if isinstance(error, click.exceptions.Abort) else ""
-    return said or ": there is no answer"
+    """How far a verb came when it was interrupted, in its own words."""
+    # Click makes an Abort of a KeyboardInterrupt, whose text ``progress`` wrote.
+    words = str(error.__cause__ or "") if isinstance(error, click.exceptions.Abort) else ""
+    return words or ": there is no answer"
 
 
 def _failed(message: str, status: int) -> int:
+    """Print a message on standard error, and return the exit status."""
     note(message)
     return status

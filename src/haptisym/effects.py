@@ -41,10 +41,12 @@ from haptisym.model.parameters import (
 
 
 def _series(G: Expr) -> Matrix:
+    """F_h = G F_e, X_h = X_e: the motion is not changed."""
     return (G, 0, 0, 1)
 
 
 def _shunt(Z: Expr) -> Matrix:
+    """F_h = F_e + Z X_e, X_h = X_e: both have one motion, and their forces add up."""
     return (1, Z, 0, 1)
 
 
@@ -99,12 +101,12 @@ def pade_delay(tau: Time, order: Order) -> Matrix:
     """
 
     def p(x: Expr) -> Expr:
-        return Add(
-            *(
-                Rational(comb(order, i) * factorial(2 * order - i), factorial(2 * order)) * x**i
-                for i in range(order + 1)
-            )
-        )
+        """The numerator of the approximant of exp(x); the denominator is p(-x)."""
+        terms = []
+        for i in range(order + 1):
+            weight = Rational(comb(order, i) * factorial(2 * order - i), factorial(2 * order))
+            terms.append(weight * x**i)
+        return Add(*terms)
 
     return _series(p(-s * tau) / p(s * tau))
 
@@ -118,6 +120,7 @@ def zero_order_hold(T: PositiveTime) -> Matrix:
     >>> zero_order_hold("1 ms").matrix
     (1000*(1 - exp(-s/1000))/s, 0, 0, 1)
     """
+    # The hold alone is (1 - exp(-s T))/s; sampling brings the factor 1/T at the base band.
     return _series((1 - exp(-s * T)) / (s * T))
 
 
@@ -190,6 +193,7 @@ def compliance(k: PositiveStiffness = 0, b: PositiveDamping = 0) -> Matrix:
     """
     if not (k or b):
         raise SceneError("compliance: give at least one of k, b")
+    # One force, and motions that add up: X_h = X_e + F_e/(k + b s).
     return (1, 0, 1 / (k + b * s), 1)
 
 
@@ -203,6 +207,8 @@ def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
     >>> coulomb_friction("0.2 N", "5 cm").matrix
     (1, 16*I/pi, 0, 1)
     """
+    # The first harmonic of a square wave of height F is 4 F/pi, in phase with the velocity j omega
+    # X; over X it depends on the amplitude and not on omega.
     return _shunt(I * 4 * force / (pi * amplitude))
 
 
@@ -218,6 +224,7 @@ def admittance_display(P: Formula, tau: Time = 0) -> Matrix:
     >>> admittance_display(1, "25 ms").matrix
     (exp(s/40), 0, 0, 1)
     """
+    # X = P exp(-s tau) F/H_env: a delay of the motion is a lead in force per motion.
     return (exp(s * tau) / P, 0, 0, 1)
 
 
@@ -248,6 +255,7 @@ def position_force_teleoperator(
     (1, 2*s**2 + 3*s + 4)
     """
     Zm, Zcs, Cs, E = Mm * s**2, Ms * s**2 + Bs * s + Ks, Bs * s + Ks, exp(-2 * s * tau)
+    # H_perc over the common denominator Zcs + H; a chain matrix counts up to a factor.
     return (Zm + E * Cs, Zm * Zcs, 1, Zcs)
 
 

@@ -148,11 +148,11 @@ def to_frd(response: Measurement) -> Any:
     return _package("control", "python-control").frd(response.H, response.omega)
 
 
-# --- in
-# --------------------------------------------------------------------------------------------------------------
+# In. A package that nobody has imported has made no system: it is looked up, not imported.
 
 
 def _series_gain(effect: Effect) -> Expr:
+    """G(s) of an effect in series, whose matrix is [[G, 0], [0, 1]]; SceneError for any other."""
     gain, *others = effect.matrix
     if others != [0, 0, 1]:
         raise SceneError(f"{effect.name} is not an effect in series: it has no transfer function")
@@ -160,6 +160,7 @@ def _series_gain(effect: Effect) -> Expr:
 
 
 def _sympy(system: System) -> Expr | None:
+    """The dynamics of an expression or system of SymPy; None for anything else."""
     if isinstance(system, Expr):
         return in_laplace(system)
     package = sys.modules.get("sympy.physics.control.lti")
@@ -176,6 +177,7 @@ def _of_sympy(system: System, package: ModuleType) -> Expr:
         return _state_space(system.A, system.B, system.C, system.D)
     if isinstance(system, package.TransferFunctionMatrix):
         return _of_sympy(system[0, 0], package)
+    # Parts in series or parallel commute, as all have one input and one output.
     for kinds, operation in (
         (package.Series | package.MIMOSeries, mul),
         (package.Parallel | package.MIMOParallel, add),
@@ -185,6 +187,7 @@ def _of_sympy(system: System, package: ModuleType) -> Expr:
     if not isinstance(system, package.Feedback | package.MIMOFeedback):
         return in_laplace(system.to_expr(), system.var)
     forward, back = (_of_sympy(x, package) for x in (system.sys1, system.sys2))
+    # Where 1 - sign G1 G2 is 0 the loop has no solution, whatever enters it.
     loop = 1 - system.sign * forward * back
     if loop.together().expand() == 0:
         raise SceneError("a loop has no transfer function: 1 - sign*G1*G2 is 0 at every frequency")
@@ -192,6 +195,7 @@ def _of_sympy(system: System, package: ModuleType) -> Expr:
 
 
 def _control(system: System) -> Expr | None:
+    """The dynamics of a system of python-control; None for anything else."""
     package = sys.modules.get("control")
     if package is None or not isinstance(system, package.TransferFunction | package.StateSpace):
         return None
@@ -203,6 +207,7 @@ def _control(system: System) -> Expr | None:
 
 
 def _scipy(system: System) -> Expr | None:
+    """The dynamics of a system of ``scipy.signal``; None for anything else."""
     package = sys.modules.get("scipy.signal")
     if package is None or not isinstance(system, package.lti | package.dlti):
         return None
@@ -212,20 +217,24 @@ def _scipy(system: System) -> Expr | None:
         return _state_space(system.A, system.B, system.C, system.D)
     if isinstance(system, package.ZerosPolesGain):
         return _number(system.gain) * _from_roots(system.zeros) / _from_roots(system.poles)
+    # SciPy keeps several outputs as rows of numerators above one denominator.
     if np.ndim(system.num) != 1:
         raise SceneError("the system has several outputs: take one of them")
     return _quotient(system.num, system.den)
 
 
 def _pair(system: System) -> Expr | None:
+    """The dynamics of a pair of rows of coefficients; None for anything else."""
     if not (isinstance(system, tuple | list) and len(system) == 2):
         return None
+    # Two texts are no rows of coefficients, though each is a sequence.
     if not all(isinstance(x, Sequence | np.ndarray) and not isinstance(x, str) for x in system):
         return None
     return _quotient(*system)
 
 
 def _one_channel(inputs: int, outputs: int) -> None:
+    """SceneError unless there is one input and one output."""
     if (inputs, outputs) != (1, 1):
         raise SceneError(
             f"the system has {inputs} inputs and {outputs} outputs: take one of each, or "
@@ -234,7 +243,7 @@ def _one_channel(inputs: int, outputs: int) -> None:
 
 
 def _continuous(dt: Any) -> None:
-    """A sampling time of 0, or none at all, is continuous time."""
+    """SceneError for discrete time; a sampling time of 0, or none at all, is continuous time."""
     if dt is not None and dt != 0:
         raise SceneError(
             f"the system is in discrete time (dt = {dt}): give its continuous-time dynamics "
@@ -244,6 +253,7 @@ def _continuous(dt: Any) -> None:
 
 
 def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
+    """The quotient of two polynomials, from coefficients of the highest power first."""
     top, bottom = (
         Add(*(_number(x) * s**n for n, x in enumerate(reversed([*row])))) for row in (above, below)
     )
@@ -253,10 +263,12 @@ def _quotient(above: Iterable[Any], below: Iterable[Any]) -> Expr:
 
 
 def _from_roots(roots: Any) -> Expr:
+    """The monic polynomial with these roots; SceneError unless they are in conjugate pairs."""
     factors = (
         s - _number(x.real) - I * _number(x.imag) for x in map(complex, np.atleast_1d(roots))
     )
     product = reduce(mul, factors, Integer(1)).expand()
+    # Parts are exact decimals, so those of a pair cancel to the last digit, or it is none.
     if product.has(I):
         raise SceneError(
             f"the roots {_shown(np.atleast_1d(roots).tolist())} are not in conjugate pairs"
@@ -264,17 +276,18 @@ def _from_roots(roots: Any) -> Expr:
     return product
 
 
+def _matrix(given: Any) -> Matrix:
+    """A matrix with exact entries, from an array, a list or a number."""
+    entries = np.array(given)
+    shape = np.atleast_2d(entries).shape
+    return Matrix(shape[0], shape[1], [_number(entry) for entry in entries.ravel()])
+
+
 def _state_space(A: Any, B: Any, C: Any, D: Any) -> Expr:
     """C (sI - A)^-1 B + D, by det(sI - A + BC) = det(sI - A) (1 + C (sI - A)^-1 B)."""
-    a, b, c, d = (
-        Matrix(
-            np.atleast_2d(np.array(x)).shape[0],
-            np.atleast_2d(np.array(x)).shape[1],
-            [_number(entry) for entry in np.array(x).ravel()],
-        )
-        for x in (A, B, C, D)
-    )
+    a, b, c, d = map(_matrix, (A, B, C, D))
     _one_channel(b.shape[1], c.shape[0])
+    # Two characteristic polynomials instead of an inverse of a matrix of rational functions.
     below, above = (m.charpoly(s).as_expr() for m in (a, a - b * c))
     return d[0, 0] + (above - below).expand() / below
 
@@ -289,13 +302,14 @@ def _number(given: Any) -> Expr:
     return quantity(given, Dimension.ANY).value
 
 
-# --- out
-# -------------------------------------------------------------------------------------------------------------
+# Out.
 
 
 def _fraction(system: System) -> tuple[list[Expr], list[Expr]]:
     """Numerator and denominator in lowest terms, the highest power first, scaled as doubles keep it
     best."""
+    # The ring has a variable for each function, as exp(-s tau), that is not rational in s. Common
+    # factors are cancelled first: a delay that cancels is no hindrance.
     expression = dynamics(system)
     ring = Ring.of([expression])
     function = ring.convert(expression).reduced()
@@ -305,6 +319,8 @@ def _fraction(system: System) -> tuple[list[Expr], list[Expr]]:
                 f"{other} is not rational in s: only rational dynamics can be exported (a "
                 f"delay as the effect pade-delay)"
             )
+    # Monic where doubles keep that: 1/3 is no double, and with integer coefficients instead the
+    # exported system may be exactly this one.
     monic, whole = (_coefficients(ring, f) for f in (function, function.cleared()))
     return whole if not _kept(monic) and _kept(whole) else monic
 
@@ -312,6 +328,7 @@ def _fraction(system: System) -> tuple[list[Expr], list[Expr]]:
 def _coefficients(
     ring: PolynomialRing, function: RationalFunction
 ) -> tuple[list[Expr], list[Expr]]:
+    """The coefficients of numerator and denominator, the highest power first."""
     above, below = (ring.coefficients(p)[::-1] for p in (function.numerator, function.denominator))
     return above, below
 
@@ -322,6 +339,8 @@ def _kept(rows: tuple[list[Expr], list[Expr]]) -> bool:
 
 
 def _floats(system: System) -> tuple[list[float], list[float]]:
+    """The coefficients of numerator and denominator as the nearest doubles; SceneError for
+    symbols."""
     above, below = _fraction(system)
     symbols = sorted({x.name for e in [*above, *below] for x in e.free_symbols})
     if symbols:
@@ -333,6 +352,7 @@ def _floats(system: System) -> tuple[list[float], list[float]]:
 
 
 def _package(module: str, name: str) -> ModuleType:
+    """A package that is optional; SceneError with its name where it is not installed."""
     try:
         return import_module(module)
     except ImportError:
@@ -340,5 +360,6 @@ def _package(module: str, name: str) -> ModuleType:
 
 
 def _shown(given: object) -> str:
+    """What was given, as text of at most 60 characters."""
     text = str(given)
     return f"{text[:60]}..." if len(text) > 60 else text

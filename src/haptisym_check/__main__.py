@@ -13,26 +13,28 @@ from haptisym_check import RefusedError, UnreadableError, check
 
 
 def main(arguments: list[str]) -> int:
-    """The exit status."""
+    """Print the claim, or why it is not proven, and return the exit status."""
     try:
         if len(arguments) != 2:
             raise UnreadableError("two files are needed: python -m haptisym_check FILE SCENE.toml")
-        said, status = check(*map(contents, arguments)), 0
+        message, status = check(*map(contents, arguments)), 0
     except UnreadableError as error:
         print(error, file=sys.stderr)
         return 2
     except RefusedError as error:
-        said, status = f"NOT proven: {error}", 1
+        message, status = f"NOT proven: {error}", 1
     try:
-        print(
-            said.encode("ascii", "backslashreplace").decode(), flush=True
-        )  # whatever the terminal knows
-    except BrokenPipeError:  # whoever read has gone
+        # In ASCII: names of a scene may have letters that the terminal's encoding has not.
+        print(message.encode("ascii", "backslashreplace").decode(), flush=True)
+    except BrokenPipeError:
+        # The reader has gone. Python flushes standard output once more at exit: that must not fail.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     return status
 
 
 def contents(name: str) -> bytes:
+    """The bytes of a file, up to one more than the largest certificate; UnreadableError if there
+    are none."""
     try:
         with Path(name).open("rb") as file:
             return file.read(4_000_001)  # what is longer is refused: a device has no end

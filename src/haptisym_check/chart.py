@@ -1,5 +1,13 @@
 """Rules 2 to 5: the places of the band, the signs around them, and how many zeros are in Re s >=
-0."""
+0.
+
+Every function of a proof is a number times powers of factors. So its zeros, poles and signs on the
+whole band follow from those of the factors: the breakpoints cut the band into cells with at most
+one zero of one factor each, and a *place* is an end of the band or such a zero. Orders at the
+places and signs in between decide everything that ``claimed`` derives, and nothing else enters it.
+Begin with ``PlaceTable``, then ``SignRow``. The zeros in Re s >= 0 are counted at the end by the
+turns of p(j omega) about 0.
+"""
 
 from collections.abc import Callable, Iterable
 from fractions import Fraction
@@ -25,15 +33,16 @@ from haptisym_check.values import (
 
 
 def ends_of_band(scene: SceneFile) -> list[list[Fraction]]:
-    """Bounds of its low end, and of its high end."""
+    """Rational bounds of the band's low end, and of its high end; both equal where there is no
+    pi."""
     low, high = (sorted(x.value * Fraction(*pi) ** x.pi for pi in PI) for x in scene.band)
     need(low[1] < high[0], "the band is empty")
     return [low, high]
 
 
 class PlaceTable:
-    """The places of the band in order, with the orders of all factors there, and their signs in
-    between."""
+    """The places of the band in order, with the orders of all factors there (``orders``), and their
+    signs in between (``signs``: one row fewer)."""
 
     def __init__(
         self,
@@ -42,7 +51,7 @@ class PlaceTable:
         factors: list[OmegaFactor],
         told: list[list[Fraction]],
     ) -> None:
-        """``told``: the enclosures of the places."""
+        """``told``: the enclosures of the places, as the claim has them."""
         low, high = ends_of_band(scene)
         need(
             0 <= points[0] <= low[0] and low[1] <= points[1],
@@ -54,29 +63,33 @@ class PlaceTable:
         )
         need(holds(told[0], low), "the low end of the band is not in its enclosure")
         need(holds(told[-1], high), "the high end of the band is not in its enclosure")
+        # All factors are examined in each cell, but only one of them at each enclosure: its value
+        # at a point costs far less than its coefficients.
         affordable(points, sum(x.cost for x in factors))
         affordable(chain(*told), max((x.cost for x in factors), default=0) // 10)
         self.from_0, self.orders, self.signs = low[1] == 0, list[list[Any]](), list[list[int]]()
         self.powers = [x.powers for x in factors]
         for a, b in pairwise(points):
-            leads, found = (
-                zip(*(x.signs(a, b) for x in factors), strict=True) if factors else ((), ())
-            )
-            inner, counts = [[x for x in row if x] for row in found], list(map(turns, found))
-            last = [order(row[::-1]) for row in found]
+            in_cell = [x.signs(a, b) for x in factors]
+            leads, rows = zip(*in_cell, strict=True) if factors else ((), ())
+            inner, counts = [[x for x in row if x] for row in rows], list(map(turns, rows))
+            last = [order(row[::-1]) for row in rows]
+            # A zero at a breakpoint between cells would belong to none of them. An end of the band
+            # is a place of its own, so there a zero is allowed.
             fits = (low == [a, a] or not any(leads)) and (high == [b, b] or not any(last))
             need(fits, "a factor is zero at a breakpoint")
+            # In a cell that holds an end of the band inside, a zero could be on either side of it.
             most = 1 if low[1] <= a and b <= high[0] else 0
             need(sum(counts) <= most, "a cell may hold two zeros, or one beside an end of the band")
-            self.orders, self.signs = (
-                self.orders or [list(leads)],
-                self.signs or [[x[0] for x in inner]],
-            )
+            self.orders = self.orders or [list(leads)]
+            self.signs = self.signs or [[x[0] for x in inner]]
             if any(counts):
-                own, (x, y) = factors[counts.index(1)], told[min(len(self.orders), len(told) - 1)]
-                need(
-                    a < x <= y < b and own.sign(x) * own.sign(y) <= 0, "an enclosure holds no zero"
-                )
+                zero = factors[counts.index(1)]
+                # A claim with too few enclosures is refused below, once all places are counted.
+                x, y = told[min(len(self.orders), len(told) - 1)]
+                inside = a < x <= y < b and zero.sign(x) * zero.sign(y) <= 0
+                need(inside, "an enclosure holds no zero")
+                # One sign change is a simple zero, so the other factors have the order 0.
                 self.orders.append(counts)
                 self.signs.append([x[-1] for x in inner])
         self.orders.append(last)
@@ -84,7 +97,7 @@ class PlaceTable:
 
 
 def holds(enclosure: list[Fraction], x: list[Fraction]) -> bool:
-    """Whether a place lies in an enclosure."""
+    """Whether a place, known between two numbers, lies in an enclosure."""
     return enclosure[0] <= x[0] and x[1] <= enclosure[1]
 
 
@@ -94,54 +107,55 @@ def away(order: Fraction | int) -> int:
 
 
 class SignRow:
-    """The orders of a function at the places, and its signs before, at and after each."""
+    """The orders of a function at the places, and its signs before, at and after each.
+
+    An order is positive at a zero, negative at a pole. ``between`` has the signs of the open pieces
+    between neighbouring places; ``line`` alternates those at places and those of pieces.
+    """
 
     def __init__(self, x: FactoredNumber, chart: PlaceTable) -> None:
-        self.order = [
-            away(sum(n * found[i] for i, n in x.powers.items())) for found in chart.orders
-        ]
-        own = (x.number > 0) - (x.number < 0)
-        self.between = [
-            own * prod(row[i] ** abs(n) for i, n in x.powers.items()) for row in chart.signs
-        ]
-        one_sided = chart.from_0 and any(
-            chart.powers[i] for i in x.powers
-        )  # a power of omega has no other side
-        self.before = [
-            self.between[0] * (-1) ** (0 if one_sided else abs(self.order[0])),
-            *self.between,
-        ]
+        powers = x.powers.items()
+        # At omega = 0 an order may be a fraction; rounded away from 0 it still tells a zero from a
+        # pole, and both from neither.
+        self.order = [away(sum(n * orders[i] for i, n in powers)) for orders in chart.orders]
+        sign = (x.number > 0) - (x.number < 0)
+        self.between = [sign * prod(row[i] ** abs(n) for i, n in powers) for row in chart.signs]
+        # A function with a power of omega that is not whole has no values below 0.
+        one_sided = chart.from_0 and any(chart.powers[i] for i in x.powers)
+        # Beyond an end of the band nothing was examined, but the order at that end tells whether
+        # the sign changes there.
+        first = self.between[0] * (-1) ** (0 if one_sided else abs(self.order[0]))
+        self.before = [first, *self.between]
         self.after = [*self.between, self.between[-1] * (-1) ** abs(self.order[-1])]
-        self.at = [
-            0 if n > 0 or a != b else b
-            for n, a, b in zip(self.order, self.before, self.after, strict=True)
-        ]
-        self.line = [x for pair in zip(self.at, self.after, strict=True) for x in pair][
-            :-1
-        ]  # places and pieces
+        # Different signs without a zero: a pole of odd order, which has no sign itself.
+        sides = zip(self.order, self.before, self.after, strict=True)
+        self.at = [0 if n > 0 or a != b else b for n, a, b in sides]
+        pairs = zip(self.at, self.after, strict=True)
+        self.line = [x for pair in pairs for x in pair][:-1]  # no piece follows the last place
 
 
 def runs(line: Iterable[Any]) -> list[tuple[int, int, Any]]:
-    """The longest pieces of one value, of a line of places and what is between them, as pairs of
-    places."""
+    """The longest pieces of one value that is not empty, of a line that alternates places and what
+    is between them, as pairs of places."""
     rows = [(x, [i for i, _ in row]) for x, row in groupby(enumerate(line), key=lambda x: x[1])]
+    # Entry 2 k of a line is place k, entry 2 k + 1 the piece from place k to k + 1.
     return [(row[0] // 2, (row[-1] + 1) // 2, x) for x, row in rows if x]
 
 
 def where(test: Callable[[int], bool], *curves: SignRow) -> list[list[int]]:
     """As few closed intervals as possible, of places and of what is between: where all curves
     pass."""
-    return [
-        [a, b]
-        for a, b, _ in runs(all(map(test, x)) for x in zip(*(c.line for c in curves), strict=True))
-    ]
+    signs = zip(*(curve.line for curve in curves), strict=True)
+    return [[a, b] for a, b, _ in runs(all(map(test, row)) for row in signs)]
 
 
 def claimed(curves: dict[str, SignRow], *, from_0: bool) -> dict[str, Any]:
-    """All that is said of a band, from the chart alone."""
+    """All that an evaluation claims of a band, from the signs and orders of its functions alone
+    (rule 4)."""
     excess, active = {part: curves[f"excess.{part}"] for part in PARTS}, curves["perceived.imag"]
     places, crossings = range(len(active.order)), []
     for i, (part, c) in ((i, x) for i in places for x in excess.items() if x[1].order[i] > 0):
+        # An excess has no other side at omega = 0: positive just above, it exceeds there.
         touches = c.before[i] == c.after[i] and not (i == 0 and from_0 and c.after[i] > 0)
         kind = "touches" if touches else "exceeds" if c.after[i] > 0 else "returns"
         side = curves[f"difference.{part}"].after[i]
@@ -175,15 +189,20 @@ PROPERTIES = {
 def percepts(
     part: str, env: SignRow, perc: SignRow, excess: SignRow, change: SignRow, both: SignRow
 ) -> list[dict[str, Any]]:
-    """What is felt where a ratio exceeds its threshold."""
+    """What is felt where a ratio exceeds its threshold: intervals of one property and one
+    change."""
     line: list[Any] = []
     for i, (x, y, e, n) in enumerate(
         zip(env.between, perc.between, excess.between, both.between, strict=True)
     ):
         felt = None
+        # A negative Im H_perc generates energy: no damping is felt there.
         if e > 0 and (part == "real" or y >= 0):
+            # A real part that is zero everywhere has no sign and takes that of the other.
             kind = PROPERTIES[x or y, y or x] if part == "real" else "damping"
+            # The sign of (G - H)(G + H) = G^2 - H^2: larger or smaller in size, whatever the signs.
             felt = kind, ("equal", "higher", "lower")[change.between[i] * n]
+        # The entry of a place joins the pieces on both sides where the excess is positive there.
         line += [felt if line and felt == line[-1] and excess.at[i] > 0 else None, felt]
     return [
         {"part": part, "from": a, "to": b, "property": x, "change": y}
@@ -193,16 +212,29 @@ def percepts(
 
 # Rule 5: how many zeros a function of s has in Re s >= 0.
 
+# Large enough that a resultant that is not zero is hardly ever zero modulo it; small enough for
+# quick arithmetic. A claim is never proven by accident: modulo a prime Euclid's algorithm can only
+# miss that two polynomials are coprime.
 PRIME = 2**61 - 1
 
 
+def modular(p: Polynomial) -> list[int]:
+    """The coefficients of p modulo the prime, with 3 in place of pi."""
+    return [sum(c * 3**i for i, c in enumerate(row)) % PRIME for row in p]
+
+
 def coprime(p: Polynomial, q: Polynomial) -> bool:
-    """Whether p and q have no zero in common, not even with 3 in place of pi and modulo a prime."""
-    a, b = ([sum(c * 3**i for i, c in enumerate(row)) % PRIME for row in x] for x in (p, q))
+    """Whether p and q have no zero in common, not even with 3 in place of pi and modulo a prime;
+    False if that is not proven."""
+    # A resultant with whole coefficients that is not zero modulo a prime, for a whole number in
+    # place of pi, is not the polynomial 0; so it is not zero at pi, which is transcendental.
+    # A leading coefficient that vanishes would change the resultant: nothing is proven then.
+    a, b = modular(p), modular(q)
     while a[-1] and b and b[-1]:  # Euclid: what is left of a when b is taken from it
         while len(a) >= len(b):
             by = a[-1] * pow(b[-1], -1, PRIME)
-            a = [(x - by * y) % PRIME for x, y in zip(a, [0] * (len(a) - len(b)) + b, strict=True)]
+            shifted = [0] * (len(a) - len(b)) + b
+            a = [(x - by * y) % PRIME for x, y in zip(a, shifted, strict=True)]
             while a and not a[-1]:
                 a.pop()
         a, b = b, a
@@ -218,36 +250,41 @@ def to_the_right(p: Polynomial, points: list[Fraction]) -> int:
         sliced([[c * (-1) ** k for c in row] for k, row in enumerate(p[i::2])] or [[0]])
         for i in (0, 1)
     )
+    # Mikhailov: from omega = 0 to infinity p(j omega) turns by as many right angles as p has zeros
+    # in Re s < 0 more than in Re s >= 0. Where E is zero the curve crosses the imaginary axis: each
+    # time counts for two right angles, in the direction that the sign of E O before it shows.
     left, last = 0, 0  # zeros in Re s < 0, less those in Re s >= 0; the sign of E O at the end
     for low, high in pairwise([*(x.as_integer_ratio() for x in points), (1, 0)]):
         e, o = signs(even, low, high), signs(odd, low, high)
         need(e[0] and (e[-1] or high == (1, 0)), "E is zero between two cells")
         need(turns(e) + turns(o) < 2 or not turns(e), "a cell may hold two zeros")
         side = next((x for x in o if x), 0)
+        # Without O the zeros of p are those of E, in pairs +-s: a zero of E at W > 0 is a pair on
+        # the imaginary axis, which counts as two in Re s >= 0.
         left += 2 * turns(e) * (e[0] * side if side else -1)
-        last = [x for x in e if x][-1] * o[
-            -1
-        ]  # which counts where n is odd: the highest power is one of O
+        # Counts where n is odd only: the highest power is then one of O, and the curve ends with
+        # one more right angle.
+        last = [x for x in e if x][-1] * o[-1]
     return at_0 + (n - left - n % 2 * last) // 2
 
 
 def zeros(x: Any, function: Callable[[ChainPoint], Ratio], length: int, share: int = 1) -> int:
-    """Those in Re s >= 0 of a function of s and pi, counted with multiplicity; ``length``,
-    ``share``: as ``link`` has them."""
+    """The number of zeros in Re s >= 0 of a function of s and pi, counted with multiplicity;
+    ``length``, ``share``: as ``link`` has them."""
     told, product, cells = keyed(x, "factors", "function", "cells")
     factors = [OmegaFactor(polynomial(p)) for p in listed(told, 100)]
     values = lambda s, pi: {"it": function(ChainPoint((s, ONE), pi))}  # noqa: E731
-    own = link({"it": product}, ["it"], factors, values, length, share=share)["it"]
-    need(own.number, "a function is zero everywhere")
+    proven = link({"it": product}, ["it"], factors, values, length, share=share)["it"]
+    need(proven.number, "a function is zero everywhere")
     rows, count = listed(cells, len(factors), len(factors)), 0
     points = [numbers(["0", *listed(row, 300)], 301) for row in rows]
-    for i, n in own.powers.items():
+    for i, n in proven.powers.items():
         affordable(points[i], factors[i].cost * len(factors) * share)
-        found = to_the_right(factors[i].rows, points[i]) if n > 0 else 0
-        below = [factors[k].rows for k, m in own.powers.items() if m < 0 and found]
-        need(
-            all(coprime(factors[i].rows, q) for q in below),
-            "a zero may be none: the denominator may share it",
-        )
-        count += n * found
+        unstable = to_the_right(factors[i].rows, points[i]) if n > 0 else 0
+        # A zero in common with a denominator may cancel. Only those in Re s >= 0 are counted, so
+        # factors without any need no such proof.
+        below = [factors[k].rows for k, m in proven.powers.items() if m < 0 and unstable]
+        distinct = all(coprime(factors[i].rows, q) for q in below)
+        need(distinct, "a zero may be none: the denominator may share it")
+        count += n * unstable
     return count

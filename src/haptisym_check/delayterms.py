@@ -1,11 +1,20 @@
-"""Rules 7 and 8: signs of factors with sines, cosines and powers of omega, in numbers with bounds
-of their errors."""
+"""Rules 7 and 8: signs of factors with sines, cosines and powers of omega.
+
+Such a factor has no finite list of coefficients whose signs decide, so it is replaced by its
+Taylor polynomial on the cell, omega = m + h v with -1 <= v <= 1, and a bound of everything that is
+lost: f = sum_{n<N} c_n v^n + r, with Lagrange's remainder and all errors of rounding in r. A sign
+is proven where the polynomial's Bernstein coefficients are larger than r in size. What the bounds
+leave undecided is refused.
+
+Numbers are integers that count parts of one, 2^-280, with bounds of their errors in the same parts;
+nothing here is a float. Begin with ``WaveFactor.signs``, then ``model``.
+"""
 
 from collections import Counter
 from collections.abc import Callable
 from fractions import Fraction
-from functools import cache, cached_property, lru_cache, reduce
-from itertools import accumulate, groupby, repeat, zip_longest
+from functools import cache, cached_property, lru_cache, partial, reduce
+from itertools import accumulate, chain, groupby, repeat, zip_longest
 from math import factorial, lcm
 from operator import mul
 from typing import Any
@@ -17,6 +26,8 @@ from haptisym_check.values import Polynomial, keyed, listed, need, polynomial, w
 # Numbers with bounds of their errors (rules 7 and 8): sines, cosines and powers, all in parts of
 # one.
 
+# 280 bits are 84 decimals, more than the 80 of rule 7. The guard bits take what up to 50 doublings
+# of an angle do to an error: a factor of 2^50.
 BITS, GUARD = 280, 64
 SCALE, FINER = 1 << BITS, 1 << (BITS + GUARD)
 Ball = tuple[int, int]
@@ -32,16 +43,21 @@ def circle(x: Fraction) -> list[int]:
     """cos x, -sin x, -cos x, sin x, x >= 0, to two parts of one: Taylor's sums at x/2^n < 1/2, and
     n times twice the angle.
 
-    That doubles errors, as squares of complex numbers of size one do.
+    In this order they are the cosine and its derivatives. Each doubling doubles errors, as squares
+    of complex numbers of size one do.
     """
     n = (2 * x.numerator // x.denominator).bit_length()
     need(n < 50, "an angle is too large")
     y = x.numerator * FINER // (x.denominator << n)
     terms = list(accumulate(range(1, 64), lambda term, k: term * y // (FINER * k), initial=FINER))
-    c, s = (sum(terms[i::4]) - sum(terms[i + 2 :: 4]) for i in (0, 1))
+    # The first term that is left out is below 2^-64/64!, less than one part of FINER.
+    cosine = sum(terms[::4]) - sum(terms[2::4])
+    sine = sum(terms[1::4]) - sum(terms[3::4])
     for _ in range(n):
-        c, s = c * c - s * s >> (BITS + GUARD), 2 * c * s >> (BITS + GUARD)
-    return [x >> GUARD for x in (c, -s, -c, s)]
+        doubled = cosine * cosine - sine * sine
+        sine = 2 * cosine * sine >> (BITS + GUARD)
+        cosine = doubled >> (BITS + GUARD)
+    return [x >> GUARD for x in (cosine, -sine, -cosine, sine)]
 
 
 def artanh(x: Fraction) -> int:
@@ -59,9 +75,10 @@ def power(x: Fraction, alpha: Fraction) -> Ball:
     n = x.numerator.bit_length() - x.denominator.bit_length()
     need(x > 0 and abs(n) < 10**5, "a number is too large, or too small")
     m = x / Fraction(2) ** n  # between 1/2 and 2
-    k, y = divmod(
-        (2 * artanh((m - 1) / (m + 1)) + n * LN_2) * alpha.numerator // alpha.denominator, LN_2
-    )
+    logarithm = 2 * artanh((m - 1) / (m + 1)) + n * LN_2
+    k, y = divmod(logarithm * alpha.numerator // alpha.denominator, LN_2)
+    # Errors of the logarithm: at most 10^5 times those of LN_2, some thousand parts of FINER, once
+    # in n and once in k. A radius of 10^12 of these parts is ample, and still 2^-304 of the value.
     total = sum(accumulate(range(1, 80), lambda term, i: term * y // (FINER * i), initial=FINER))
     up, down = max(k, 0), GUARD + max(-k, 0)
     return total << up >> down, (10**12 << up >> down) + 2  # 2^k exp y
@@ -69,32 +86,43 @@ def power(x: Fraction, alpha: Fraction) -> Ball:
 
 @cache
 def power_of_pi(n: int) -> Ball:
+    """pi^n, from the rational bounds of pi."""
     low, high = (x**n * SCALE // y**n for x, y in PI)
     return low, high - low + 1
 
 
+def coefficient(i: int, row: list[int]) -> Ball:
+    """The coefficient of pi^i in a polynomial in pi; 0 beyond its degree."""
+    return (row[i] if i < len(row) else 0) * SCALE, 0
+
+
 def in_pi(row: list[int]) -> Ball:
-    """A polynomial in pi."""
-    found = [(c * power_of_pi(n)[0], abs(c) * power_of_pi(n)[1]) for n, c in enumerate(row)]
-    return sum(x for x, _ in found), sum(x for _, x in found)
+    """The value of a polynomial in pi."""
+    middle, radius = 0, 0
+    for n, c in enumerate(row):
+        value, error = power_of_pi(n)
+        middle += c * value
+        radius += abs(c) * error
+    return middle, radius
 
 
 # Taylor's sums with sines, cosines and powers of omega (rules 7 and 8).
 
+# N of rule 7: all series end with the coefficient of v^14, which bounds the remainder.
 ORDER = 14
 Series = tuple[list[int], int]
 """Coefficients of v^n, n from 0 to ORDER, in parts of one, and a bound of the sum of all their
 errors."""
 Terms = list[tuple[tuple[int, ...], list[Ball]]]
-"""Products of powers (as of ``SeriesPoint``), each with the coefficients of a polynomial in omega."""
+"""Products of powers (see ``SeriesPoint.product``), each with the coefficients of a polynomial in
+omega."""
 
 
 def times(p: Series, q: Series) -> Series:
     """Leibniz: the coefficients of a product; those of p may be fewer."""
     (a, r), (b, s) = p, q
-    lost = (sum(map(abs, a)) + r) * s + r * sum(
-        map(abs, b)
-    )  # |p q - a b| <= |p| |q - b| + |p - a| |b|
+    # |p q - a b| <= |p| |q - b| + |p - a| |b|; each coefficient loses up to one part by its shift.
+    lost = (sum(map(abs, a)) + r) * s + r * sum(map(abs, b))
     return [sum(map(mul, a, b[n::-1])) >> BITS for n in range(len(b))], (lost >> BITS) + 1 + len(b)
 
 
@@ -104,37 +132,42 @@ def plus(p: Series, q: Series) -> Series:
 
 
 def waves(turns: list[int], ahead: Fraction, count: int) -> list[Series]:
-    """Of the sine and the cosine of an angle + ahead v, from its ``circle``, or from the largest
-    sizes of that."""
+    """The series of the sine and the cosine of an angle + ahead v, from ``turns``, the ``circle``
+    of that angle, or four times the largest size, 1."""
     x, y = ahead.as_integer_ratio()
     weights = [(x**n << BITS) // (y**n * factorial(n)) for n in range(count)]
     lost = 2 * (sum(weights) >> BITS) + 2 + 2 * count
+    # The n-th derivative of the cosine is entry n of its circle, that of the sine entry n + 3.
     return [([turns[(n + i) % 4] * w >> BITS for n, w in enumerate(weights)], lost) for i in (3, 0)]
 
 
 def binomial(alpha: Fraction, low: Fraction, high: Fraction, step: Fraction, count: int) -> Series:
-    """Of omega^alpha at a number, or of the sizes from low to high; of h^alpha from 0 on."""
+    """The series of (omega + step v)^alpha at a number, or of its largest sizes from low to high;
+    where low is 0 it is the constant step^alpha."""
     ahead = step / low if low else Fraction(0)
-    weights = list(
-        accumulate(
-            range(1, count), lambda w, n: w * (alpha - n + 1) * ahead / n, initial=Fraction(1)
-        )
-    )
-    (first, lost), (own, more) = power(high if low else step, alpha), power(low or step, alpha)
-    later = [own * w.numerator // w.denominator for w in weights[1:]]
+    factors = ((alpha - n + 1) * ahead / n for n in range(1, count))
+    weights = list(accumulate(factors, mul, initial=Fraction(1)))
+    # As 0 < alpha < 1, omega^alpha is largest at the high end, and all of its derivatives, powers
+    # with negative exponents, are largest in size at the low end.
+    first, lost = power(high if low else step, alpha)
+    size, more = power(low or step, alpha)
+    later = [size * w.numerator // w.denominator for w in weights[1:]]
     errors = lost + int(more * sum(map(abs, weights))) + 1 + count
     return [first, *(map(abs, later) if low < high else later)], errors
 
 
 class SeriesPoint:
     """Powers of omega, sines, cosines, Re and Im of (j omega)^alpha, as series with the step h: at
-    a number, or from low to high, where coefficients are the largest sizes of theirs. From 0 on the
-    last two are those of h: before them is a power of omega/h.
+    a number, or from low to high, where coefficients are the largest sizes of theirs.
+
+    Where low is 0 the last two are those of (j h)^alpha: (j omega)^alpha is no power series there,
+    and the factor (omega/h)^alpha = v^alpha is taken out.
     """
 
     def __init__(
         self, delays: Numbers, orders: Numbers, low: Fraction, high: Fraction, step: Fraction
     ) -> None:
+        # Without a step, for the value at a point, the constant term is all that is needed.
         count = ORDER + 1 if step else 1
         rest = [0] * (count - 1)
         self.own: list[Series] = [([parts(high), parts(step)][:count], 2)]
@@ -143,18 +176,18 @@ class SeriesPoint:
                 [SCALE] * 4 if low < high else circle(high * rate), step * rate, count
             )
         for alpha in orders:
-            size, turns = (
-                binomial(alpha, low, high, step, count),
-                circle(alpha * Fraction(*PI[0]) / 2),
-            )
+            size = binomial(alpha, low, high, step, count)
+            # j^alpha = cos(alpha pi/2) + j sin(alpha pi/2). The lower bound of pi is off by
+            # 10^-100, less than the part of one by which 3 exceeds the error of ``circle``.
+            turns = circle(alpha * Fraction(*PI[0]) / 2)
             self.own += [times(size, ([x, *rest], 3)) for x in turns[::3]]
         self.none = (0,) * len(self.own)
         self.known: dict[tuple[int, ...], Series] = {self.none: ([SCALE, *rest], 0)}
         self.tables: dict[int, tuple[Any, ...]] = {}
 
     def product(self, powers: tuple[int, ...]) -> Series:
-        """Of omega (first), of a sine, its cosine, the next sine, ..., a real part, its imaginary
-        part, ..., to these powers."""
+        """The series of a product of omega (first), a sine, its cosine, the next sine, ..., a real
+        part, its imaginary part, ..., to these powers."""
         if powers not in self.known:
             i = max(i for i, n in enumerate(powers) if n)
             self.known[powers] = times(
@@ -163,31 +196,31 @@ class SeriesPoint:
         return self.known[powers]
 
     def polynomial(self, p: list[Ball]) -> Series:
-        """In omega."""
+        """The series of a polynomial in omega with these coefficients."""
         if len(p) not in self.tables:
-            rows, errors = zip(
-                *(self.product((n, *self.none[1:])) for n in range(len(p))), strict=True
-            )
-            sizes = [sum(map(abs, row)) + lost for row, lost in zip(rows, errors, strict=True)]
+            powers = [self.product((n, *self.none[1:])) for n in range(len(p))]
+            rows, errors = zip(*powers, strict=True)
+            sizes = [sum(map(abs, row)) + lost for row, lost in powers]
             self.tables[len(p)] = list(zip(*rows, strict=True)), errors, sizes
+        # By columns, the powers at one v^n, as the coefficients of a sum need them.
         columns, errors, sizes = self.tables[len(p)]
         middles, radii = zip(*p, strict=True)
-        lost = sum(map(mul, map(abs, middles), errors)) + sum(map(mul, radii, sizes))
-        return [sum(map(mul, middles, x)) >> BITS for x in columns], (lost >> BITS) + 1 + len(
-            columns
-        )
+        # An error of a power times its coefficient, and one of a coefficient times its power.
+        lost = sum(map(mul, map(abs, middles), errors))
+        lost += sum(map(mul, radii, sizes))
+        series = [sum(map(mul, middles, x)) >> BITS for x in columns]
+        return series, (lost >> BITS) + 1 + len(columns)
 
     def total(self, terms: Terms) -> Series:
-        """Of their sum."""
-        return reduce(
-            plus,
-            (
-                times(self.polynomial(p), self.product(powers[: len(self.own)]))
-                for powers, p in terms
-            ),
-        )
+        """The series of the sum of terms."""
+        # Exponents beyond those of this place are cut off: ``beginnings`` asks for a place without
+        # orders, and treats their powers apart.
+        count = len(self.own)
+        products = (times(self.polynomial(p), self.product(powers[:count])) for powers, p in terms)
+        return reduce(plus, products)
 
 
+# All factors are examined in one cell before the next: they share its powers, sines and cosines.
 place = lru_cache(maxsize=8)(SeriesPoint)
 
 
@@ -197,55 +230,65 @@ place = lru_cache(maxsize=8)(SeriesPoint)
 
 class WaveFactor(OmegaFactor):
     """A sum of polynomials in omega times powers of sines and cosines to a common degree, and of Re
-    and Im of (j omega)^alpha."""
+    and Im of (j omega)^alpha.
+
+    ``waves`` are these degrees, one for each delay; a term is the polynomial times
+    sin^k cos^(n - k) of omega tau/2, and times x^a y^b for each order.
+    """
 
     def __init__(self, x: Any, delays: Numbers, orders: Numbers = ()) -> None:
         waves, terms = keyed(x, "waves", "terms")
+        # Limits of the format: 300 terms, and 40 for each exponent.
         n, rows = len(delays), [listed(row, 2, 2) for row in listed(terms, 300, 1)]
         self.delays, self.orders = delays, orders
         self.waves = tuple(whole(k, 0, 40) for k in listed(waves, n, n))
         most = [*self.waves, *[40] * (2 * len(orders))]
-        exponents = [
-            tuple(map(whole, listed(x, len(most), len(most)), repeat(0), most)) for x, _ in rows
-        ]
+        exponents = []
+        for row, _ in rows:
+            given = listed(row, len(most), len(most))
+            exponents.append(tuple(map(whole, given, repeat(0), most)))
         self.terms = [(x, polynomial(p)) for x, (_, p) in zip(exponents, rows, strict=True)]
         need(len(set(exponents)) == len(rows), "a term stands twice in a factor")
         self.powers = any(any(x[n:]) for x in exponents)
-        sizes = [
-            max(c.bit_length() for c in row) + len(row) + 40 for _, p in self.terms for row in p
-        ]
+        every = [row for _, p in self.terms for row in p]
+        sizes = [max(c.bit_length() for c in row) + len(row) + 40 for row in every]
         self.cost = (sum(sizes) + 500 * len(rows) * (1 + sum(self.degrees[2:]))) * 2
         need(self.cost < 10**7, "a factor is too large")
         self.all = self.numbers(self.terms)
 
     def raised(self, term: tuple[tuple[int, ...], Polynomial]) -> tuple[int, ...]:
-        """Its exponents of Re and Im of powers."""
+        """A term's exponents of Re and Im of powers."""
         return term[0][len(self.delays) :]
 
     def numbers(self, terms: list[Any], number: Callable[[list[int]], Ball] = in_pi) -> Terms:
-        """``number`` : what a coefficient is, with pi in it."""
-        found = []
-        for turns, p in terms:
-            own = [n for k, most in zip(turns, self.waves, strict=False) for n in (k, most - k)]
-            found.append(((0, *own, *turns[len(own) // 2 :]), list(map(number, p))))
-        return found
+        """The terms for a ``SeriesPoint``: exponents of cosines written out, and each coefficient,
+        a polynomial in pi, replaced by what ``number`` makes of it."""
+        numbered = []
+        for exponents, p in terms:
+            pairs = [(k, most - k) for k, most in zip(exponents, self.waves, strict=False)]
+            powers = (0, *chain(*pairs), *exponents[len(pairs) :])
+            numbered.append((powers, list(map(number, p))))
+        return numbered
 
     def sizes(self, terms: Terms) -> Terms:
-        """With cosines alone, whose largest sizes are those of sines."""
-        cosines, found = (
-            [x for n in self.waves for x in (0, n)],
-            dict[tuple[int, ...], list[Ball]](),
-        )
+        """Terms that bound the sizes of these, with cosines alone: over a cell sines and cosines
+        have the same largest sizes."""
+        # So all terms that differ in their sines only become one, with one product.
+        cosines = [x for n in self.waves for x in (0, n)]
+        bounds: dict[tuple[int, ...], list[Ball]] = {}
         for powers, p in terms:
             key = (0, *cosines, *powers[1 + len(cosines) :])
-            rows = zip_longest(found.get(key, []), p, fillvalue=(0, 0))
-            found[key] = [(x + abs(m) + r, 0) for (x, _), (m, r) in rows]
-        return list(found.items())
+            before = bounds.get(key, [])
+            pairs = zip_longest(before, p, fillvalue=(0, 0))
+            bounds[key] = [(x + abs(m) + r, 0) for (x, _), (m, r) in pairs]
+        return list(bounds.items())
 
     def model(self, terms: Terms, a: Fraction, b: Fraction) -> Series:
         """All c_n, n < N, and what the sum of c_n v^n, v from -1 to 1 (0 to 1 from 0 on), is off
         theirs by at most (Lagrange)."""
         middle = (a + b) / 2 if a else a
+        # Lagrange: |f - sum_{n<N} c_n v^n| is at most the N-th coefficient somewhere in the cell,
+        # which the series of largest sizes bounds. The one at the middle is dropped.
         row, lost = place(self.delays, self.orders, middle, middle, b - middle).total(terms)
         largest, more = place(self.delays, self.orders, a, b, b - middle).total(self.sizes(terms))
         return row[:-1], lost + largest[-1] + more
@@ -258,31 +301,36 @@ class WaveFactor(OmegaFactor):
         With a step that makes angles multiples of N! coefficients are whole numbers; each power of
         pi in them is looked at alone.
         """
+        # (tau step/2)^n/n! is then an integer for all n <= N: the series has no error of rounding,
+        # and a zero is exact. A zero must be one in every power of pi, as pi is transcendental.
         step = Fraction(2 * factorial(ORDER) * lcm(*(tau.denominator for tau in self.delays)))
-        here, found = place(self.delays, (), Fraction(0), Fraction(0), step), []
+        origin, beginnings = place(self.delays, (), Fraction(0), Fraction(0), step), []
         for powers, rows in groupby(sorted(self.terms, key=self.raised), self.raised):
             terms = list(rows)
             width = max(len(row) for _, p in terms for row in p)
-            each = [
-                self.numbers(terms, lambda row, i=i: (sum(row[i : i + 1]) * SCALE, 0))  # type: ignore[misc]
-                for i in range(width)
-            ]
-            there = [
-                any(column) for column in zip(*(here.total(x)[0][:-1] for x in each), strict=True)
-            ]
-            exponent = sum(
-                (a * (k + m) for a, (k, m) in zip(self.orders, pairs(powers), strict=True)),
-                Fraction(0),
-            )
-            found.append((exponent, self.numbers(terms), [*there, True]))
-        return found
+            # For each power of pi the series in which a coefficient is its part at that power.
+            each = []
+            for i in range(width):
+                part = self.numbers(terms, partial(coefficient, i))
+                each.append(origin.total(part)[0][:-1])
+            columns = zip(*each, strict=True)
+            nonzero = [any(column) for column in columns]
+            degrees = zip(self.orders, pairs(powers), strict=True)
+            exponent = sum((a * (k + m) for a, (k, m) in degrees), Fraction(0))
+            # The last coefficient is somewhere in the cell, not at 0, and never known to be zero.
+            beginnings.append((exponent, self.numbers(terms), [*nonzero, True]))
+        return beginnings
 
     def signs(self, a: Fraction, b: Fraction) -> tuple[Fraction | int, list[int]]:
+        """The order of the zero at a, and one sign for the whole cell, or one just above a and one
+        just below b, with at most one zero between; refused where neither is proven."""
         if not a:
             return self.signs_from_0(b)
         row, lost = self.model(self.all, a, b)
-        if found := side(row, lost):
-            return 0, [found]
+        if sign := side(row, lost):
+            return 0, [sign]
+        # A derivative of one sign makes the factor monotonic: the signs at both ends tell whether
+        # there is a zero. N times the error bounds what differentiation does to the errors.
         need(side([n * c for n, c in enumerate(row)][1:], ORDER * lost), "a sign stays open")
         return 0, [strict(sum(row[::2]) - sum(row[1::2]), lost), strict(sum(row), lost)]
 
@@ -290,48 +338,52 @@ class WaveFactor(OmegaFactor):
         """A sum of c v^e, v from 0 to 1, has one sign if all of its partial sums have, from the
         lowest e on (Abel)."""
         total, lost = Counter[Fraction](), 0
-        for exponent, terms, there in self.beginnings:
+        for exponent, terms, nonzero in self.beginnings:
             row, more = self.model(terms, Fraction(0), b)
             lost += more
-            total.update({exponent + n: c for n, c in enumerate([*row, 0]) if there[n]})
+            # A 0 stands for the N-th coefficient, which is in ``lost``: its partial sum counts too.
+            total.update({exponent + n: c for n, c in enumerate([*row, 0]) if nonzero[n]})
         signs = [strict(x, lost) for x in accumulate(total[e] for e in sorted(total))]
         need(len(set(signs)) == 1, "a sign stays open")
         return min(total), signs[:1]
 
     def sign(self, x: Fraction) -> int:
-        """Of its value at a rational number; refused where its bounds do not tell."""
+        """The sign of its value at a rational number; refused where its bounds contain 0."""
         [value], lost = place(self.delays, self.orders, x, x, Fraction(0)).total(self.all)
         return strict(value, lost)
 
 
 @cache
 def bernstein(count: int) -> list[tuple[int, ...]]:
-    """Of 1, v, v^2, ...: Bernstein's coefficients on [-1, 1], times those of (1 + u)^n, with which
-    each row begins."""
+    """For each of Bernstein's coefficients on [-1, 1] the weights of 1, v, v^2, ... in it, all
+    times the coefficient of (1 + u)^n, which is the weight of 1 and begins the row."""
     units = ([0] * n + [1] + [0] * (count - 1 - n) for n in range(count))
     return list(zip(*(moved(x, (-1, 1), (1, 1)) for x in units), strict=True))
 
 
 def side(row: list[int], lost: int) -> int:
-    """The sign for all v from -1 to 1, if Bernstein's coefficients show it."""
-    found = [(sum(map(mul, row, x)), lost * x[0]) for x in bernstein(len(row))]
-    return all(x > most for x, most in found) - all(x < -most for x, most in found)
+    """The sign for all v from -1 to 1, if Bernstein's coefficients show it; 0 if they do not."""
+    # A polynomial lies between the least and the largest of its Bernstein coefficients. They are
+    # times binomial coefficients here, and so is the error.
+    coefficients = [(sum(map(mul, row, x)), lost * x[0]) for x in bernstein(len(row))]
+    positive = all(x > error for x, error in coefficients)
+    return positive - all(x < -error for x, error in coefficients)
 
 
 def strict(x: int, lost: int) -> int:
-    """The sign of a number."""
+    """The sign of a number that is known up to an error; refused where it may be 0."""
     need(abs(x) > lost, "a sign stays open")
     return 1 if x > 0 else -1
 
 
 def polynomial_factor(x: Any, delays: Numbers = (), orders: Numbers = ()) -> OmegaFactor:
-    """One without sines and powers."""
+    """A factor without sines and powers."""
     step, rows = keyed(x, "step", "polynomial")
     return OmegaFactor(polynomial(rows), whole(step, 1, 2), len(delays), len(orders))
 
 
 def factor_of(x: Any, delays: Numbers, orders: Numbers) -> OmegaFactor:
-    """Of a proof."""
+    """A factor of a proof, of either kind."""
     return (WaveFactor if isinstance(x, dict) and "waves" in x else polynomial_factor)(
         x, delays, orders
     )

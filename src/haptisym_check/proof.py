@@ -1,4 +1,9 @@
-"""A certificate against a scene file: proven, or refused; and what is proven, in words."""
+"""A certificate against a scene file: proven, or refused; and what is proven, in words.
+
+A certificate has a claim and a proof. Each question computes from the proof and the scene what the
+claim must be; the two are then compared as a whole, so nothing in a claim is taken on trust. Begin
+with ``check``, then ``evaluation``.
+"""
 
 import hashlib
 import json
@@ -24,7 +29,9 @@ from haptisym_check.values import (
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON in which no key stands twice."""
+    """An object of JSON in which no key stands twice; refused otherwise."""
+    # Readers of JSON differ in which of two equal keys counts: such a certificate would say
+    # different things to different checkers.
     need(len(dict(pairs)) == len(pairs), "a key stands twice")
     return dict(pairs)
 
@@ -58,6 +65,7 @@ def check(text: bytes, scene_file: bytes) -> str:
     ]
     need(known, "the claim answers no question that is known")
     follows = known[0](claim, proof, SceneFile(scene_file, name, claim.get("free")))
+    # Compared as text: for Python 1 == True == 1.0, which are three different claims.
     keyed(claim, "question", *follows)
     for key, x in follows.items():
         same = json.dumps(claim[key], sort_keys=True) == json.dumps(x, sort_keys=True)
@@ -66,7 +74,7 @@ def check(text: bytes, scene_file: bytes) -> str:
 
 
 def evaluation(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
-    """All that happens on the band."""
+    """What the claim of an evaluation must be: all that happens on the band (rules 1 to 5)."""
     lags, powers, points, told, products, poles = keyed(proof, *EVALUATION)
     delays, orders = others(lags, powers)
     factors = [factor_of(x, delays, orders) for x in listed(told, 500)]
@@ -77,40 +85,39 @@ def evaluation(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str,
         for pair in listed(claim.get("frequencies"), 2000, 2)
     ]
     chart = PlaceTable(scene, numbers(points, 2000, 2), factors, enclosures)
-    found = claimed({key: SignRow(x, chart) for key, x in proven.items()}, from_0=chart.from_0)
-    count = (
-        None
-        if poles is None
-        else zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length)
-    )
-    return {
-        "frequencies": claim["frequencies"],
-        **found,
-        "stable": None if count is None else count == 0,
-    }
+    curves = {key: SignRow(x, chart) for key, x in proven.items()}
+    on_band = claimed(curves, from_0=chart.from_0)
+    # The poles of H_perc are the zeros of 1/H_perc. Without a proof of them nothing is claimed.
+    stable = None
+    if poles is not None:
+        stable = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length) == 0
+    return {"frequencies": claim["frequencies"], **on_band, "stable": stable}
 
 
 def stability(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
-    """Poles under prescribed motion, and roots in hands, in Re s >= 0."""
+    """What the claim about stability must be: the numbers of poles under prescribed motion, and of
+    roots in each hand, in Re s >= 0."""
     poles, held = keyed(proof, "imposed", "held")
-    rows, found = listed(claim.get("held"), 100), []
-    count = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length, 1 + len(rows))
-    for told, own in zip(rows, listed(held, len(rows), len(rows)), strict=True):
+    rows, in_hands = listed(claim.get("held"), 100), []
+    # All of these counts together may take no longer than one that stands alone.
+    share = 1 + len(rows)
+    count = zeros(poles, lambda point: scene.at(point)[1][::-1], scene.length, share)
+    for told, of_hand in zip(rows, listed(held, len(rows), len(rows)), strict=True):
         hand, _ = keyed(told, "hand", "unstable")
-        roots = zeros(own, in_hand(hand, scene), scene.length, 1 + len(rows))
-        found.append({"hand": hand, "unstable": roots})
-    return {"imposed": count, "held": found}
+        roots = zeros(of_hand, in_hand(hand, scene), scene.length, share)
+        in_hands.append({"hand": hand, "unstable": roots})
+    return {"imposed": count, "held": in_hands}
 
 
 def in_hand(hand: Any, scene: SceneFile) -> Any:
-    """What H_perc + m s^2 + b s + k is at a point: of a hand of the scene file by its name, or as
-    claimed."""
-    own = (
+    """The function H_perc + m s^2 + b s + k of a point, with a hand of the scene file by its name,
+    or one whose numbers are in the claim."""
+    table = (
         scene.hand(hand)
         if isinstance(hand, str)
         else dict(zip("mbk", map(number, keyed(hand, *"mbk")), strict=True))
     )
-    z = Element({**own, "model": "mass-spring-damper"}, 1)
+    z = Element({**table, "model": "mass-spring-damper"}, 1)
     return lambda point: combined("+", scene.at(point)[1], z.at(point)[0])
 
 
@@ -123,14 +130,14 @@ QUESTIONS = {"evaluation": evaluation, "stability": stability, "requirement": re
 
 
 def words(claim: dict[str, Any]) -> list[str]:
-    """A line for what it is about, then one for each thing that it says."""
+    """The proven claim in words: a line for what it is about, then one for each result."""
     return {"evaluation": of_band, "stability": of_roots, "requirement": of_values}[
         claim["question"]
     ](claim)
 
 
 def of_band(claim: dict[str, Any]) -> list[str]:
-    """Of an evaluation."""
+    """The lines of an evaluation."""
     at = [x if x == y else f"[{x}, {y}]" for x, y in claim["frequencies"]]
     n = len(claim["crossings"])
     lines = [
@@ -153,7 +160,7 @@ def of_band(claim: dict[str, Any]) -> list[str]:
 
 
 def of_roots(claim: dict[str, Any]) -> list[str]:
-    """Of stability."""
+    """The lines of a claim about stability."""
     lines = [f"Proven: {claim['imposed']} poles of H_perc in Re s >= 0 (prescribed motion)."]
     for hand, roots in ((x["hand"], x["unstable"]) for x in claim["held"]):
         name = (
@@ -166,7 +173,7 @@ def of_roots(claim: dict[str, Any]) -> list[str]:
 
 
 def of_values(claim: dict[str, Any]) -> list[str]:
-    """Of a requirement."""
+    """The lines of a requirement."""
     free, parts, binds = claim["free"], claim["parts"], claim["binds"]
     lines = [
         (

@@ -1,4 +1,10 @@
-"""What a scene file says, exactly, and rule 1: the functions of a proof are those of the scene."""
+"""What a scene file says, exactly, and rule 1: the functions of a proof are those of the scene.
+
+The scene's formulas are not expanded. They are computed at integers in place of omega, pi, tangents
+and powers, with bounds on the degrees, and so are the products of the proof. Two fractions are one
+function if left bottom - right top vanishes at every point of a grid that is larger than its
+degrees. Begin with ``link``; ``Element`` and ``SceneFile`` read the file.
+"""
 
 import re
 import tomllib
@@ -34,18 +40,22 @@ from haptisym_check.values import (
 T = TypeVar("T")
 NUMBER = r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3}(?![0-9]))?"
 EXPONENT = r"[+-]?(?:[0-9]{1,2}(?:\.[0-9]{0,12})?|\.[0-9]{1,12})"
-POWER = rf"(?:\^|\*\*)\s*(?:\(\s*(?:[+-]?[0-9]{{1,2}}\s*/\s*[1-9][0-9]?|{EXPONENT})\s*\)|{EXPONENT}(?![\w.]))"
+BROKEN = r"[+-]?[0-9]{1,2}\s*/\s*[1-9][0-9]?"
+# A power is one word with its sign: its exponent is a number, never a formula.
+POWER = rf"(?:\^|\*\*)\s*(?:\(\s*(?:{BROKEN}|{EXPONENT})\s*\)|{EXPONENT}(?![\w.]))"
 WORD = re.compile(rf"{NUMBER}|[^\W\d]\w*|[°%]|{POWER}|[-+*/()]")
 BINDS = {"+": 1, "-": 1, "*": 2, "/": 2}
 
 
 @cache
 def words_of(text: str) -> list[str]:
-    """Numbers, names, signs and powers, in reverse."""
-    found = WORD.findall(text) if len(text) <= 4000 else []
-    whole = "".join("".join(found).split()) == "".join(text.split())
-    need(found and len(found) <= 400 and whole, f"{text[:60]!r} is not understood")
-    return found[::-1]
+    """The numbers, names, signs and powers of a formula, in reverse: the next one is popped from
+    the end."""
+    words = WORD.findall(text) if len(text) <= 4000 else []
+    # ``findall`` passes over what it does not know; a formula must be nothing but its words.
+    whole = "".join("".join(words).split()) == "".join(text.split())
+    need(words and len(words) <= 400 and whole, f"{text[:60]!r} is not understood")
+    return words[::-1]
 
 
 def evaluated(
@@ -56,9 +66,10 @@ def evaluated(
     words = [*words_of(text)]
 
     def value(least: int) -> T:
-        """Of what signs hold together that bind more than that."""
+        """The value of the longest formula ahead whose signs bind more than ``least``."""
         word = words.pop() if words else ")"
         if word in BINDS:
+            # A sign before a term is a factor 1 or -1, taken after powers: -s^2 is -(s^2).
             need(BINDS[word] == 1, f"{text[:60]!r} is not understood")
             found = combine("*", leaf(f"{word}1"), value(2))
         elif word == "(":
@@ -69,11 +80,14 @@ def evaluated(
             found = leaf(word)
         if word not in BINDS and words and re.match(r"\^|\*\*", words[-1]):
             base, n = found, Fraction(re.sub("[^-0-9./]", "", words.pop()))
+            # A whole power is a product. Any other one is a leaf by itself, for s or a unit only.
             found = leaf("1" if n.denominator == 1 else f"{word}^{n}")
             for _ in range(abs(int(n)) if n.denominator == 1 else 0):
                 found = combine("*" if n > 0 else "/", found, base)
         while words and words[-1] != ")" and BINDS.get(words[-1], BINDS["*"]) > least:
             sign = words[-1] if words[-1] in BINDS else "*"
+            # Two words without a sign between are a product of units, as in N m. In a formula, or
+            # before a number, that is refused.
             unsaid = words[-1] != sign and (
                 not spaced or (words[-1] != "1" and words[-1][0] in ".0123456789")
             )
@@ -108,21 +122,24 @@ SPELLED: dict[int, str] = {
 
 
 def unit(word: str) -> DimensionedNumber:
-    """A number, or a unit by its name, perhaps with a prefix."""
+    """The value and dimension of a number, or of a unit by its name, perhaps with a prefix."""
     if word[0] in "+-.0123456789" and "^" not in word:
         return DimensionedNumber(Fraction(word))
     name, _, power = word.partition("^")
+    # The whole name first: "min" is a minute and no milli-inch, "m" a metre and no prefix.
     prefix, base = ("", name) if name in CATALOGUE["units"] else (name[:1], name[1:])
     factor, pi, dimension, prefixed = CATALOGUE["units"].get(base, ["1", 0, [], ""])
     fits = dimension and (not prefix or (prefix in CATALOGUE["prefixes"] and prefixed))
     need(fits, f"the unit {word!r} is not understood")
     value = Fraction(factor) * Fraction(10) ** CATALOGUE["prefixes"].get(prefix, 0)
+    # A power that is not whole: only of units whose factor is 1, as a root of 1000 or of pi would
+    # not be exact.
     need(not power or (value == 1 and not pi), f"the power {word!r} is not rational")
     return DimensionedNumber(value, pi, [Fraction(power or 1) * n for n in dimension])
 
 
 def units(sign: str, x: DimensionedNumber, y: DimensionedNumber) -> DimensionedNumber:
-    """The product or the quotient of two."""
+    """The product or the quotient of two quantities, with their dimensions."""
     need(sign in "*/", "a quantity is a product of powers")
     n = 1 if sign == "*" else -1
     need(n > 0 or y.value, "a division by zero")
@@ -147,6 +164,7 @@ def quantity(given: Any, kind: str = "") -> DimensionedNumber:
             2 <= len(given) <= 3, "a range has two ends, and perhaps its nominal value between them"
         )
         low, *between, high = (quantity(x, kind) for x in given)
+        # Ends with different powers of pi have no middle that is a rational times one of them.
         need(low[1:] == high[1:], "the ends of a range have different units")
         return between[0] if between else low._replace(value=(low.value + high.value) / 2)
     if isinstance(given, DimensionedNumber):
@@ -154,26 +172,28 @@ def quantity(given: Any, kind: str = "") -> DimensionedNumber:
     if isinstance(given, int | Fraction) and not isinstance(given, bool):
         return DimensionedNumber(Fraction(given))
     need(isinstance(given, str) and len(given) < 500, "a value is neither a number nor a text")
+    # What follows +- is an uncertainty: claims are about the nominal value.
     text, *deviation = re.split(r"\+/?-|±", given)
-    found = evaluated(text.translate(SPELLED), unit, units, spaced=True)
-    own = CATALOGUE["dimensions"][kind] if kind else []
+    nominal = evaluated(text.translate(SPELLED), unit, units, spaced=True)
+    allowed = CATALOGUE["dimensions"][kind] if kind else []
     need(
-        len(deviation) < 2 and (not own or found.dimension in (None, *own)),
+        len(deviation) < 2 and (not allowed or nominal.dimension in (None, *allowed)),
         f"{given[:60]!r} has the wrong dimension",
     )
-    return found
+    return nominal
 
 
 # What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever
 # it is asked for.
 
-Powered = tuple[
-    Ratio, Fraction
-]  # times s to that power: in a product they are added, as s^a s^b = s^(a + b)
+# A dynamics times s to a power: in a product powers are added, as s^a s^b = s^(a + b). Two powers
+# that are not whole can so make one that is, and need no order of the proof.
+Powered = tuple[Ratio, Fraction]
 
 
 def row(model: str, given: dict[str, Any]) -> list[str]:
-    """That of the catalogue for these parameters; lists among them are taken apart."""
+    """The row of the catalogue for a model with these parameters: its signature, then its formulas;
+    lists among the parameters are taken apart."""
     if model == "prony":
         k, b = given.pop("k", None), given.pop("b", None)
         need(
@@ -188,6 +208,8 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
     if model == "pade-delay":
         n = given.pop("order", 0)
         need(type(n) is int and 1 <= n <= 10, "the order must be a whole number from 1 to 10")
+        # Pade's quotient p(-s tau)/p(s tau) of order n; the common factor of all its coefficients,
+        # which cancels, is left out, so that they are integers.
         weights = [comb(n, i) * factorial(2 * n - i) for i in range(n + 1)]
         back, forth = (
             " + ".join(f"{c}*({x}s*tau)^{i}" for i, c in enumerate(weights)) for x in ("-", "")
@@ -199,19 +221,13 @@ def row(model: str, given: dict[str, Any]) -> list[str]:
             type(n) is int and 0 <= n <= 20,
             "the delay must be a whole number of samples, from 0 to 20",
         )
-        clock = (
-            "v/u" if method is None else CATALOGUE["clocks"].get(str(method))
-        )  # without a method: z itself
+        # u/v = exp(-s T), so v/u is z. Without a method what is rendered is in z itself.
+        clock = "v/u" if method is None else CATALOGUE["clocks"].get(str(method))
         need(clock is not None, "the method of a clock is not understood")
         return ["T@1", f"u^{n}*(v - u)", "0", "0", f"s*T*v^{n + 1}", str(clock)]
-    full = next(
-        (
-            f"{model} {x}"
-            for x in ("Z", "tau")
-            if x in given and f"{model} {x}" in CATALOGUE["models"]
-        ),
-        model,
-    )
+    # Some models have a second form, for other parameters: with a dynamics Z, or with a delay tau.
+    variants = (f"{model} {x}" for x in ("Z", "tau") if x in given)
+    full = next((x for x in variants if x in CATALOGUE["models"]), model)
     need(full in CATALOGUE["models"], f"the model {model!r} is not understood")
     return list(CATALOGUE["models"][full])
 
@@ -226,13 +242,13 @@ class Element:
             isinstance(table, dict) and isinstance(table.get("model"), str),
             "an environment or effect has no model",
         )
-        model, given = (
-            table["model"],
-            {key: x for key, x in table.items() if key not in ("model", "name")},
-        )
+        model = table["model"]
+        given = {key: x for key, x in table.items() if key not in ("model", "name")}
         own, self.lag = given.pop("parameters", {}), None
         self.in_z = model == "difference-equation"
         signature, *self.texts = row(model, given)
+        # A mark in the signature: "?" a parameter that may be left out, "=" a formula of the scene,
+        # "@n" a delay whose n-fold is the lag, "^" the order of a power.
         names = {re.split("[=?@^]", x)[0]: x for x in signature.split()}
         needed = {key for key, x in names.items() if "?" not in x}
         fits = (
@@ -244,18 +260,20 @@ class Element:
             fits and (not own or "=" in signature), f"the parameters of {model} are not understood"
         )
         if "=" in signature:
+            # The scene's formulas take the places of the capitals in those of the model.
             self.texts = [
                 re.sub(r"\b[A-Z]\b", lambda x: str(given[x[0]]), text) for text in self.texts
             ]
             lag = {key for key, x in names.items() if "@" in x and key in given}
-            words = {
-                *own,
-                *re.findall(r"\w+", str([x for key, x in given.items() if key not in lag])),
-            }
+            formulas_given = [x for key, x in given.items() if key not in lag]
+            words = {*own, *re.findall(r"\w+", str(formulas_given))}
+            # u and v are what the model calls the parts of exp(-s lag).
             need(not lag or not {"u", "v", *lag} & words, "a name stands for two numbers")
             self.numbers = {key: self.number(x, "", felt) for key, x in own.items()}
             self.numbers |= {key: self.number(given[key], "t", felt) for key in lag}
             if self.in_z:
+                # Its z is the variable at which the element is computed, as s is elsewhere;
+                # ``SceneFile.at`` puts the clock's value there.
                 need("s" not in words and "z" not in own, "no difference equation in z")
                 self.texts = [re.sub(r"\bz\b", "s", text) for text in self.texts]
         else:
@@ -265,11 +283,9 @@ class Element:
             self.numbers = {
                 key: self.number(given.get(key, 0), kind, felt) for key, kind in kinds.items()
             }
-        lags = [
-            (self.numbers[key], int(x[-1]))
-            for key, x in names.items()
-            if "@" in x and key in self.numbers
-        ]
+        marked = [(key, x) for key, x in names.items() if "@" in x and key in self.numbers]
+        lags = [(self.numbers[key], int(x[-1])) for key, x in marked]
+        # A delay with pi is a multiple of none of the proof's, which are rational.
         need(
             all(not x.pi and x.value >= 0 for x, _ in lags), "a delay is negative, or has pi in it"
         )
@@ -307,13 +323,11 @@ class Element:
         def leaf(word: str) -> Powered:
             if word.startswith("s^"):
                 return (ONE, ONE), Fraction(word[2:])
-            need(
-                word in known or ("^" not in word and word[0] in "+-.0123456789"),
-                f"the name {word!r} is not known",
-            )
-            return known[word] if word in known else DimensionedNumber(Fraction(word)).at(
-                point.pi
-            ), Fraction(0)
+            if word in known:
+                return known[word], Fraction(0)
+            is_number = "^" not in word and word[0] in "+-.0123456789"
+            need(is_number, f"the name {word!r} is not known")
+            return DimensionedNumber(Fraction(word)).at(point.pi), Fraction(0)
 
         def shifted(x: Ratio, n: Fraction) -> Ratio:
             return combined("*", x, point.raised(n)) if n else x
@@ -322,12 +336,10 @@ class Element:
             (a, m), (b, n) = x, y
             if sign in "*/":
                 return combined(sign, a, b), m + n if sign == "*" else m - n
-            alike = m == n and all(
-                max(v.degrees) <= 0 for v in (*a, *b)
-            )  # multiples of one power, without s
-            nothing = [
-                top.degrees[0] < 0 for top, _ in (a, b)
-            ]  # the polynomial 0, whose degree is below all others
+            # Multiples of one power, without s: the power stays, and may yet meet another one.
+            alike = m == n and all(max(v.degrees) <= 0 for v in (*a, *b))
+            # The polynomial 0, whose degree is below all others, leaves the other term its power.
+            nothing = [top.degrees[0] < 0 for top, _ in (a, b)]
             if alike or any(nothing):
                 return combined(sign, a, b), n if nothing[0] else m
             return combined(sign, shifted(a, m), shifted(b, n)), Fraction(0)
@@ -336,7 +348,7 @@ class Element:
 
 
 def tables(x: Any) -> list[dict[str, Any]]:
-    """A list of tables, of a file."""
+    """A list of tables of a file, at most 100; refused if it is none."""
     need(
         isinstance(x, list) and len(x) <= 100 and {*map(type, x)} <= {dict},
         "a list of at most 100 tables is none",
@@ -391,7 +403,7 @@ KEYS = {
 }
 
 MOST_STEPS = 10_000_000
-"""For the keys of a scene: to read one takes as many as the square of its dots."""
+"""Limit of the work for dotted keys: ``tomllib`` takes steps as many as the square of the dots."""
 
 
 class SceneFile:
@@ -405,6 +417,7 @@ class SceneFile:
                 "the scene has too many dots in a line: keys of so many parts are not read"
             )
         try:
+            # 0.1 is 1/10: no float is ever made of a number of the file.
             table = tomllib.loads(
                 data.decode("utf-8-sig"), parse_float=lambda x: quantity(x.replace("_", "")).value
             )
@@ -415,11 +428,8 @@ class SceneFile:
             f"keys of the scene are not understood: {sorted(table.keys() - KEYS)}",
         )
         if "environments" in table or name is not None:
-            every = [
-                x
-                for x in tables(table.get("environments"))
-                if x.get("name", x.get("model")) == name
-            ]
+            rows = tables(table.get("environments"))
+            every = [x for x in rows if x.get("name", x.get("model")) == name]
             fits = (
                 isinstance(name, str)
                 and len(every) == 1
@@ -435,10 +445,9 @@ class SceneFile:
             Element(table["rendered"], 1, self.felt) if "rendered" in table else self.felt
         )
         worn = carried(table["device"]) if "device" in table else []
-        self.effects, told = (
-            [Element(x, 4) for x in [*tables(table.get("effects", [])), *worn]],
-            table.get("evaluation", {}),
-        )
+        # The device is nearest to the hand, so its effects come last.
+        self.effects = [Element(x, 4) for x in [*tables(table.get("effects", [])), *worn]]
+        told = table.get("evaluation", {})
         elements = [self.felt, self.rendered, *self.effects]
         fits = self.rendered.in_z == any(x.texts[4:] == ["v/u"] for x in self.effects)
         need(fits and not self.felt.in_z, "a clock and what it renders do not fit")
@@ -456,22 +465,23 @@ class SceneFile:
         )
         self.threshold = {part: quantity(x, "z") for part, x in both.items()}
         if free is not None:
-            own = [
-                *self.threshold.values(),
-                *(x for element in elements for x in element.numbers.values()),
-            ]
+            # The parameter takes the place of pi in every polynomial, so pi itself may stand
+            # nowhere but in the band, which is not part of the functions.
+            values = list(self.threshold.values())
+            for element in elements:
+                values += element.numbers.values()
             there = any("pi" in words_of(text) for element in elements for text in element.texts)
             need(
-                not there and all(x is FREE or not x.pi for x in own) and FREE in own,
+                not there and all(x is FREE or not x.pi for x in values) and FREE in values,
                 "a parameter is free beside pi",
             )
         self.hands = tables([table["hand"]] if "hand" in table else table.get("hands", []))
 
     def hand(self, name: str) -> dict[str, Any]:
         """Mass, damping and stiffness in the file."""
-        found = [x for x in self.hands if x.get("name", "hand") == name]
-        need(len(found) == 1 and "model" not in found[0], f"the scene has not one hand {name!r}")
-        return {key: x for key, x in found[0].items() if key not in ("name", "source")}
+        named = [x for x in self.hands if x.get("name", "hand") == name]
+        need(len(named) == 1 and "model" not in named[0], f"the scene has not one hand {name!r}")
+        return {key: x for key, x in named[0].items() if key not in ("name", "source")}
 
     def at(self, point: ChainPoint) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s
@@ -485,6 +495,8 @@ class SceneFile:
         [(top, bottom)] = self.rendered.at(
             point._replace(s=clocks[0], orders=()) if clocks else point
         )
+        # Each effect is a matrix [[a/x, b/y], [c/z, d/w]] and makes of a dynamics H
+        # (a/x H + b/y)/(c/z H + d/w); both sides are multiplied by x y z w.
         for (a, x), (b, y), (c, z), (d, w), *_ in effects:
             above = a.times(y).times(top).plus(b.times(x).times(bottom))
             below = c.times(w).times(top).plus(d.times(z).times(bottom))
@@ -500,40 +512,32 @@ Numbers = tuple[Fraction, ...]
 
 
 class FactoredNumber:
-    """number * product of factor^exponent."""
+    """number * product of factor^exponent: a product of the format."""
 
     def __init__(self, x: Any, factors: list[OmegaFactor]) -> None:
         value, powers = keyed(x, "number", "powers")
         rows = [listed(row, 2, 2) for row in listed(powers, 500)]
-        self.number, self.powers = (
-            number(value),
-            {whole(i, 0, len(factors) - 1): whole(n, -100, 100) for i, n in rows},
-        )
+        self.number = number(value)
+        self.powers = {whole(i, 0, len(factors) - 1): whole(n, -100, 100) for i, n in rows}
         need(len(self.powers) == len(rows), "a factor stands twice in a product")
         need(self.number or not rows, "a function that is zero everywhere has no factors")
         self.size = sum(abs(n) * factors[i].size for i, n in self.powers.items())
-        waves = list(
-            map(
-                sum,
-                zip(
-                    *([n * k for k in factors[i].waves] for i, n in self.powers.items()),
-                    strict=True,
-                ),
-            )
-        )
+        degrees = ([n * k for k in factors[i].waves] for i, n in self.powers.items())
+        waves = [sum(column) for column in zip(*degrees, strict=True)]
+        # A factor of degree n in sine and cosine is cos^n times a polynomial in the tangent t. An
+        # odd power of the cosine is no rational function of t; an even one is, by
+        # cos^2 = 1/(1 + t^2).
         need(not any(n % 2 for n in waves), "a product changes its sign in a turn")
-        self.circles = [-n // 2 for n in waves]  # cos^2 = 1/(1 + t^2)
+        self.circles = [-n // 2 for n in waves]
 
     def at(self, factors: list[GaussianValue], circles: list[GaussianValue]) -> Ratio:
         """Numerator and denominator, with values of the factors and of 1 + t^2 for each tangent
         t."""
-        found = [GaussianValue(self.number.numerator), GaussianValue(self.number.denominator)]
-        for x, n in [
-            *((factors[i], n) for i, n in self.powers.items()),
-            *zip(circles, self.circles, strict=False),
-        ]:
-            found[n < 0] = found[n < 0].times(x.power(abs(n)))
-        return found[0], found[1]
+        sides = [GaussianValue(self.number.numerator), GaussianValue(self.number.denominator)]
+        powers = [(factors[i], n) for i, n in self.powers.items()]
+        for x, n in [*powers, *zip(circles, self.circles, strict=False)]:
+            sides[n < 0] = sides[n < 0].times(x.power(abs(n)))
+        return sides[0], sides[1]
 
 
 def functions(
@@ -547,17 +551,17 @@ def functions(
         "difference": combined("-", g, h),
         "sum": combined("+", g, h),
     }
-    found: dict[str, Ratio] = {}
+    ratios: dict[str, Ratio] = {}
     for name, (u, v) in pairs.items():
         turned = u.times(v.conjugate())  # u/v = u conj(v)/|v|^2
         for part, size in zip(PARTS, turned[:2], strict=True):
-            found[f"{name}.{part}"] = turned._replace(re=size, im=0), v.times(v.conjugate())
+            ratios[f"{name}.{part}"] = turned._replace(re=size, im=0), v.times(v.conjugate())
     root = h[0].times(h[1]).times(g[1]).times(g[1])  # H = N/D, G = P/Q
     for part in PARTS:  # (Re (G - H))^2/|H|^2 = (Re ((P D - Q N) conj(D Q)))^2/(|N|^2 |D|^2 |Q|^4)
-        y, limit = found[f"difference.{part}"][0], scene.threshold[part].at(pi)
+        y, limit = ratios[f"difference.{part}"][0], scene.threshold[part].at(pi)
         ratio = y.times(y), root.times(root.conjugate())
-        found[f"excess.{part}"] = combined("-", ratio, combined("*", limit, limit))
-    return found
+        ratios[f"excess.{part}"] = combined("-", ratio, combined("*", limit, limit))
+    return ratios
 
 
 Values = Callable[..., dict[str, Ratio]]
@@ -576,26 +580,19 @@ class FunctionGrid:
         delays: int,
         orders: int,
     ) -> None:
-        self.told, self.factors, self.scene, self.delays, self.orders = (
-            told,
-            factors,
-            scene,
-            delays,
-            orders,
-        )
+        self.told, self.factors, self.scene = told, factors, scene
+        self.delays, self.orders = delays, orders
+        # Any one point shows the degrees: they do not depend on the values.
         self.start = self.sides(0, 1, *[0] * delays, *[(0, 0)] * orders)
 
     def sides(self, x: int, pi: int, *others: Any) -> dict[str, Sides]:
         """Numerator and denominator of each function in the scene, and as told."""
-        circles = [
-            GaussianValue(1 + t * t, 0, degree(2 + i, 2))
-            for i, t in enumerate(others[: self.delays])
-        ]
-        values = [
-            own.at(x, pi, [*others[: self.delays], *chain(*others[self.delays :])])
-            for own in self.factors
-        ]
-        functions = self.scene(GaussianValue(x, 0, degree(0)), pi, *others)
+        tangents, powers = others[: self.delays], others[self.delays :]
+        circles = [GaussianValue(1 + t * t, 0, degree(2 + i, 2)) for i, t in enumerate(tangents)]
+        variables = [*tangents, *chain(*powers)]
+        values = [factor.at(x, pi, variables) for factor in self.factors]
+        omega = GaussianValue(x, 0, degree(0))
+        functions = self.scene(omega, pi, *others)
         return {
             name: (*functions[name], *told.at(values, circles)) for name, told in self.told.items()
         }
@@ -608,27 +605,28 @@ class FunctionGrid:
     def zero(
         self, names: set[str], rests: Callable[[str, Sides], list[GaussianValue]], cost: int
     ) -> set[str]:
-        """Those of which polynomials vanish on a grid that shows that they are zero; on it left
-        bottom must be right top."""
+        """The names for which all polynomials of ``rests`` vanish on a grid that is larger than
+        their degrees, so that they are zero; refused where left bottom is not right top on it."""
         rows = (x.degrees for name in names for x in rests(name, self.start[name]))
-        n, m, *size = [max(0, *column) + 1 for column in zip(*rows, strict=True)][
-            : 2 + self.delays + self.orders
-        ]
+        # One point more in each variable than its degree: a polynomial that vanishes on all of them
+        # is zero. For Re and Im of a power, whose degrees have one bound together, a triangle of
+        # points does, about half as many as a square.
+        bounds = [max(0, *column) + 1 for column in zip(*rows, strict=True)]
+        n, m, *size = bounds[: 2 + self.delays + self.orders]
         tangents, powers = size[: self.delays], size[self.delays :]
-        corners = [k * (k + 1) // 2 for k in powers]  # of Re and Im together, as their degrees are
+        corners = [k * (k + 1) // 2 for k in powers]
         need(
             n <= 3000 and n * m * prod(tangents + corners) * cost <= 3 * 10**7,
             "the degrees are too high",
         )
         triangles = ([(i, k) for i in range(most) for k in range(most - i)] for most in powers)
-        for at in product(
-            *map(list[Any], (range(n), range(1, m + 1), *map(range, tangents), *triangles))
-        ):
-            found = self.sides(*at) if names else {}
-            wrong = [name for name in names if across(name, found[name])[0][:2] != (0, 0)]
+        axes = (range(n), range(1, m + 1), *map(range, tangents), *triangles)
+        for at in product(*map(list[Any], axes)):
+            sides = self.sides(*at) if names else {}
+            wrong = [name for name in names if across(name, sides[name])[0][:2] != (0, 0)]
             need(not wrong, f"{', '.join(sorted(wrong))}: not that of the scene")
             names = {
-                name for name in names if all(x[:2] == (0, 0) for x in rests(name, found[name]))
+                name for name in names if all(x[:2] == (0, 0) for x in rests(name, sides[name]))
             }
         return names
 
@@ -659,10 +657,10 @@ def link(
     cost = share * (
         sum(x.size for x in factors) + sum(x.size for x in told.values()) + 5 * length + 100
     )
-    grid, fixed = (
-        FunctionGrid(told, factors, scene, *waves),
-        dict[str, tuple[GaussianValue, GaussianValue]](),
-    )
+    grid = FunctionGrid(told, factors, scene, *waves)
+    fixed: dict[str, tuple[GaussianValue, GaussianValue]] = {}
+    # Across, 0 bottom = right 0 would fit anything. One point where neither denominator is zero
+    # shows that neither is the polynomial 0.
     for k in range(17, 25):
         other = grid.elsewhere(k) if len(fixed) < len(told) else {}
         fixed |= {name: (x[3], x[1]) for name, x in other.items() if x[3].re and x[1][:2] != (0, 0)}
@@ -674,6 +672,8 @@ def link(
         u, v = (y._replace(degrees=degree(0, 0)) for y in fixed[name])
         return [x[i].times(u).plus(x[i + 2].times(v), -1) for i in range(2)]
 
+    # If numerators and denominators agree up to one number, polynomials of about half the degree
+    # are to be tested, on a smaller grid. Where something was cancelled the larger one is needed.
     left = set(names) - grid.zero(set(names), multiples, cost)
     need(not left or grid.zero(left, across, cost) == left, "a function is not that of the scene")
     return told

@@ -1,5 +1,11 @@
 """Values of polynomials, exact, with bounds on their degrees; numbers, lists and objects of a
-certificate; refusals."""
+certificate; refusals.
+
+A polynomial of several variables is never written out: it is computed at whole numbers, in Gaussian
+integers, and carries a bound of its degree in each variable. If it vanishes at more points than
+that bound allows it is zero (rule 1). ``keyed``, ``listed``, ``whole`` and ``number`` refuse
+whatever the format does not allow, before anything is computed with it.
+"""
 
 import re
 from fractions import Fraction
@@ -22,18 +28,20 @@ class UnreadableError(RefusedError):
 
 
 def need(condition: object, why: str) -> None:
-    """RefusedError, and why, unless the condition holds."""
+    """Raise RefusedError with the reason unless the condition holds."""
     if not condition:
         raise RefusedError(why)
 
 
+# Limits of the format: delays and orders together, as the grid has one dimension more for each, and
+# bits of an integer, as a power of a power in a formula could otherwise be of any length.
 MOST_OTHERS, MOST_BITS = 4, 30_000
 Degrees = tuple[int, ...]
 
 
 def degree(place: int, n: int = 1) -> Degrees:
-    """That of a power of one variable: s or omega, pi, tan(omega tau/2) of each delay, (j
-    omega)^alpha of each order."""
+    """The degrees of the n-th power of the variable at a place: s or omega, pi, tan(omega tau/2) of
+    each delay, (j omega)^alpha of each order."""
     return (0,) * place + (n,) + (0,) * (MOST_OTHERS + 1 - place)
 
 
@@ -62,17 +70,16 @@ class GaussianValue(NamedTuple):
         return reduce(GaussianValue.times, [self] * n) if n else ONE
 
     def conjugate(self) -> "GaussianValue":
-        """For s = j omega a polynomial in omega, of the same degree."""
+        """The complex conjugate: for s = j omega a polynomial in omega, of the same degree."""
         return GaussianValue(self.re, -self.im, self.degrees)
 
 
-Ratio = tuple[
-    GaussianValue, GaussianValue
-]  # a dynamics is numerator and denominator: nothing is divided, no polynomial written out
-ONE, ZERO = (
-    GaussianValue(1),
-    GaussianValue(0, 0, (-(10**6),) * (MOST_OTHERS + 2)),
-)  # the polynomial 0 has a degree below all others
+# Numerator and denominator of a dynamics: nothing is divided, and common factors stay, as only the
+# product across, left bottom - right top, is ever tested.
+Ratio = tuple[GaussianValue, GaussianValue]
+ONE = GaussianValue(1)
+# The polynomial 0 has a degree below all others, also after it is multiplied by them.
+ZERO = GaussianValue(0, 0, (-(10**6),) * (MOST_OTHERS + 2))
 
 
 class ChainPoint(NamedTuple):
@@ -96,22 +103,25 @@ class ChainPoint(NamedTuple):
             "a power of s: the proof has no such order",
         )
         top, bottom = (x.power(abs(n)) for x in self.s[:: 1 if n >= 0 else -1])
+        # A power that is not whole is one more variable, and no root is taken: identities in it
+        # hold for all of its values, so also for s^alpha.
         i = len(self.delays) + self.orders.index(order) if order else 0
         re, im = self.others[i] if order else (1, 0)
         return top.times(GaussianValue(re, im, degree(2 + i, int(order > 0)))), bottom
 
     def delayed(self, lag: Fraction) -> GaussianValue:
-        """(1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n."""
+        """(1 - j t)^n, where exp(-s lag) = ((1 - j t)/(1 + j t))^n and t = tan(omega tau/2) of the
+        delay tau = lag/n of the proof."""
         if not lag:
             return ONE
-        i = next((i for i, tau in enumerate(self.delays) if lag % tau == 0), None)
+        divisor = next((i for i, tau in enumerate(self.delays) if lag % tau == 0), None)
+        i = divisor or 0
+        # 64 keeps the degree in the tangent, and with it the grid, small.
         need(
-            i is not None and lag / self.delays[i or 0] <= 64,
+            divisor is not None and lag / self.delays[i] <= 64,
             "a delay: the proof has none that it is a multiple of",
         )
-        return GaussianValue(1, -self.others[i or 0], degree(2 + (i or 0))).power(
-            int(lag / self.delays[i or 0])
-        )
+        return GaussianValue(1, -self.others[i], degree(2 + i)).power(int(lag / self.delays[i]))
 
 
 def combined(sign: str, x: Ratio, y: Ratio) -> Ratio:
@@ -147,43 +157,44 @@ def listed(x: Any, most: int, least: int = 0) -> list[Any]:
 
 def whole(x: Any, low: int, high: int) -> int:
     """A whole number within bounds."""
+    # JSON's true is an int to Python, and no number of the format.
     need(type(x) is int and low <= x <= high, f"expected a whole number from {low} to {high}")
     return int(x)
 
 
 def number(x: Any) -> Fraction:
     """A number as the format writes it."""
+    # An exponent without a bound would let a short text stand for a number of any size.
     pattern = r"-?[0-9]{1,2000}(/[1-9][0-9]{0,1999}|(\.[0-9]{1,2000})?(E[+-]?[0-9]{1,3})?)"
     need(isinstance(x, str) and re.fullmatch(pattern, x), "a number is not written as one")
     return Fraction(x)
 
 
 def numbers(x: Any, most: int, least: int = 0) -> list[Fraction]:
-    """A list of them that ascends."""
-    found = [number(y) for y in listed(x, most, least)]
-    need(all(a < b for a, b in pairwise(found)), "numbers do not ascend")
-    return found
+    """A list of numbers that ascends."""
+    row = [number(y) for y in listed(x, most, least)]
+    need(all(a < b for a, b in pairwise(row)), "numbers do not ascend")
+    return row
 
 
 def others(*told: Any) -> list[tuple[Fraction, ...]]:
-    """Delays and orders."""
+    """The delays and the orders of a proof, from two lists of numbers."""
     delays, orders = (tuple(number(x) for x in listed(row, MOST_OTHERS)) for row in told)
-    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders) and all(
-        x < 1 for x in orders
-    )
+    fits = all(0 < x < 2**100 and x.denominator < 2**100 for x in delays + orders)
     need(
-        fits and len(delays + orders) <= MOST_OTHERS,
+        fits and all(x < 1 for x in orders) and len(delays + orders) <= MOST_OTHERS,
         "delays or orders are not positive, too large, or too many",
     )
     return [delays, orders]
 
 
 def polynomial(x: Any) -> Polynomial:
-    """Its coefficients, ascending, each by powers of pi."""
+    """The coefficients of a polynomial, ascending, each by powers of pi."""
     rows = [listed(row, 100, 1) for row in listed(x, 300, 1)]
-    good = all(
-        isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for row in rows for n in row
-    )
+    every = [n for row in rows for n in row]
+    good = all(isinstance(n, str) and re.fullmatch("-?[0-9]{1,2000}", n) for n in every)
+    # A leading coefficient with any part that is not 0 is not 0 at pi, which is transcendental: so
+    # the degree is the length, as rules 2 and 5 need it.
     need(
         good and any(n.strip("-0") for n in rows[-1]),
         "a polynomial is not one, or its leading coefficient is 0",

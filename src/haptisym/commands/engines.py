@@ -53,14 +53,17 @@ def engine(workers: int | None, cluster: str | None) -> Iterator[None]:
         try:
             yield
         except KeyboardInterrupt:
-            logging.disable()  # dask would tell at length what became of the tasks that nobody waits for
+            # Dask would report at length what became of the tasks that nobody waits for.
+            logging.disable()
             raise
 
 
 @contextmanager
 def _deaf_children() -> Iterator[None]:
-    """Threads and processes that are started inside do not hear Ctrl-C; this process hears it when
-    they are there."""
+    """Threads and processes that are started inside do not receive Ctrl-C; this process receives it
+    once they are there."""
+    # A terminal sends Ctrl-C to all processes of its group. Children inherit the mask of blocked
+    # signals, so it must be set before they are started.
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -74,6 +77,7 @@ def _deaf_children() -> Iterator[None]:
 
 @contextmanager
 def _in_this_process() -> Iterator[None]:
+    """Let dask, where it is installed, compute in this thread."""
     try:
         from dask import config
     except ImportError:  # only needed for a file, where its absence is told

@@ -56,12 +56,14 @@ Rule: TypeAlias = tuple[str, str, str]
 
 def option(flags: str, words: str, **given: Any) -> click.Option:
     """An option by its flag and what it takes (``--hand NAME``; a bare flag takes nothing), its
-    help, and all else as of click.
+    help, and all else as click has it.
 
     >>> option("--hand NAME", "A hand; repeatable.", multiple=True).metavar
     'NAME'
     """
     flag, _, metavar = flags.partition(" ")
+    # Click would take a value for an option without a metavar, unless told otherwise; one with a
+    # type shows its own.
     takes_nothing = not metavar and not {"type", "flag_value"} & {*given}
     names = [flag, *([given.pop("name")] if "name" in given else [])]
     return click.Option(
@@ -90,7 +92,8 @@ class PathType(click.Path):
     """A path; no name at all, which would be the folder of the call, is refused."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """As click."""
+        """Convert as click does, but refuse an empty name."""
+        # Path("") is the folder of the call.
         if value == "":
             raise SceneError(f'{param.opts[-1] if param else "file"} "": give a name')
         return super().convert(value, param, ctx)
@@ -117,7 +120,7 @@ def number(
     """An option that takes a whole number of a range; its default, where it has one, is in its
     help."""
     kind = click.IntRange(low, high)
-    kind.name = "whole number"
+    kind.name = "whole number"  # in messages, where click says "integer range"
     return option(flags, words, type=kind, default=default, show_default=default is not None)
 
 
@@ -132,6 +135,7 @@ def optional(name: str, **given: Any) -> click.Argument:
 
 
 def _checked_latex(path: Path) -> Path:
+    """The path of a LaTeX file; SceneError for one that is named as another page."""
     if path.suffix.lower() in (".pdf", ".html"):
         raise SceneError(
             f'latex: the name "{path.name}" must end in .tex; for this page as a PDF: '
@@ -198,7 +202,10 @@ def verb(
     ``--latex`` and ``--report`` write to files. ``each`` : whether it is asked about each of
     several environments.
     """
-    listed = [y for x in options for y in (x if isinstance(x, tuple) else (x,))]
+    listed: list[click.Parameter] = []
+    for x in options:
+        listed += x if isinstance(x, tuple) else (x,)
+    # What adds to a page stands behind the options of pages, at the end of the help.
     last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
     listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
     return lambda question: Verb(question, listed, apart, needs, each=each)
@@ -220,12 +227,14 @@ class Verb(click.Command):
         self.question, self.apart, self.needs, self.each = question, apart, needs, each
 
     def get_help_option(self, ctx: click.Context) -> click.Option | None:
-        """As click; it says where the help cannot be written."""
+        """The option of click, which prints a sentence where the help cannot be written."""
         return says_help(super().get_help_option(ctx))
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """As click; an option that is given twice is refused."""
+        """Parse as click does; an option that is given twice is refused, and for an unknown one the
+        commands are named that have it."""
         try:
+            # Click lets the last of two win without a word. Completion parses unfinished lines.
             if not ctx.resilient_parsing:
                 _once_each(self.make_parser(ctx).parse_args(args=list(args))[2])
             return super().parse_args(ctx, args)
@@ -246,17 +255,20 @@ class Verb(click.Command):
             if given(one) and not given(other):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
         _nothing_lost(ctx)
+        # A verb without pages has their options too, as None: ``hand_over`` is the same for all.
         ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)
         if SCENE[0] in self.params:
             ask.scene = self._opened(ask)
+        # In this order: the limit reports to the bar, and Ctrl-C stops the limit's budget.
         with ExitStack() as stack:
             if LIMIT in self.params:
-                told = stack.enter_context(progress())
-                budget = stack.enter_context(limited(ask.limit, told))
+                bar = stack.enter_context(progress())
+                budget = stack.enter_context(limited(ask.limit, bar))
                 stack.enter_context(ends_with_what_is_proven(budget))
-            found = self._answer(ask)
-        if found is not None:
-            hand_over(found, ask)
+            answer = self._answer(ask)
+        # Outside of the limit: what is proven is printed, however long that takes.
+        if answer is not None:
+            hand_over(answer, ask)
 
     def _opened(self, ask: Ask) -> Any:
         """The scene, or the family that is asked about as a whole."""
@@ -267,6 +279,7 @@ class Verb(click.Command):
 
         if not self.each or ask.environment is not None:
             return load_scene(ask.scene, ask.environment)
+        # A file with one environment is an ordinary scene, whichever way it is written.
         family = load_scenes(ask.scene)
         if len(family) == 1:
             return family.first
@@ -276,6 +289,7 @@ class Verb(click.Command):
         return family
 
     def _answer(self, ask: Ask) -> Any:
+        """The answer of the question, or of the question about each of a family's scenes."""
         if not self.each or not hasattr(ask.scene, "scenes"):
             return self.question(ask)
         from haptisym.verbs.family.answers import answer_each
@@ -287,19 +301,18 @@ class Verb(click.Command):
 
 def given(option: str) -> bool:
     """Whether an option such as ``--digits`` stands on the command line."""
+    # Not by its value: a default may be equal to what was given.
     context = click.get_current_context()
     names = (str(x.name) for x in context.command.params if option in (*x.opts, x.name))
     return any(context.get_parameter_source(name) is ParameterSource.COMMANDLINE for name in names)
 
 
 def _with_option(flag: str, ctx: click.Context) -> str:
-    """The other commands that have an option."""
+    """A clause that names the other commands that have an option; "" where none has."""
     group = ctx.parent.command if ctx.parent is not None else None
     if not isinstance(group, click.Group):
         return ""
-    commands = [
-        x for name in group.list_commands(ctx) if (x := group.get_command(ctx, name)) is not None
-    ]
+    commands = filter(None, (group.get_command(ctx, name) for name in group.list_commands(ctx)))
     having = [str(x.name) for x in commands if any(flag in y.opts for y in x.params)]
     return f"it is an option of {', '.join(having)}" if having else ""
 
@@ -313,6 +326,7 @@ def _once_each(order: Sequence[click.Parameter]) -> None:
             raise SceneError(
                 f"{same[0]} and {same[1]} contradict each other: leave out one of them"
             )
+    # A flag that is given twice means the same as once.
     for one, times in Counter(options).items():
         if times > 1 and not one.is_flag:
             words = (
@@ -326,7 +340,9 @@ def _nothing_lost(ctx: click.Context) -> None:
     another output."""
     values = [(x.opts[-1], ctx.params.get(str(x.name))) for x in ctx.command.params]
     outputs = [(name.removeprefix("--"), x) for name, x in values if isinstance(x, Path)]
-    not_over((path for _, x in values for path in _files(x)), dict(outputs), "")
+    # Any text of the command line may name a file; one that names none is the same as no output.
+    texts = (x for _, x in values)
+    not_over((path for x in texts for path in _files(x)), dict(outputs), "")
     for i, (name, path) in enumerate(outputs):
         for other, taken in outputs[:i]:
             if path == taken or _is_same(path, taken):
@@ -355,6 +371,7 @@ def _files(value: Any) -> Iterator[Path]:
 
 
 def _is_same(one: Path, other: Path) -> bool:
+    """Whether two paths lead to one file that is there, by whatever links."""
     try:
         return one.is_file() and other.is_file() and one.samefile(other)
     except OSError:  # a name too long to be one
@@ -363,7 +380,9 @@ def _is_same(one: Path, other: Path) -> bool:
 
 def _can_be_written(what: str, path: Path) -> Path:
     """The path; SceneError where nothing can be written there."""
-    folder = path.resolve().parent  # of a link that where it leads
+    folder = path.resolve().parent  # that of a link is where it leads
+    # Asked before the work, which may take minutes. Another process may still change it: writing
+    # itself reports what goes wrong.
     if not folder.is_dir():
         raise SceneError(f"{what}: {path} cannot be written: there is no folder {path.parent}")
     if not os.access(folder, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
@@ -378,13 +397,14 @@ def keep(what: str, path: Path, save: Callable[[], Any]) -> None:
     """Write a file (or a folder of them) and report it on standard error; what it cannot be written
     for is a sentence."""
     with to_file(what, path):
-        found = save()
-    note(f"{f'{len(found)} figures' if what == 'figures' else what} written to {path}")
+        saved = save()
+    note(f"{f'{len(saved)} figures' if what == 'figures' else what} written to {path}")
 
 
 def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
     """Write a text, where a file was asked for."""
     if path is not None:
+        # Outside of ``keep``: what goes wrong with the text is no error of writing a file.
         content = text()
         keep(what, path, lambda: write_whole(path, content))
 
@@ -392,6 +412,7 @@ def keep_text(what: str, path: Path | None, text: Callable[[], str]) -> None:
 def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
     """Write the page of an answer to the files that ``--latex`` and ``--report`` name; a function
     that gives it, made once."""
+    # For files and screen alike, so it is made at most once, and not at all for --json alone.
     page = cache(found.document)
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
@@ -409,6 +430,7 @@ def hand_over(found: Answer, ask: Ask) -> None:
     Else 2 where a figure was asked for and could not be drawn. For a certificate there is the limit
     once more.
     """
+    # Files before the page: printing ends early where the reader leaves.
     is_drawn, is_proven = draw(found, ask), True
     if getattr(ask, "certificate", None) is not None:
         try:
@@ -422,6 +444,7 @@ def hand_over(found: Answer, ask: Ask) -> None:
         say_document(found.to_json())
     else:
         say(page(), ask.digits, formulas=bool(ask.formulas))
+    # Undecided (3) outweighs a figure that could not be drawn (2).
     end(found)
     if not (is_drawn and is_proven):
         sys.exit(2 if is_proven else 3)

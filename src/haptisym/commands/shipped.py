@@ -28,7 +28,8 @@ def scenes(ask: Ask) -> None:
             raise SceneError("--json lists the scenes: a scene file is TOML, leave out --json")
         write(shipped_text(ask.name) or printable(_file(ask.name)))
         return
-    found = [
+    # The tables as they stand in the files: to load a scene would take SymPy.
+    shipped = [
         (name, tomllib.loads(shipped_text(name) or ""))
         for name in (*scene_names(), *family_names())
     ]
@@ -43,13 +44,14 @@ def scenes(ask: Ask) -> None:
             ],
             "environments": len(x.get("environments", [x])),
         }
-        for name, x in found
+        for name, x in shipped
     ]
     title = "Scenes to start from; haptisym scenes NAME > my.toml copies one"
-    _list(ask, "scenes", rows, title, [(name, x["title"]) for name, x in found])
+    _list(ask, "scenes", rows, title, [(name, x["title"]) for name, x in shipped])
 
 
 def _file(name: str) -> str:
+    """The text of a scene file that is not shipped."""
     from haptisym.model.scenefile import scene_text  # SymPy, which a list does not need
 
     return scene_text(name)[0]
@@ -75,21 +77,21 @@ def schemas(ask: Ask) -> None:
             )
         say_document(schema_text(ask.name).rstrip())
         return
-    found = [(x, str(json_schema(x)["description"])) for x in schema_names()]
-    rows = [{"name": x, "description": what} for x, what in found]
+    described = [(x, str(json_schema(x)["description"])) for x in schema_names()]
+    rows = [{"name": x, "description": what} for x, what in described]
     _list(
         ask,
         "schemas",
         rows,
         "Documents of --json",
-        [(x, what.replace("`", "")) for x, what in found],
+        [(x, what.replace("`", "")) for x, what in described],
     )
 
 
 def _list(
     ask: Ask, kind: str, rows: list[dict[str, Any]], title: str, shown: list[tuple[str, str]]
 ) -> None:
-    """What the package ships, as a document or as a page."""
+    """Print a list of what the package ships, as a document or as a page."""
     if ask.json:
         say_document(
             dumps({"schema": f"haptisym.{kind}/1", kind: rows}, indent=2, ensure_ascii=False)

@@ -1,7 +1,8 @@
-"""How the command line meets its terminal: pages as wide, characters that it has, a bar of
-progress, nobody who reads, Ctrl-C.
+"""How the command line meets its terminal: the width of pages, characters that an encoding lacks, a
+bar of progress, a reader that leaves, Ctrl-C.
 
-Text for terminals and files that lack characters is spelt in words or ASCII signs.
+Text for terminals and files that lack characters is spelt in words or ASCII signs. Standard output
+has the answer alone; everything else goes to standard error, and may be lost there without harm.
 """
 
 from __future__ import annotations
@@ -61,35 +62,32 @@ def progress(
     ...     told(2, None, "the second half")
     """
     context = click.get_current_context(silent=True)
-    with ProgressBar(unit) as told:
+    with ProgressBar(unit) as bar:
         if context is not None:
-            context.meta[_BAR] = told
+            context.meta[_BAR] = bar
         try:
-            yield told
+            yield bar
         except KeyboardInterrupt:
-            far = f" at {told.reached}" if told.reached else ""
-            raise KeyboardInterrupt(f"{far}: {kept(told.reached)}") from None
+            far = f" at {bar.reached}" if bar.reached else ""
+            raise KeyboardInterrupt(f"{far}: {kept(bar.reached)}") from None
 
 
 _BAR = "haptisym.progress"  # under which a call of the command line keeps its bar
-_pressed: ContextVar[Sequence[int]] = ContextVar(
-    "haptisym.pressed", default=()
-)  # what ``interrupts`` yields
-_stop: ContextVar[Callable[[], None] | None] = ContextVar(
-    "haptisym.stop", default=None
-)  # what Ctrl-C calls, if anything
+# What ``interrupts`` yields, and what Ctrl-C calls, if anything.
+_pressed: ContextVar[Sequence[int]] = ContextVar("haptisym.pressed", default=())
+_stop: ContextVar[Callable[[], None] | None] = ContextVar("haptisym.stop", default=None)
 
 
 def quiet() -> None:
     """Take the bar away for good, as something is about to be printed."""
     context = click.get_current_context(silent=True)
-    told = context.meta.pop(_BAR, None) if context is not None else None
-    if told is not None:
-        told.stop()
+    bar = context.meta.pop(_BAR, None) if context is not None else None
+    if bar is not None:
+        bar.stop()
 
 
 class ProgressBar:
-    """What ``progress`` yields."""
+    """What ``progress`` yields: called with what is done, it shows a bar where someone looks."""
 
     def __init__(self, unit: str) -> None:
         self.unit, self.began = unit, monotonic()
@@ -105,22 +103,21 @@ class ProgressBar:
         self.stop()
 
     def stop(self) -> None:
-        """The bar leaves, and does not come again."""
+        """Take the bar away; it does not come again."""
         self.seen = False
         if self.bar is not None:
             self.bar.stop()
 
     def __call__(self, done: float, total: float | None = None, what: str = "") -> None:
-        if (
-            _pressed.get() and _stop.get() is None
-        ):  # something between caught it, as a package being imported may
+        # A Ctrl-C was pressed and the work goes on: something between caught what it raised, as a
+        # package being imported may. So it is raised again here.
+        if _pressed.get() and _stop.get() is None:
             raise KeyboardInterrupt
         self.reached = self._count(done, total)
-        if (
-            not self.seen
-            or monotonic() - self.began < PATIENCE
-            or (self.bar is None and done == total)
-        ):
+        if not self.seen or monotonic() - self.began < PATIENCE:
+            return
+        # A bar that would appear full shows nothing.
+        if self.bar is None and done == total:
             return
         if self.bar is None:
             self.bar = _bar()
@@ -135,6 +132,7 @@ class ProgressBar:
         self.bar.update(self.bar.task_ids[0], completed=done)
 
     def _count(self, done: float, total: float | None) -> str:
+        """What is done, in words: of how much, or in percent; "" where neither is known."""
         if total is None:
             return f"{_figure(done)} {self.unit}" if self.unit else ""
         if self.unit:
@@ -143,6 +141,7 @@ class ProgressBar:
 
 
 def _figure(x: float) -> str:
+    """A count or a time in three digits; whole and with separators from a thousand on."""
     return f"{x:,.0f}" if x >= 999.5 else f"{x:.3g}"
 
 
@@ -154,6 +153,7 @@ def _limit() -> str:
 
 
 def _bar() -> Progress:
+    """The bar of Rich, which is loaded only where one is shown."""
     from rich.console import Console
     from rich.progress import (
         BarColumn,
@@ -271,6 +271,7 @@ def spelt(text: str, encoding: str) -> str:
     >>> spelt("ω² ≈ 40 °", "ascii"), spelt("ω² ≈ 40 °", "latin-1")
     ('omega^2 ~= 40 deg', 'omega² ~= 40 °')
     """
+    # Most texts can be encoded as they are; only the others are taken apart.
     try:
         text.encode(encoding)
     except UnicodeEncodeError:
@@ -281,6 +282,7 @@ def spelt(text: str, encoding: str) -> str:
 
 
 def _held(character: str, encoding: str) -> bool:
+    """Whether an encoding has a character."""
     try:
         character.encode(encoding)
     except UnicodeEncodeError:
@@ -296,18 +298,25 @@ def _word(text: str, at: int) -> str:
     if greek := _GREEK.match(name(x, "")):
         kind, letter = greek.groups()
         word = _ALIASES.get(letter, letter.lower())
+        # 2ω would become 2omega, which reads as one word.
         apart = " " if at and text[at - 1].isalnum() else ""
         return apart + (word.capitalize() if kind == "CAPITAL" else word)
-    is_small = any(word in name(x, "") for word in ("SUPERSCRIPT", "SUBSCRIPT"))
-    plain = "".join(
-        _SIGNS.get(y, y) if is_small else y for y in normalize("NFKD", x) if not combining(y)
-    )
+    is_raised = "SUPERSCRIPT" in name(x, "")
+    is_lowered = "SUBSCRIPT" in name(x, "")
+    letters = [y for y in normalize("NFKD", x) if not combining(y)]
+    # A small sign decomposes to a sign that ASCII may lack in turn, as a raised minus does.
+    if is_raised or is_lowered:
+        letters = [_SIGNS.get(y, y) for y in letters]
+    plain = "".join(letters)
     if plain.isascii() and plain:
-        raised = "SUPERSCRIPT" in name(x, "") and not (
-            at and "SUPERSCRIPT" in name(text[at - 1], "")
-        )
-        return f"^{plain}" if raised else f"_{plain}" if "SUBSCRIPT" in name(x, "") else plain
-    return "" if combining(x) else f"\\u{ord(x):04x}" if ord(x) < 0x10000 else f"\\U{ord(x):08x}"
+        # One ^ before several raised digits: 10^12.
+        follows = at and "SUPERSCRIPT" in name(text[at - 1], "")
+        if is_raised and not follows:
+            return f"^{plain}"
+        return f"_{plain}" if is_lowered else plain
+    if combining(x):
+        return ""
+    return f"\\u{ord(x):04x}" if ord(x) < 0x10000 else f"\\U{ord(x):08x}"
 
 
 def escaped(document: str, encoding: str) -> str:
@@ -321,6 +330,7 @@ def escaped(document: str, encoding: str) -> str:
     def escape(x: str) -> str:
         if _held(x, encoding) and not is_hidden(x):
             return x
+        # JSON's escapes are units of UTF-16: two for a character beyond 16 bits.
         units = x.encode("utf-16-be", "surrogatepass")
         return "".join(f"\\u{units[i] << 8 | units[i + 1]:04x}" for i in range(0, len(units), 2))
 
@@ -331,12 +341,14 @@ def escaped(document: str, encoding: str) -> str:
 
 
 def _spell(error: UnicodeError) -> tuple[str, int]:
+    """Python's handler for characters that an encoding lacks: the words for them, and where to go
+    on."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     return "".join(_word(error.object, i) for i in range(error.start, error.end)), error.end
 
 
-_MOMENT = 0.02  # s
+_MOMENT = 0.02  # s, until a Ctrl-C comes again that fell where errors are dropped
 
 
 class ReaderLeft(Exception):  # noqa: N818  it is nobody's error
@@ -350,6 +362,7 @@ class CannotWriteError(HaptisymError):
 def prepare() -> None:
     """Let both streams spell what their encoding lacks; ASCII in a terminal whose locale was set to
     C or POSIX."""
+    # With a handler of errors no text can fail to be printed, whatever a scene is called.
     codecs.register_error("haptisym.spelt", _spell)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
@@ -381,6 +394,7 @@ def say_list(title: str, rows: Sequence[tuple[str, str]]) -> None:
     loaded."""
     columns, after = _columns(), 4 + max(len(key) for key, _ in rows)
     lines, is_wide = [fill(title, columns), ""], columns - after >= _ROOM
+    # Where little room is left beside the names, what they are stands below them.
     for key, words in rows:
         begun = f"  {key}".ljust(after) if is_wide else " " * 4
         lines += [] if is_wide else [f"  {key}"]
@@ -418,8 +432,10 @@ def say_document(document: str) -> None:
 def write(text: str) -> None:
     """Text on standard output as it is. ReaderLeft or CannotWriteError where it does not get
     there."""
+    # Python has None where the descriptor was closed by whoever started the process.
     if sys.stdout is None:
         raise CannotWriteError("standard output cannot be written: it is closed")
+    # The bar is redrawn in place: a page between two of its lines would be torn.
     quiet()
     try:
         sys.stdout.write(text)
@@ -440,6 +456,7 @@ def says_help(option: click.Option | None) -> click.Option | None:
 
 
 def _say_help(context: click.Context, _option: click.Parameter, asked: bool) -> None:
+    """Print the help by ``write``, whose errors are sentences."""
     if asked and not context.resilient_parsing:
         write(f"{context.get_help()}\n")
         context.exit()
@@ -451,6 +468,7 @@ def note(message: str) -> None:
 
 
 def _tell(message: str) -> None:
+    """A message on standard error as it is, in the terminal's width."""
     quiet()
     if sys.stderr is None:
         return
@@ -464,20 +482,19 @@ def _tell(message: str) -> None:
 def _narrowed(line: str) -> str:
     """A line of a message in the terminal's width; what is indented is typed, and stays."""
     width = min(max(os.get_terminal_size(sys.stderr.fileno()).columns, 40), 96)
-    return (
-        line
-        if line.startswith("    ")
-        else fill(line, width, break_long_words=False, break_on_hyphens=False)
-    )
+    if line.startswith("    "):
+        return line
+    return fill(line, width, break_long_words=False, break_on_hyphens=False)
 
 
 def _encoding() -> str:
+    """The encoding of standard output; UTF-8 where it has none."""
     return getattr(sys.stdout, "encoding", None) or "utf-8"
 
 
 @contextmanager
 def to_file(what: str, path: Path) -> Iterator[None]:
-    """What goes wrong inside with writing a file, as a sentence that names it."""
+    """Turn an OSError inside into CannotWriteError, a sentence that names the file."""
     try:
         yield
     except OSError as error:
@@ -485,12 +502,13 @@ def to_file(what: str, path: Path) -> Iterator[None]:
 
 
 def _reason(error: OSError) -> str:
+    """What the system says of an error, in small letters as within a sentence."""
     return (error.strerror or str(error)).lower()
 
 
 def _close() -> None:
-    """What is still in the buffer goes nowhere, so that the end of the process does not try
-    again."""
+    """Send what is still in the buffer of standard output nowhere, so that the end of the process
+    does not try to write it again."""
     with suppress(OSError, ValueError, AttributeError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, sys.stdout.fileno())
@@ -499,6 +517,7 @@ def _close() -> None:
 
 def _interrupt() -> None:
     """Ctrl-C to the main thread, which may wait for others."""
+    # A signal to that very thread ends its waiting in a system call; Windows has none.
     if sys.platform == "win32":
         _thread.interrupt_main()
     else:
@@ -510,6 +529,7 @@ def loading() -> Iterator[None]:
     """Ctrl-C ends the process at once: packages that are being loaded have handlers that would drop
     what it raises."""
     before = signal.getsignal(signal.SIGINT)
+    # Only the main thread may set handlers; where Ctrl-C is ignored it stays so.
     if threading.current_thread() is not threading.main_thread() or not callable(before):
         yield
         return
@@ -539,6 +559,7 @@ def interrupts() -> Iterator[list[int]]:
     )
 
     def interrupted(number: int, _frame: object) -> None:
+        """The first Ctrl-C stops the work; a second one ends the process without tidying up."""
         if seen:
             if sys.stderr and sys.stderr.isatty():
                 _tell("\x1b[?25h")  # a bar of progress hides the cursor
@@ -549,14 +570,18 @@ def interrupts() -> Iterator[list[int]]:
         stop()
 
     def again(lost: sys.UnraisableHookArgs) -> None:
+        """A KeyboardInterrupt that Python could not raise comes again a moment later."""
         if not issubclass(lost.exc_type, KeyboardInterrupt):
             dropped(lost)
             return
+        # As if it had not been pressed: else the repeated signal would count as the second one.
         seen.clear()
         later = threading.Timer(_MOMENT, _interrupt)
+        # A thread that is no daemon would keep the process alive.
         later.daemon = True
         later.start()
 
+    # Only the main thread may set handlers, and one that somebody else has set stays.
     if is_ours:
         signal.signal(signal.SIGINT, interrupted)
         sys.unraisablehook = again

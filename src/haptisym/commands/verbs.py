@@ -124,6 +124,7 @@ def evaluate(ask: Ask) -> Answer:
     if isinstance(opened, MeasuredScene):
         return _measured(opened, ask)
     family = felt_through(opened, ask.scene, (*ask.environments, *ask.more))
+    # No limit of its own: the one of the command line is around the whole question.
     same: dict[str, Any] = {"regions": ask.regions, "proportion": ask.proportion, "limit": None}
     if ask.environment is None and (ask.environments or len(family) > 1):
         for one in ("--tolerance", "--certificate", "--response", "--movement", "--discriminate"):
@@ -139,8 +140,8 @@ def evaluate(ask: Ask) -> Answer:
         if ask.environments
         else chosen(family, Path(ask.scene).name, ask.environment)
     )
-    own = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
-    result = of(scene, ask.digits or 15, **own, **same)
+    alone = {"tolerance": ask.tolerance, "movement": ask.movement, "discriminate": ask.discriminate}
+    result = of(scene, ask.digits or 15, **alone, **same)
     if ask.response is not None:
         from haptisym.model.measuring import write_sampled
 
@@ -150,6 +151,7 @@ def evaluate(ask: Ask) -> Answer:
     return result
 
 
+# Options that a measured scene would ignore: its answer is the same whatever they are.
 _ABOUT_FORMULAS = (
     "--environments",
     "--environment",
@@ -167,6 +169,7 @@ _ABOUT_FORMULAS = (
 
 
 def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
+    """The answer for a measured scene; SceneError for what only formulas have."""
     for one in _ABOUT_FORMULAS:
         if given(one):
             raise SceneError(
@@ -178,12 +181,16 @@ def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
     return judge(scene)
 
 
+# Languages of ``derive --to``; "python" is another word for "numpy".
 _CODE = ("numpy", "python", "c", "octave", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", "sympy", *_CODE)
 _MEANT = {"matlab": "MATLAB runs --to octave", "julia": "for Julia: --to c, which ccall runs"}
 
 
 class _Language(click.Choice[str]):
+    """A language of ``derive --to``; for those that have none of their own it names the one to
+    take."""
+
     def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
         if value in _MEANT:
             self.fail(_MEANT[value], param, ctx)
@@ -248,36 +255,38 @@ def derive(ask: Ask) -> None:
     if ask.of and ask.to in (*_CODE, "sympy"):
         what = f"--of chooses among formulas, and --to {ask.to} writes all quantities"
         raise SceneError(f"{what}: leave out one of them")
+    # Parameters that stay symbols: those of --keep, none with --numeric, else all (None).
     kept = ask.keep or (() if ask.mode == "numeric" else None)
-    d = replace(of(ask.scene, kept), of=ask.of)
-    page = keep_pages(d, ask)
+    derivation = replace(of(ask.scene, kept), of=ask.of)
+    page = keep_pages(derivation, ask)
+    # Not by ``hand_over``: another language stands in place of the page.
     if language == "json":
-        say_document(d.to_json())
+        say_document(derivation.to_json())
     elif language == "text":
         say(page(), ask.digits)
     else:
-        write(_in(language, d, kept))
+        write(_in(language, derivation, kept))
 
 
-def _in(language: str, d: Any, kept: tuple[str, ...] | None) -> str:
+def _in(language: str, derivation: Any, kept: tuple[str, ...] | None) -> str:
     """A derivation in another language; ``kept`` : the parameters that stay arguments of code."""
     if language in _CODE:
         from haptisym.writing.code import Language, scene_code
 
         return scene_code(
-            d.scene,
+            derivation.scene,
             Language["NUMPY" if language == "python" else language.upper()],
             parameters=kept,
         )
     if language == "latex":
-        return str(d.to_latex())
+        return str(derivation.to_latex())
     if language == "sympy":
         from haptisym.pages.derive import script
 
-        return script(d)
+        return script(derivation)
     from haptisym.writing.html import fragment
 
-    return fragment(d.document()) + "\n"
+    return fragment(derivation.document()) + "\n"
 
 
 @verb(
@@ -309,9 +318,10 @@ def effects(ask: Ask) -> Answer:
     """
     from haptisym.verbs.effects.relevance import relevance
 
-    found = relevance(ask.scene, ask.tolerance, limit=None)
-    _ = found.effects, found.crossings, found.dominance  # within the limit
-    return found
+    answer = relevance(ask.scene, ask.tolerance, limit=None)
+    # Computed when first asked for, which must be within the limit.
+    _ = answer.effects, answer.crossings, answer.dominance
+    return answer
 
 
 @verb(
@@ -367,9 +377,9 @@ def require(ask: Ask) -> Answer:
 
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
-    Required is that the display is transparent on its whole band, stable in a hand, steady in it (a
-    drift is allowed), or passive. The result is a proven union of intervals, with what limits it at
-    each end.
+    Required is that the display is transparent on its whole band, stable in a hand, steady in it (a drift is allowed), or
+    passive. The result is a proven
+    union of intervals, with what limits it at each end.
 
     \b
     Examples:
@@ -377,11 +387,11 @@ def require(ask: Ask) -> Answer:
       haptisym require fu2019 --free zeta --range 0 1 --json --digits 50
       haptisym require fu2019 --free omega_n --certificate proof.json
       haptisym require delayed-spring --free tau --any-environment
-      haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand
-      postural-arm haptisym require virtual-wall --free environment.b --free environment.k --range 0
-      40 --range 10 4000 \\ --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd
-      0.2 --figure z-width.svg haptisym require fu2019 --free omega_n --free zeta --range 60 200
-      --range 0.1 1 --figure map.svg"""
+      haptisym require delayed-spring --free environment.k --range 1 1000 --that stable --hand postural-arm
+      haptisym require virtual-wall --free environment.b --free environment.k --range 0 40 --range 10 4000 \\
+          --that transparent --that stable --hand postural-arm --jnd 0.05 --jnd 0.2 --figure z-width.svg
+      haptisym require fu2019 --free omega_n --free zeta --range 60 200 --range 0.1 1 --figure map.svg
+    """
     from haptisym.model.jnd import Part
     from haptisym.verbs.require.required import require as of
 
@@ -401,9 +411,10 @@ def require(ask: Ask) -> Answer:
             for key in ("slices", "uniform", "within", "jnd", "friction", "resolution")
         }
         return design_map(ask.scene, ask.free, ask.range, **same)
-    found = of(ask.scene, ask.free[0], *ask.range, digits=ask.digits or 15, **same)
-    _ = found.nearest  # which may take its time, within the limit
-    return found
+    answer = of(ask.scene, ask.free[0], *ask.range, digits=ask.digits or 15, **same)
+    # Computed when first asked for, which may take its time and must be within the limit.
+    _ = answer.nearest
+    return answer
 
 
 def _refuse_contradictions(free: int, ranges: int) -> None:
@@ -507,27 +518,28 @@ def stability(ask: Ask) -> Answer:
 def design(ask: Ask) -> Answer:
     """Find the values with the largest bandwidth.
 
-    SCENE is a scene file (TOML) or the name of a shipped scene; of one with several environments
-    the least bandwidth counts.
+    SCENE is a scene file (TOML) or the name of a shipped scene; of one with several environments the least bandwidth counts.
 
-    Prints the best values, proven bounds of the largest bandwidth in the range, the criteria that
-    limit it, and how much bandwidth remains if all values are off by 1 % or 5 %.
+    Prints the best values, proven bounds of the largest bandwidth in the range, the criteria that limit it, and how much
+    bandwidth remains if all values are off by 1 % or 5 %.
 
     \b
     Examples:
       haptisym design fu2019 --free zeta=0.01:1
-      haptisym design inertia-compensation --free "m_c=0 g:32 g" --free "b_c=0 N*s/m:3.6 N*s/m"
-      --keep passive haptisym design lead-compensation --free "T=0 ms:30 ms" --robust 5% haptisym
-      design palpation-device --free omega_c --figure bandwidth.svg"""
+      haptisym design inertia-compensation --free "m_c=0 g:32 g" --free "b_c=0 N*s/m:3.6 N*s/m" --keep passive
+      haptisym design lead-compensation --free "T=0 ms:30 ms" --robust 5%
+      haptisym design palpation-device --free omega_c --figure bandwidth.svg
+    """
     from haptisym.verbs.design.entry import design as of
 
-    found, _ = open_scenes(ask.scene, files=not ask.no_files)
-    if isinstance(found, MeasuredScene):
+    opened, _ = open_scenes(ask.scene, files=not ask.no_files)
+    if isinstance(opened, MeasuredScene):
         raise SceneError(
             "a measured scene has no parameters to choose: haptisym identify fits a model to it"
         )
+    # Without a choice the whole family is designed for: of several bandwidths the least counts.
     scene = (
-        found if ask.environment is None else chosen(found, Path(ask.scene).name, ask.environment)
+        opened if ask.environment is None else chosen(opened, Path(ask.scene).name, ask.environment)
     )
     free = dict(map(_range_of, ask.free))
     return of(scene, free, keep=ask.keep, hand=ask.hand, robust=ask.robust, gap=ask.gap, limit=None)
@@ -645,6 +657,7 @@ def sweep(ask: Ask) -> None:
           --vary environment.m=0.5:5:1000 --out design.zarr --workers 2
       haptisym sweep fu2019 --hand light-touch --vary effects.filter.omega_n=5:200:100
     """
+    # Workers share no memory with this process: their blocks meet in a file.
     if (ask.workers or ask.cluster) and ask.out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
     from haptisym.commands.engines import engine, left_of
@@ -718,14 +731,15 @@ def metrics(ask: Ask) -> Answer | None:
         )
     from haptisym.verbs.metrics.entry import metrics as of
 
-    found = of(ask.scene, absolute_stability=ask.absolute_stability, limit=None)
+    answer = of(ask.scene, absolute_stability=ask.absolute_stability, limit=None)
     if ask.to == "text":
-        return found
+        return answer
     from haptisym.writing.latex import piece
 
-    draw(found, ask)
-    write(piece(keep_pages(found, ask)()) + "\n")
-    end(found)
+    # What ``hand_over`` would do, with a piece of LaTeX in place of the page.
+    draw(answer, ask)
+    write(piece(keep_pages(answer, ask)()) + "\n")
+    end(answer)
     return None
 
 
@@ -765,6 +779,7 @@ def cost(ask: Ask) -> Answer:
     with progress() as told:
 
         def at(what: str, share: float) -> None:
+            """Report the share that is done, and what is being measured."""
             told(share, 1.0, what)
 
         return (
@@ -774,6 +789,7 @@ def cost(ask: Ask) -> Answer:
         )
 
 
+# Options of a hand that moves as prescribed, which a release test has none of.
 _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
 
 
@@ -822,10 +838,9 @@ _MOVED = ("--motion", "--amplitude", "--omega", "--check", "--lowpass")
 def simulate(ask: Ask) -> Answer:
     """Simulate a scene in time, and compare with the closed form.
 
-    The force at the hand follows from the equations of motion of the elements of the scene (delay
-    lines, sampling, sliding friction), not from the closed form; a lock-in recovers Re and Im of
-    H_perc. With --release the hand holds the display displaced and lets go: does it shake, at which
-    rate and frequency?
+    The force at the hand follows from the equations of motion of the elements of the scene (delay lines, sampling, sliding
+    friction), not from the closed form; a lock-in recovers Re and Im of H_perc. With --release the hand holds the display
+    displaced and lets go: does it shake, at which rate and frequency?
 
     \b
     Examples:
@@ -833,9 +848,9 @@ def simulate(ask: Ask) -> Answer:
       haptisym simulate sampled-wall --check
       haptisym simulate stick-with-friction --amplitude "5 cm" --figures figures
       haptisym simulate delayed-spring --release "1 cm" --hand light-touch
-      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm"
-      --saturate "5 N" haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force
-      force.csv"""
+      haptisym simulate delayed-spring --release "1 cm" --hand light-touch --quantise "0.1 mm" --saturate "5 N"
+      haptisym simulate fu2019 --motion hand.csv --lowpass "20 Hz" --force force.csv
+    """
     with progress("s simulated") as told:
         if ask.release:
             from haptisym.verbs.simulate.entry import extras_of
@@ -885,6 +900,7 @@ def _need_a_model(_context: click.Context, option: click.Parameter, given: Any) 
 
 
 def _models(of_effects: bool) -> Iterable[str]:
+    """The names of all models, of effects or of environments."""
     from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS
 
     return EFFECTS if of_effects else ENVIRONMENTS
@@ -908,14 +924,14 @@ all."""
 def _by_role(
     ctx: click.Context, param: click.Parameter, given: tuple[str, ...]
 ) -> dict[str, str | int]:
-    """Of ROLE=VALUE, by role; whole numbers as such."""
-    found: dict[str, str | int] = {}
+    """The values of ROLE=VALUE by their roles; whole numbers, which count columns, as such."""
+    values: dict[str, str | int] = {}
     for text in given:
         role, equals, value = (x.strip() for x in text.partition("="))
         if not (role and equals and value):
             raise SceneError(f"{param.opts[-1]} {text}: write it as {param.metavar}")
-        found[role] = int(value) if value.isdecimal() else value
-    return found
+        values[role] = int(value) if value.isdecimal() else value
+    return values
 
 
 @verb(
@@ -988,6 +1004,7 @@ def identify(ask: Ask) -> Answer:
     """
     from haptisym.verbs.identify import entry
 
+    # Only what was given: a scene with [perceived] has its own and refuses any of them.
     keys = ("estimator", "segment", "columns", "unit", "quantity", "sign")
     records = {key: x for key in keys if (x := getattr(ask, key))}
     measured = entry.opened(
@@ -997,9 +1014,9 @@ def identify(ask: Ask) -> Answer:
         measured.files, {key: getattr(ask, key) for key in ("scene", "figure", "latex", "report")}
     )
     asked: dict[str, Any] = {"degrees": ask.degrees, "band": ask.band, "title": ask.title}
-    found = entry.identify(measured, ask.environment, ask.effect, **asked, limit=None)
-    keep_text("scene", ask.scene, lambda: found.text)
-    return found
+    fit = entry.identify(measured, ask.environment, ask.effect, **asked, limit=None)
+    keep_text("scene", ask.scene, lambda: fit.text)
+    return fit
 
 
 class _Number(click.ParamType[object]):
@@ -1094,6 +1111,7 @@ def jnd(ask: Ask) -> Answer:
     from haptisym.verbs.jnd.entry import jnd as of
     from haptisym.verbs.jnd.entry import published
 
+    # Refused are all options but those that are spared, so that a new option is refused as well.
     if ask.published:
         spared = ("--published", "--json", "--latex", "--report")
         if any(given(x.opts[-1]) for x in jnd.params if x.opts[-1] not in spared):
@@ -1120,17 +1138,20 @@ def jnd(ask: Ask) -> Answer:
         for key in ("level", "count", "trials", "answer")
         if (x := getattr(ask, key)) is not None
     }
+    # The only word that ``--lapse`` takes is "free": the rate is fitted.
     lapse = None if isinstance(ask.lapse, str) else ask.lapse
     return of(ask.data, lapse=lapse, where=_pairs(ask.where), columns=columns, **same)
 
 
 def _pairs(asked: Iterable[str]) -> dict[str, str]:
-    found: dict[str, str] = {}
+    """The values of COLUMN=VALUE by their columns; SceneError for a column that is given
+    twice."""
+    values: dict[str, str] = {}
     for one in asked:
         column, sign, value = one.partition("=")
         if not sign or not column:
             raise SceneError(f'--where "{one[:60]}": write it as COLUMN=VALUE')
-        if column in found:
+        if column in values:
             raise SceneError(f"--where {column} is given twice: lines have one value in a column")
-        found[column] = value
-    return found
+        values[column] = value
+    return values

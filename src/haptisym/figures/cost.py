@@ -1,12 +1,12 @@
-"""Accuracy against time as a figure: correct digits over seconds, both logarithmic, one panel for
-each question.
+"""Figures of what accuracy costs: correct digits over seconds, both logarithmic, a panel for each
+question; and the hard cases as a table.
 
-Filled marks are proven, open ones are not; the lines are the Pareto fronts of all and of the proven
-ones: what nothing beats in both. Answers with a wrong number of crossings, or without a right
-digit, stand on the grey strip below.
+Filled marks are proven, open ones are not. The lines are the Pareto fronts of all methods and of
+the proven ones: no method has more digits in less time. Answers with a wrong number of crossings,
+or without a correct digit, stand on the grey strip below.
 
-The hard cases are a table: families against methods, the darker a cell the more of its questions
-are answered wrong.
+The table has families of hard cases down and methods across; the darker a cell, the more of its
+questions are answered wrong.
 """
 
 from __future__ import annotations
@@ -54,6 +54,7 @@ def draw_cost(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
     ax.set_xlim(min(times) / 3, max(times) * 3)
     ax.set_ylim(_STRIP / 1.5, 2.5 * max(20.0, *(row.digits for row in rows)))
     ax.axhspan(ax.get_ylim()[0], _LEAST / 1.1, facecolor=pen.SHADE, linewidth=0, zorder=0)
+    # A method without a correct digit is no point of a front, however quick it is.
     telling = [row for row in rows if row.digits > _LEAST]
     _draw_front(ax, telling, color=pen.GREY, linewidth=0.9, linestyle=_DASHED)
     _draw_front(ax, [row for row in telling if row.proven], color=pen.INK, linewidth=1.2)
@@ -83,19 +84,23 @@ def task(found: Cost, name: str = "") -> Panel:
 
 
 def _place(row: CostMeasurement) -> tuple[float, float]:
+    """Return the place of a method's mark: on the strip below if a count is wrong or no digit is
+    correct."""
     return row.seconds, row.digits if row.complete and row.digits > _LEAST else _STRIP
 
 
 def _draw_front(ax: Axes, rows: Iterable[CostMeasurement], **style: Any) -> None:
-    """The steps from which nobody gets more digits in less time."""
+    """Draw the steps of the methods that none beats in both digits and time."""
     best = front(rows)
     if best:
+        # The best method stays the best for all longer times: its step goes on to the rim.
         end = (ax.get_xlim()[1], best[-1].digits)
         places = [*((row.seconds, row.digits) for row in best), end]
         ax.plot(*zip(*places, strict=True), drawstyle="steps-post", zorder=2, **style)
 
 
 def _mark(ax: Axes, row: CostMeasurement) -> None:
+    """Draw the mark of a method: filled if its answers are proven."""
     ax.plot(
         *_place(row),
         color=pen.INK,
@@ -105,6 +110,7 @@ def _mark(ax: Axes, row: CostMeasurement) -> None:
 
 
 def _dress(ax: Axes) -> None:
+    """Set the ticks of times and of digits."""
     thin(ax)
     ax.xaxis.set_major_locator(LogLocator(numticks=8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: duration(x).replace("us", "µs")))
@@ -120,21 +126,22 @@ def _dress(ax: Axes) -> None:
 
 
 def _draw_names(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
-    """The name of each method beside its mark, where it covers neither a mark nor another name;
-    once the axes have their size."""
+    """Write the name of each method beside its mark, where it covers neither a mark nor another
+    name; once the axes have their size."""
     room, size = Room(ax), pen.SMALL - 0.5
     for row in rows:
         room.take_point(*_place(row))
     for line in ax.get_lines():
         if line.get_drawstyle() == "steps-post":
-            x, y = (
-                np.asarray(line.get_xdata(), dtype=float),
-                np.asarray(line.get_ydata(), dtype=float),
-            )
+            x = np.asarray(line.get_xdata(), dtype=float)
+            y = np.asarray(line.get_ydata(), dtype=float)
+            # The corners of the steps, which matplotlib draws without storing them: each time with
+            # the digits before it and after it.
             room.take_line(np.repeat(x, 2)[1:], np.repeat(y, 2)[:-1])
     for row in sorted(rows, key=_place, reverse=True):
         name = raised(f"{row.method}: {row.wrong}" if row.wrong else row.method)
         right, up = room.beside(*_place(row), name, size)
+        # A line leads to a name that is not right beside its mark.
         leader = (
             pen.LEADER
             if max(abs(right), abs(up)) > 2 * size and (up > size or up < -2 * size)
@@ -181,6 +188,8 @@ def cost_figure(found: Cost) -> Figure:
         _explain(axes[-1], found.summary, style)
     else:
         figure.legend(loc="outside lower center", ncols=5, **style)
+    # Names are placed beside marks in points of the page. So axes get their sizes first, and the
+    # engine that set them is taken off: it would move them again on saving.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     for ax, group in zip(axes, groups, strict=False):
@@ -189,13 +198,13 @@ def cost_figure(found: Cost) -> Figure:
 
 
 def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
-    """The sentence and the legend, in the place of a panel."""
+    """Write the summary and the legend in the place of a panel."""
     ax.set_axis_off()
-    told = fill(raised(said.replace(" us", " µs")), 52)
+    summary = fill(raised(said.replace(" us", " µs")), 52)
     ax.text(
         0,
         0.97,
-        told,
+        summary,
         fontsize=pen.SMALL,
         color=pen.INK,
         va="top",
@@ -206,7 +215,7 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
 
 
 def _handles(rows: Sequence[CostMeasurement]) -> list[Any]:
-    """What the legend explains: only what is there."""
+    """Return the entries of the legend, only for what is drawn."""
     mark = dots(4.6, color=pen.INK, markeredgewidth=0.9)
     proven = any(row.proven for row in rows)
     return [
@@ -222,11 +231,8 @@ def _handles(rows: Sequence[CostMeasurement]) -> list[Any]:
     ]
 
 
-_CELL, _LEFT, _LINE = (
-    0.98,
-    1.95,
-    0.34,
-)  # inches: width of a cell, of the names of families, height of a line
+_CELL, _LEFT, _LINE = 0.98, 1.95, 0.34
+"""Inches: width of a cell, width of the names of families, height of a line."""
 _TABLES = {"evaluate": "Values of the ratios", "crossings": "Crossings"}
 _DARKEST = 0.42
 """The share of ink of a cell without a right answer: figures on it are still read, in grey print
@@ -244,6 +250,7 @@ def hard_costs_figure(found: HardCosts) -> Figure:
     figure = Figure(figsize=(width, height))
     top = height + 0.1
     for group, (columns, lines) in zip(groups, sizes, strict=True):
+        # About two lines of room for the heads above each table.
         top -= _LINE * 1.9
         place = (
             _LEFT / width,
@@ -268,6 +275,7 @@ def draw_table(ax: Axes, rows: Sequence[HardRow]) -> None:
     """Families down, methods across; in each cell how many answers are right, and what is wrong
     with the others."""
     methods, families = _names(rows, "method"), _names(rows, "family")
+    # The axis goes downwards, so that the first family is on top.
     ax.set(xlim=(0, len(methods)), ylim=(len(families), 0))
     ax.set_axis_off()
     title = _TABLES[rows[0].task]
@@ -303,6 +311,8 @@ def cases(found: HardCosts) -> Panel:
 
 
 def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> None:
+    """Draw one family with one method: how many answers are right, whether all are proven, and the
+    worst of the others."""
     x, y = place
     answered = [row for row in rows if row.answered]
     if not answered:
@@ -329,6 +339,7 @@ def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> Non
             linewidth=0.4,
         )
     )
+    # One answer that is not proven leaves the mark open.
     face = pen.INK if all(row.proven for row in answered) else "white"
     ax.plot(x + 0.13, y + 0.34, color=pen.INK, **dots(4, markeredgewidth=0.8, markerfacecolor=face))
     ax.text(
@@ -344,16 +355,18 @@ def _draw_cell(ax: Axes, place: tuple[int, int], rows: Sequence[HardRow]) -> Non
 
 
 def _shade(share: float) -> Any:
+    """Return the grey of a cell, by the share of its questions that are answered wrong."""
     ink = to_rgb(pen.INK)
     return tuple(1 - _DARKEST * share * (1 - level) for level in ink)
 
 
 def _short(verdict: str) -> str:
-    """The wrong counts with signs: what is missed and what is invented."""
+    """Return a verdict with signs: − for crossings that are missed, + for invented ones."""
     return verdict.replace("misses ", "−").replace("invents ", "+").replace(" and ", "  ")
 
 
 def _folded(method: str) -> str:
+    """Return the name of a method in lines that fit above a column."""
     return (
         raised(method)
         .replace(" in floats", "\nin floats")
@@ -363,10 +376,12 @@ def _folded(method: str) -> str:
 
 
 def _names(rows: Sequence[HardRow], attribute: str) -> list[str]:
+    """Return the names of methods, or of families, in the order in which they come."""
     return list(dict.fromkeys(str(getattr(row, attribute)) for row in rows))
 
 
 def _table_handles() -> list[Any]:
+    """Return the entries of the legend of the tables."""
     mark = dots(4, color=pen.INK, markeredgewidth=0.8)
     return [
         Line2D([], [], **mark, label="proven"),

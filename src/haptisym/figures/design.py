@@ -1,8 +1,8 @@
 """Figures of the best values: the bandwidth over one parameter with its proven bounds, or level
 lines over two.
 
-The curve and the level lines are computed in floats; the bounds, what must not be (hatched) and the
-marks are proven.
+The curve and the level lines are computed in floats. The bounds, the hatched values that break what
+must be kept, and the marks are proven.
 """
 
 from __future__ import annotations
@@ -56,17 +56,24 @@ def design(found: Design) -> Panel:
 
 
 def _axis(found: Design, i: int) -> DrawnAxis:
+    """Return the axis of a free parameter, logarithmic where its range spans more than a factor of
+    8."""
     low, high = (float(x) for x in found.ranges[i])
-    own = parameter(found.free[i], found.free[i].name, (low, high))
-    return DrawnAxis(own.label, own.unit, own.ends, own.dimension, log=low > 0 and high > 8 * low)
+    free = found.free[i]
+    own = parameter(free, free.name, (low, high))
+    is_log = low > 0 and high > 8 * low
+    return DrawnAxis(own.label, own.unit, own.ends, own.dimension, log=is_log)
 
 
 def _places(axis: DrawnAxis, count: int) -> Array:
+    """Return values along an axis, evenly spaced as it is drawn; SI."""
     assert axis.ends
     return np.geomspace(*axis.ends, count) if axis.log else np.linspace(*axis.ends, count)
 
 
 def _curve(found: Design, question: DesignQuestion, axis: DrawnAxis) -> Panel:
+    """Return the panel of one parameter: the bandwidth, and bounds that are proven for each cell of
+    its range."""
     values = _places(axis, _VALUES)
     cells, bounds = question.profile(_WITHIN, _MOST)
     (_, bandwidths), end = question.points.bandwidths(values[:, None]), float(found.family.band[1])
@@ -78,6 +85,7 @@ def _curve(found: Design, question: DesignQuestion, axis: DrawnAxis) -> Panel:
         *_parts(question, values, end),
         *_marks(found, lambda values, bandwidth: ([values[0]], [bandwidth])),
     ]
+    # A hundredth of the band at least, so that a bandwidth of 0 everywhere still has an axis.
     top = min(1.2 * float(bandwidths.max(initial=end / 100)), end)
     upright = DrawnAxis(
         "bandwidth",
@@ -95,16 +103,18 @@ _LOOKS = {
 
 
 def _parts(question: DesignQuestion, values: Array, end: float) -> Iterator[Layer]:
-    """From where on each part is noticed: the lower one limits the bandwidth."""
+    """Yield from which frequency on each part is noticed: the lower one limits the bandwidth."""
     for part, first in question.points.first_crossings(values[:, None]).items():
         if (first < end).any():
             label, color, stroke = _LOOKS[part]
+            # A part that is not noticed up to the end of the band has no frequency to draw.
             yield Polyline(
                 values, np.where(first < end, first, np.nan), color, stroke, 0.9, label=label
             )
 
 
 def _map(found: Design, question: DesignQuestion, x: DrawnAxis, y: DrawnAxis) -> Panel:
+    """Return the panel of two parameters: level lines of the bandwidth on a grid."""
     u, v = _places(x, _GRID), _places(y, _GRID)
     sets = np.stack(np.meshgrid(u, v), -1).reshape(-1, 2)
     levels = _Levels(
@@ -122,16 +132,18 @@ def _map(found: Design, question: DesignQuestion, x: DrawnAxis, y: DrawnAxis) ->
 
 
 def _si(found: Design, shares: Array, i: int) -> tuple[Array, Array]:
+    """Return the ends of cells, given as shares of a parameter's range, in SI."""
     low, high = (float(x) for x in found.ranges[i])
     ends = low + (high - low) * shares
     return ends[:, 0], ends[:, 1]
 
 
 def _refused(found: Design, question: DesignQuestion) -> Iterator[Layer]:
-    """Where what must be kept is proven to be broken."""
+    """Yield the hatched values for which a condition that must be kept is proven to be broken."""
     cells = question.refused(_FINEST[len(found.free)], _MOST) if found.keep else np.empty((0, 1, 2))
     if not len(cells):
         return
+    # Over one parameter a refused interval is hatched over the whole height.
     top = np.tile([0.0, _ROOM * float(found.family.band[1])], (len(cells), 1))
     y = (top[:, 0], top[:, 1]) if len(found.free) == 1 else _si(found, cells[:, 1], 1)
     yield Ground(
@@ -140,7 +152,7 @@ def _refused(found: Design, question: DesignQuestion) -> Iterator[Layer]:
 
 
 def _marks(found: Design, place: object) -> Iterator[Layer]:
-    """The scene's values, where they lie in the range, and the best ones."""
+    """Yield marks of the scene's values, where they lie in the ranges, and of the best ones."""
     for one, label, face in (
         (found.given, "as in the scene", "white"),
         (found.best, "best", pen.INK),

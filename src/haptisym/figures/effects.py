@@ -75,13 +75,13 @@ def influences(found: Relevance, part: Part) -> Panel:
     tolerance, largest = float(found.tolerance), max((float(x.max()) for x in curves), default=0.0)
     middle = tolerance or largest or 1.0
     floor, top = middle * 10**-_DECADES, 2 * max(largest, middle)
-    styles, lines, ends = (
-        iter(_STYLES * len(curves)),
-        list[Layer](),
-        list[tuple[str, float, bool]](),
-    )
+    styles = iter(_STYLES * len(curves))
+    lines = list[Layer]()
+    ends = list[tuple[str, float, bool]]()
     for x, values in zip(found.effects, curves, strict=True):
         color, width, stroke = (pen.INK, 1.2, next(styles)) if x.kept else (pen.GREY, 0.6, "-")
+        # A logarithmic axis has no 0. What is a little below the floor stays, so that lines leave
+        # the axes and do not end above the rim.
         shown = np.where(values >= floor / 10, values, np.nan)
         kind = Polyline if x.kept else _Quiet
         lines.append(kind(grid, shown, color, stroke, width))
@@ -123,14 +123,15 @@ _END = "_end"
 
 @dataclass(frozen=True)
 class _Ends(Layer):
-    """The name of each curve beside its end, those that would overlap moved apart, those that are
-    there already, too."""
+    """The name of each curve beside its end. Names that would overlap are moved apart, with those
+    of earlier scenes."""
 
     ends: Sequence[tuple[str, float, bool]]
     tolerance: float
 
     def draw(self, on: On) -> list[Artist]:
         ax = on.ax
+        # Names of earlier scenes are placed anew with those of this one, so that none overlap.
         before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _END]
         rows = [(x.get_text(), float(x.xy[1]), str(x.get_color())) for x in before]
         for old in before:
@@ -143,6 +144,8 @@ class _Ends(Layer):
             if not any(name == "tolerance" for name, *_ in rows)
             else []
         )
+        # Places are fractions of a logarithmic axis; a value below the axis is named at its lower
+        # end, and a curve that is 0 not at all.
         low, high = np.log10(ax.get_ylim())
         seen = sorted(
             (max((np.log10(value) - low) / (high - low), 0.0), name, max(value, 10**low), color)
@@ -190,7 +193,8 @@ def dominance(found: Relevance) -> Panel:
 
 @dataclass(frozen=True)
 class _Strip(Layer):
-    """Pieces side by side, with names."""
+    """A strip of intervals side by side, each with the name of the effect that changes the ratios
+    most there."""
 
     found: Relevance
 
@@ -204,6 +208,8 @@ class _Strip(Layer):
             face = pen.SHADE if names.index(x.effect.name) % 2 == 0 else "#c4c4c4"
             made.append(ax.axvspan(*on.x.of((low, high)), facecolor=face, linewidth=0))
             room, name = (high - low) / (end - start), printable(x.effect.name)
+            # Three cases: a number where the name does not fit, nothing where a number does not fit
+            # either, else the name.
             if text_width(ax, name) >= room > text_width(ax, "1"):
                 narrow += [] if name in narrow else [name]
                 name = str(narrow.index(name) + 1)
@@ -221,20 +227,21 @@ class _Strip(Layer):
 
 
 def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
-    """What the strip shows, the names that stand as numbers in it, and those of pieces too narrow
-    for that."""
-    told = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
-    told += [f"too narrow for a name: {', '.join(slivers)}"] if slivers else []
+    """Return the title of the strip: what it shows, the names that stand as numbers in it, and
+    those of intervals too narrow for a number."""
+    names = [", ".join(f"{i} {name}" for i, name in enumerate(narrow, 1))] if narrow else []
+    names += [f"too narrow for a name: {', '.join(slivers)}"] if slivers else []
     title = "changes the ratios most"
-    full = "; ".join([title, *told])
+    full = "; ".join([title, *names])
+    # About 70 letters fit above the strip.
     return (
         full if len(full) <= 70 else f"{title}: {len(narrow) + len(slivers)} more in narrow pieces"
     )
 
 
 def relevance(found: Relevance) -> Figure:
-    """The influences on both parts, below the strip of which effect changes them most; SceneError
-    where there are no effects."""
+    """Return the influences on both parts, below the strip of which effect changes them most; raise
+    SceneError where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
     return sheet(dominance(found), *(influences(found, part) for part in Part), wide=True)
@@ -292,16 +299,17 @@ def elasticities(found: Sensitivities, which: int = -1) -> Panel:
 
 
 def _symbol(name: str) -> str:
+    """Return the symbol of a parameter as a formula."""
     return f"${formula(Symbol(name))}$"
 
 
 def _moved(x: Sensitive) -> list[Any]:
-    """The parameters that move a frequency, the one that does most first."""
+    """Return the parameters that move a frequency, the one that moves it most first."""
     return [p for p in x.ranked if p.elasticity is not None and float(p.elasticity)]
 
 
 def _panels(found: Sensitivities) -> Sequence[tuple[str, Sensitive]]:
-    """What is drawn, each with its title."""
+    """Return the crossings and changeovers that are drawn, each with its title."""
     crossings = [
         (f"{written(x.criterion)} crosses its threshold", x) for x in found.crossings if x.criterion
     ]
@@ -321,10 +329,9 @@ class _Elastic(Layer):
     def draw(self, on: On) -> list[Artist]:
         ax, values = on.ax, [v for _, v in self.rows]
         places = [list(on.y.names).index(name) for name, _ in self.rows]
-        is_first, colors = (
-            not (on.number or on.given),
-            [pen.BLUE if v > 0 else pen.RED for v in values],
-        )
+        # In the first scene colours show the sign; bars of a further one have that scene's colour.
+        is_first = not (on.number or on.given)
+        colors = [pen.BLUE if v > 0 else pen.RED for v in values]
         bars = ax.barh(
             places,
             values,
@@ -361,6 +368,8 @@ def sensitivities(found: Sensitivities) -> Figure:
     if not shown:
         raise NothingToDrawError(_NOTHING)
     rows = [max(1, min(len(_moved(x)), _MOST)) for _, x in shown]
+    # Bars are equally thick in all panels: so heights are in inches, and no layout engine moves the
+    # axes.
     figure = Figure(figsize=(pen.WIDTH, sum(_ROW * n + _HEAD for n in rows) + _FOOT))
     axes = list[Axes]()
     for i in range(len(shown)):
@@ -371,6 +380,7 @@ def sensitivities(found: Sensitivities) -> Figure:
         axes[-1].tick_params(labelbottom=False)
     longest = max(
         (
+            # A letter is about 0.52 of the size of the font wide; points to inches.
             0.52 * pen.SMALL * len(x.get_text().strip("$")) / 72
             for ax in axes
             for x in ax.get_yticklabels()
@@ -421,11 +431,10 @@ def measures(m: Metrics) -> Panel:
     e = m.evaluation
     omega = sampled(e)
     v = e.distortion.compile()(omega)
-    env, perc = (
-        np.hypot(v.environment_real, v.environment_imag),
-        np.hypot(v.perceived_real, v.perceived_imag),
-    )
+    env = np.hypot(v.environment_real, v.environment_imag)
+    perc = np.hypot(v.perceived_real, v.perceived_imag)
     relative = np.hypot(v.ratio_real, v.ratio_imag)
+    # |Gamma| has no value where H_env is 0, and is drawn as a gap there.
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(perc / env - 1)
     rows = (
@@ -485,14 +494,15 @@ class _Verdict(Layer):
 
 
 def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
-    """Where each verdict is a good one, rad/s, where it depends on the frequency."""
-    own = m.measured
+    """Return the bands on which each verdict is a good one, rad/s, for those that depend on the
+    frequency."""
+    measured = m.measured
     rows = [
         ("JND", m.evaluation.transparent),
-        (r"$|\Delta H/H_\mathrm{env}| \leq c$", own.within),
-        ("within 3 dB", own.inside),
-        (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", own.passive),
-        *([("Llewellyn, axis", own.llewellyn)] if own.llewellyn is not None else []),
+        (r"$|\Delta H/H_\mathrm{env}| \leq c$", measured.within),
+        ("within 3 dB", measured.inside),
+        (r"$\mathrm{Im}\,H_\mathrm{perc} \geq 0$", measured.passive),
+        *([("Llewellyn, axis", measured.llewellyn)] if measured.llewellyn is not None else []),
     ]
     return [(name, [ends_of(x) for x in bands]) for name, bands in rows]
 
@@ -512,6 +522,7 @@ def released(found: ControlLoading) -> Panel:
     for motion, color, stroke, name in zip(
         known, (pen.INK, pen.RED), (pen.SOLID, pen.DASHED), ("aircraft", "display"), strict=True
     ):
+        # The closed form is evaluated in balls, of which a figure takes the middles.
         height = [float(motion.value(arb(t)).mid()) for t in time]
         layers.append(Polyline(time, np.array(height), color, stroke, label=name))
     layers += [Limit(y, stroke=pen.DOTTED, label="5 %", shared=True) for y in (0.05, -0.05)]

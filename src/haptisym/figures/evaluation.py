@@ -1,11 +1,14 @@
-"""Figures of an evaluation: when a display is noticed and how it is felt (the paper's Figs. 2, 3
-and 5 to 7).
+"""Figures of an evaluation: when a display is noticed and what it is felt as (the paper's Figs. 2,
+3 and 5 to 7).
 
-``ratios``: r_r and r_i over the band with thresholds, crossings and transparent bands. ``nyquist``:
-H_env and H_perc in the complex plane. ``projections``: the magnitude of one part of both, with what
-is felt. ``square``: the JND at one frequency.
-``regions``: the distortion's way among other JND regions; ``discriminate``: what would decide
-between them.
+Each figure is a function of the evaluation that returns a ``Panel``; begin with ``ratios``.
+Crossings, bands, jumps and percepts are the proven ones of the evaluation; the curves between them
+are sampled in floats.
+
+``ratios``: r_r = |Re dH|/|H_env| and r_i = |Im dH|/|H_env| over the band with thresholds, crossings
+and transparent bands. ``nyquist``: H_env and H_perc in the complex plane. ``projections``: the
+magnitude of one part of both, with what is felt. ``square``: the JND at one frequency. ``regions``:
+the distortion's way among other JND regions; ``discriminate``: what would decide between them.
 ``bandwidths``: the bandwidth over a threshold that has a range.
 """
 
@@ -84,7 +87,8 @@ if TYPE_CHECKING:
     from haptisym.verbs.derive.derivation import Derivation
 
 MOST_LABELS, _MOST_NUMBERS = 4, 8
-"""Of crossings, and of narrow percepts, that are named in the drawing."""
+"""Crossings whose frequencies are written above the axes, and narrow percepts that get a number, at
+most."""
 
 
 def along(e: Evaluation) -> DrawnAxis:
@@ -117,6 +121,7 @@ def ratios(e: Evaluation) -> Panel:
         return columns(criteria, f(omega), omega)
 
     grid = sampled(e)
+    # At least twice the largest threshold: it is never at the rim of the axes.
     top = max(top_of(judged(grid), judged(evenly(e)), max(limits)), 2 * max(limits))
     omega = refined(lambda w: in_window(judged(w), 0, top), grid)
     values = broken(judged(omega), omega, e.unbounded)
@@ -150,17 +155,19 @@ def peaks(found: Peaks) -> Panel:
 
 
 def _words(text: str) -> Words:
+    """Return an entry of the legend that is words alone."""
     return Words(label=text)
 
 
 def _judged(criteria: Sequence[Criterion]) -> str:
-    """What the axis says of ratios and of multiples of limits."""
+    """Return the label of the axis of ratios and of multiples of limits."""
     shares = [is_share(x) for x in criteria]
     fraction, multiple = r"ratio to $|H_\mathrm{env}|$", "multiple of the limit"
     return multiple if all(shares) else f"{fraction}, or {multiple}" if any(shares) else fraction
 
 
 def _thresholds(criteria: Sequence[Criterion], limits: Sequence[float]) -> list[Limit]:
+    """Return a line for each threshold: one where both parts have the same."""
     names = (r"c_\mathrm{r}", r"c_\mathrm{i}") if len(set(limits)) > 1 else ("c",)
     shares = any(map(is_share, criteria))
     return [
@@ -176,11 +183,11 @@ def _thresholds(criteria: Sequence[Criterion], limits: Sequence[float]) -> list[
 
 def _crossings(e: Evaluation) -> list[Mark]:
     """A dot where the first ratio, a ring where the other meets its threshold."""
-    found = []
+    marks = []
     for x, face in zip(e.criteria, ("", "white"), strict=False):
         omega = [float(c.omega) for c in e.crossings if c.criterion == x]
         look = {"clip_on": False, "markeredgewidth": 0.8}
-        found.append(
+        marks.append(
             Mark(
                 omega,
                 [limit_of(x)] * len(omega),
@@ -189,26 +196,29 @@ def _crossings(e: Evaluation) -> list[Mark]:
                 label=f"{name_of(x)} crosses",
             )
         )
-    return found
+    return marks
 
 
 def _frequency_labels(
     e: Evaluation, axis: DrawnAxis, omega: Array, highest: Array, top: float
 ) -> list[tuple[float, str]]:
-    """What stands above the axes: the lowest frequencies of crossings, and the two highest peaks
-    that are cut.
+    """Return the labels above the axes, each with its frequency in rad/s: of the lowest crossings,
+    and of the two highest peaks that are cut.
 
     Behind the last frequency stands how many more there are, where not all have room.
     """
     crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings[:MOST_LABELS]]
     if more := len(e.crossings) - len(crossings):
         crossings[-1] = (crossings[-1][0], f"{crossings[-1][1]}, and {more} more")
+    # A gap is a pole, and so the highest of all.
     values = np.where(np.isnan(highest), np.inf, highest)
     runs = [
         list(run)
         for above, run in groupby(range(len(values)), key=lambda i: bool(values[i] > top))
         if above
     ]
+    # One label for each stretch of samples above the axis, at its highest; of these the two
+    # highest.
     tops = sorted((max(run, key=lambda i: values[i]) for run in runs), key=lambda i: -values[i])[:2]
     at = axis.of(omega)
     cut = [
@@ -219,6 +229,7 @@ def _frequency_labels(
 
 
 def _height(value: float) -> str:
+    """Return the height of a cut peak in two or three digits."""
     return "∞" if np.isinf(value) else number(value, 2 if value < 100 else 3)
 
 
@@ -234,21 +245,27 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     axes.
 
     >>> from haptisym import evaluate, load_scene
-    >>> [layer.stroke for layer in nyquist(evaluate(load_scene("fu2019"))).layers if isinstance(layer, Polyline)][0]
+    >>> layers = nyquist(evaluate(load_scene("fu2019"))).layers
+    >>> [layer.stroke for layer in layers if isinstance(layer, Polyline)][0]
     '-'
     """
     f, grid = e.distortion.compile(), sampled(e)
     low, high = _window(responses(f, grid), responses(f, evenly(e)))
-    omega = refined(lambda w: in_window(responses(f, w), np.tile(low, 2), np.tile(high, 2)), grid)
+    # Each sample has the parts of H_env, then of H_perc: the same window for both.
+    lows, highs = np.tile(low, 2), np.tile(high, 2)
+    omega = refined(lambda w: in_window(responses(f, w), lows, highs), grid)
     values = points_of(broken(responses(f, omega), omega, poles_of(e)))
     at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
     curves, arrows = list[Layer](), list[Layer]()
+    # The arrows of both curves stand at different shares of their length: where the curves lie on
+    # each other, the arrows do not.
     for points, (color, stroke, name), share in zip(values, pen.CURVES, (0.42, 0.58), strict=True):
         curves.append(Polyline(points[:, 0], points[:, 1], color, stroke, label=f"${name}$"))
         length = _visible_length((points - low) / (high - low))
         for tail, head in _directions(length, np.interp(at, omega, length), share):
             arrows.append(Arrow(points[tail], points[head], color))
     rising = [Words(label="rising frequency", look=dots(4.2, ">"))] if arrows else []
+    # Marks are evaluated at their own frequencies, not taken from the samples.
     places = [points_of(responses(f, np.array([w]))) for w in at]
     axis = along(e)
     matched = Matched(
@@ -314,6 +331,8 @@ class Arrow(Layer):
                     "", xy=(head[0], head[1]), xytext=(tail[0], tail[1]), arrowprops=shaft, zorder=3
                 )
             )
+            # Shafts begin at the origin, so that this lies on the shaft: the head needs a direction
+            # alone.
             tail = 0.95 * head
         return [
             *made,
@@ -350,15 +369,18 @@ class Matched(Layer):
         return made
 
     def _shapes(self, on: On) -> list[str]:
-        told = entries(on.ax)
-        taken = {str(x.get_marker()) for x in told.values() if hasattr(x, "get_marker")}
+        """Return a mark for each row: that of an entry of the legend with the same words, else one
+        that is free."""
+        known = entries(on.ax)
+        taken = {str(x.get_marker()) for x in known.values() if hasattr(x, "get_marker")}
         free = iter([x for x in "osDv^*phPX" if x not in taken] * len(self.rows))
         return [
-            str(told[words].get_marker()) if words in told else next(free, "o")
+            str(known[words].get_marker()) if words in known else next(free, "o")
             for words, *_ in self.rows
         ]
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        # Marks were made in pairs, the environment's first.
         shapes = [str(x.get_marker()) for x in made[::2]]  # type: ignore[attr-defined]
         style = {"markerfacecolor": "none", "markeredgewidth": 0.9}
         return [
@@ -368,17 +390,18 @@ class Matched(Layer):
 
 
 def _window(everywhere: Array, evenly: Array) -> tuple[Array, Array]:
-    """The lower left and upper right corner that hold both curves, but for excursions far from most
-    of the band."""
+    """Return the lower left and the upper right corner of a window that holds both curves, except
+    where they go far from most of the band."""
     stacked = [np.concatenate(points_of(x)) for x in (everywhere, evenly)]
     reached, common = (points[np.isfinite(points).all(axis=1)] for points in stacked)
+    # Most of the band is what lies between the quantiles of 5 and 95 % of even samples. A curve
+    # that goes more than four times its extent beyond that, as near a pole, leaves the axes.
     first, last = np.quantile(common, (0.05, 0.95), axis=0)
     least, most, span = reached.min(axis=0), reached.max(axis=0), last - first
     far = 4 * span.max()
-    low, high = (
-        np.where(least < first - far, first - span, least),
-        np.where(most > last + far, last + span, most),
-    )
+    low = np.where(least < first - far, first - span, least)
+    high = np.where(most > last + far, last + span, most)
+    # A curve that is a point or a level line still has a window.
     size = np.maximum(high - low, 0.1 * (np.max(high - low) or np.abs(low).max() or 1.0))
     middle = (low + high) / 2
     return middle - 0.56 * size, middle + 0.56 * size
@@ -422,10 +445,17 @@ def short_thirds(omega: Array, axis: DrawnAxis) -> tuple[float, ...]:
     """About a third, two thirds and the end of some frequencies, rad/s, as numbers that are short
     in the unit of the axis."""
     factor, (low, high) = float(axis.unit.size), axis.of(axis.ends)
-    step, inside = 10.0 ** (np.floor(np.log10(high - low)) - 1), axis.of(omega)
-    chosen = inside[[round(share * (len(inside) - 1)) for share in (1 / 3, 2 / 3, 1)]]
-    rounded = np.minimum(np.round(chosen / step), np.floor(inside[-1] / step + 1e-9)) * step
-    return tuple(dict.fromkeys(max(low, float(f"{x:.12g}")) * factor for x in rounded))
+    step = 10.0 ** (np.floor(np.log10(high - low)) - 1)
+    inside = axis.of(omega)
+    last = len(inside) - 1
+    chosen = inside[[round(share * last) for share in (1 / 3, 2 / 3, 1)]]
+    # The last mark must not lie beyond the end, so it is rounded down; 1e-9 of a step keeps an end
+    # that is a short number, and in floats a hair less, from losing a whole step.
+    highest = np.floor(inside[-1] / step + 1e-9)
+    rounded = np.minimum(np.round(chosen / step), highest) * step
+    # Twelve digits drop the error of the product with the step; equal marks are one.
+    shown = (max(low, float(f"{x:.12g}")) for x in rounded)
+    return tuple(dict.fromkeys(x * factor for x in shown))
 
 
 # How: the magnitudes of a part, and what is felt (Fig. 7).
@@ -451,13 +481,12 @@ def projections(e: Evaluation, part: Part) -> Panel:
     >>> [layer.width for layer in chart.layers if isinstance(layer, Polyline)]
     [1.6, 0.7, 1.6, 0.7]
     """
-    name, f, grid, exceeded = (
-        rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}",
-        e.distortion.compile(),
-        sampled(e),
-        _exceeded(e, part),
-    )
+    name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
+    f = e.distortion.compile()
+    grid = sampled(e)
+    exceeded = _exceeded(e, part)
     over, under = e.chart.where(exceeded), e.chart.where(lambda signs: not exceeded(signs))
+    # The upper part of the axes is for the words.
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(e), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(e))
@@ -478,13 +507,15 @@ def projections(e: Evaluation, part: Part) -> Panel:
 
 
 def _exceeded(e: Evaluation, part: Part) -> Callable[[Signs], bool]:
-    """Whether a part is noticed, by itself or together with the other."""
-    own = [x for x in e.criteria if x.part in (part, None)]
+    """Return a test of signs: whether a part is noticed, by itself or together with the other."""
+    criteria = [x for x in e.criteria if x.part in (part, None)]
     other = Part.IMAG if part is Part.REAL else Part.REAL
 
     def exceeded(signs: Signs) -> bool:
-        if not any(signs[x] > 0 for x in own):
+        if not any(signs[x] > 0 for x in criteria):
             return False
+        # A region of both parts may be left because of one of them: then the other, if it is not
+        # outside by itself, is not named. Without such a region each part decides alone.
         alone = signs.get((Dynamics.OUTSIDE, part), 1) > 0
         return alone or signs.get((Dynamics.OUTSIDE, other), 0) <= 0
 
@@ -492,12 +523,13 @@ def _exceeded(e: Evaluation, part: Part) -> Callable[[Signs], bool]:
 
 
 def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:
+    """Return |Re| or |Im| of H_env and of H_perc, in two columns."""
     return np.abs(responses(f, omega)[:, (0 if part is Part.REAL else 1) :: 2])
 
 
 def _felt(e: Evaluation, part: Part) -> list[FeltBand]:
-    """As what a part is felt where it is noticed, in the words of all outputs and in the order of
-    the bands."""
+    """Return what a part is felt as where it is noticed, in the words of all outputs and in the
+    order of the bands."""
     together = [FeltBand(*ends_of(x.band), felt_of(x, part)) for x in e.percepts if x.part is None]
     own = [FeltBand(*ends_of(x.band), x.words) for x in e.felt if x.part is part]
     nameless = [FeltBand(*ends_of(x), NOT_NAMED) for x in _nameless(e, part)]
@@ -505,11 +537,12 @@ def _felt(e: Evaluation, part: Part) -> list[FeltBand]:
 
 
 def _nameless(e: Evaluation, part: Part) -> tuple[Interval, ...]:
-    """Where a region of both parts is left in this one, and an active display has no name for
-    that."""
+    """Return where a region of both parts is left in this one, and the display is active, so that
+    no property applies."""
     if not any(x.joint for x in e.criteria):
         return ()
     exceeded = _exceeded(e, part)
+    # Im H_perc < 0 is an active display, and no stiffness, damping or mass is felt as that.
     return e.chart.where(
         lambda signs: (
             exceeded(signs)
@@ -529,8 +562,8 @@ def _within(omega: Array, intervals: Iterable[Interval]) -> Any:
 
 @dataclass(frozen=True)
 class Percepts(Layer):
-    """The words of each percept inside its band, a number that the legend explains where it is too
-    narrow, and lines between."""
+    """The words of each percept inside its band, or a number that the legend explains where the
+    band is too narrow; and lines between bands."""
 
     felt: Sequence[FeltBand]
 
@@ -544,6 +577,7 @@ class Percepts(Layer):
         shown = [
             x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt
         ]
+        # Bands are divided by lines, except at the rims of the axes.
         ends = sorted({end for x in shown for end in (x.low, x.high)} - set(ax.get_xlim()))
         look: dict[str, Any] = {
             "color": pen.GREY,
@@ -560,11 +594,13 @@ class Percepts(Layer):
         return made + _beside_each_other(ax, [(x, text) for x, text in texts if text])
 
     def _parted(self, on: On) -> tuple[dict[int, str], dict[str, str], int]:
-        """The words that fit, by their places; the numbers of others; how many have neither."""
+        """Return the words that fit, by their places; the numbers of others, by their words; and
+        how many have neither."""
         shown = [
             x._replace(low=float(on.x.of(x.low)), high=float(on.x.of(x.high))) for x in self.felt
         ]
         fitting = {i: text for i, x in enumerate(shown) if (text := _fitting(on.ax, x))}
+        # The widest of those without room come first: they get the numbers.
         narrow = sorted(
             (i for i in range(len(shown)) if i not in fitting),
             key=lambda i: shown[i].low - shown[i].high,
@@ -581,11 +617,11 @@ class Percepts(Layer):
             return []
         _, numbers, more = self._parted(on)
         style = {"markersize": 4, "markeredgewidth": 0}
-        told: list[tuple[str, Artist]] = [
+        numbered: list[tuple[str, Artist]] = [
             (words, handle(pen.INK, "none", "", marker=f"${n}$", **style))
             for words, n in numbers.items()
         ]
-        return told + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
+        return numbered + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
 
 
 def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[Artist]:
@@ -593,6 +629,7 @@ def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[
     centres = [share_of(ax, (x.low + x.high) / 2) for x, _ in texts]
     places, made = spread(centres, [text_width(ax, text) for _, text in texts]), list[Artist]()
     for (x, text), centre, place in zip(texts, centres, places, strict=True):
+        # A text that was moved out of its band is tied to it by a line.
         beside = abs(place - centre) > share_of(ax, x.high) - centre
         made.append(
             ax.annotate(
@@ -612,10 +649,12 @@ def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[
     return made
 
 
-def _fitting(ax: Axes, x: FeltBand) -> str:
-    """The words on one line or two, as fits into the band; nothing if neither does."""
-    room, gap = share_of(ax, x.high) - share_of(ax, x.low), ", " if ", " in x.words else " "
-    layouts = (x.words, x.words.replace(gap, f"{gap.strip()}\n", 1))
+def _fitting(ax: Axes, band: FeltBand) -> str:
+    """Return the words on one line or on two, if they fit into the band; else nothing."""
+    room = share_of(ax, band.high) - share_of(ax, band.low)
+    gap = ", " if ", " in band.words else " "
+    # Two lines are broken after the first comma, or else after the first word.
+    layouts = (band.words, band.words.replace(gap, f"{gap.strip()}\n", 1))
     return next((text for text in layouts if text_width(ax, text) <= room), "")
 
 
@@ -637,50 +676,58 @@ class Outline:
 def outline(
     criteria: Sequence[Criterion], tip: Array, omega: float, size: float | None = None
 ) -> Outline:
-    """The changes that are not noticed where H_env has this tip (and, if it is given, that size),
-    at a frequency in rad/s."""
+    """Return the region of the changes that are not noticed where H_env has this tip (and, if it is
+    given, that size), at a frequency in rad/s."""
     size = float(np.hypot(*tip)) if size is None else size
     if criteria[0].joint:
         return _joint(criteria[0].joint, tip, omega, size)
     stretches = tuple(
-        _stretches(x, float(own), size, omega) for x, own in zip(criteria, tip, strict=True)
+        _stretches(x, float(part), size, omega) for x, part in zip(criteria, tip, strict=True)
     )
+    # Each part is judged by itself, so the region is the product of its stretches: up to four
+    # rectangles where a part has two.
     patches = tuple(
         Rectangle((x0, y0), x1 - x0, y1 - y0) for (x0, x1), (y0, y1) in product(*stretches)
     )
-    ends = np.array([[own[0][0] for own in stretches], [own[-1][1] for own in stretches]])
+    ends = np.array([[part[0][0] for part in stretches], [part[-1][1] for part in stretches]])
     return Outline(patches, stretches, ends)
 
 
 def _stretches(
-    x: Criterion, own: float, size: float, omega: float
+    criterion: Criterion, value: float, size: float, omega: float
 ) -> tuple[tuple[float, float], ...]:
-    """The values of one part that are not told from its own."""
-    if not isinstance(x.region, Sided):
-        reach = floats_of(x.threshold, omega) * size
-        return ((own - reach, own + reach),)
-    least = 0.0 if x.region.floor is None else floats_of(x.region.floor, omega)
+    """Return the intervals of one part, in force per position, within which a change is not
+    noticed."""
+    if not isinstance(criterion.region, Sided):
+        reach = floats_of(criterion.threshold, omega) * size
+        return ((value - reach, value + reach),)
+    least = 0.0 if criterion.region.floor is None else floats_of(criterion.region.floor, omega)
     higher, lower = (
-        max(least, floats_of(c, omega) * size) for c in (x.region.higher, x.region.lower)
+        max(least, floats_of(c, omega) * size)
+        for c in (criterion.region.higher, criterion.region.lower)
     )
-    way, turn = (
-        (1.0 if own >= 0 else -1.0),
-        2 * abs(own),
-    )  # beyond its mirror image a part grows again
-    grown, shrunk = own + way * higher, own - way * min(lower, turn)
+    # A part that changes against its sign shrinks until the change is 2|value|, where it is its own
+    # mirror image; beyond that it grows again, and the limit for growing holds.
+    way, turn = (1.0 if value >= 0 else -1.0), 2 * abs(value)
+    grown, shrunk = value + way * higher, value - way * min(lower, turn)
+    # The limit for growing ends before the mirror image: beyond that everything is noticed.
     if higher <= turn:
         return (_sorted(shrunk, grown),)
-    again = own - way * higher
+    again = value - way * higher
+    # Neither limit ends before the mirror image: one stretch. Else there is a gap before it.
     if lower >= turn:
         return (_sorted(again, grown),)
-    return tuple(sorted((_sorted(shrunk, grown), _sorted(again, own - way * turn))))
+    return tuple(sorted((_sorted(shrunk, grown), _sorted(again, value - way * turn))))
 
 
 def _sorted(a: float, b: float) -> tuple[float, float]:
+    """Return two numbers, the smaller one first."""
     return min(a, b), max(a, b)
 
 
 def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
+    """Return the outline of a region that judges both parts at once, from its border in many
+    directions."""
     angles = np.linspace(0, 2 * np.pi, _DIRECTIONS, endpoint=False)
     if isinstance(region, Cornered):
         widths = region.real, region.imag
@@ -690,12 +737,14 @@ def _joint(region: Joint, tip: Array, omega: float, size: float) -> Outline:
                 for x in region.corners
             ]
         )
+        # A corner between two of the even angles would be cut off.
         angles = np.sort(
             np.concatenate([angles, np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)])
         )
     across, up = np.cos(angles), np.sin(angles)
     reach = size / region.enlarged(across, up, lambda x: floats_of(x, omega))
     border = tip + np.stack([across, up], axis=1) * reach[:, None]
+    # 720 is a multiple of 4, so that the directions of both axes are among the angles.
     quarters = [reach[np.argmin(np.abs(angles - n * np.pi / 2))] for n in range(4)]
     stretches = tuple(
         ((float(tip[i] - quarters[i + 2]), float(tip[i] + quarters[i])),) for i in (0, 1)
@@ -749,10 +798,11 @@ def square(e: Evaluation, omega: float | None = None) -> Panel:
     '$\\\\omega$ = 10 rad/s: noticed in the real part'
     """
     omega = _telling_frequency(e) if omega is None else omega
-    found = [x for x in e.criteria if _sign_at(e, omega, x) > 0]
+    exceeded = [x for x in e.criteria if _sign_at(e, omega, x) > 0]
     tips = np.concatenate(points_of(responses(e.distortion.compile(), np.array([omega]))))
     if not np.isfinite(tips).all():
         raise SceneError(f"omega: the dynamics are infinite at {omega:g} rad/s")
+    # The region lies about the tip of H_env: what is noticed is a change from there.
     around, axis = outline(e.criteria, tips[0], omega), along(e)
     pairs = list(zip(tips, pen.CURVES, strict=True))
     arrows: list[Layer] = [
@@ -760,7 +810,7 @@ def square(e: Evaluation, omega: float | None = None) -> Panel:
         for tip, (color, stroke, _) in pairs
     ]
     lines = [_Projected(tip, color) for tip, (color, *_) in pairs]
-    told = [
+    names = [
         Words(label=f"${name}$", look=_line(color, stroke)) for color, stroke, name in pen.CURVES
     ]
     bars = _Bars(around.stretches, label="not noticed in one part", shared=True)
@@ -772,13 +822,14 @@ def square(e: Evaluation, omega: float | None = None) -> Panel:
         else f"{axis.label} = {axis.short(omega)}"
     )
     ends = _frame(np.array([[0, 0], *tips, *around.corners]))
-    layers = [*told, shade, Origin(), dotted, bars, *lines, *arrows]
+    layers = [*names, shade, Origin(), dotted, bars, *lines, *arrows]
     return Panel(
-        layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(found)}"
+        layers, *plane(e.scene, *ends), height=2.6, equal=True, title=f"{at}: {_verdict(exceeded)}"
     )
 
 
 def _line(color: str, stroke: Any, width: float = 1.1) -> dict[str, Any]:
+    """Return the look of a line in the legend."""
     return {"color": color, "linestyle": stroke, "linewidth": width}
 
 
@@ -799,7 +850,7 @@ class _Projected(Layer):
 
 @dataclass(frozen=True)
 class _Bars(Layer):
-    """What is not noticed of one part alone, on the axes."""
+    """Bars on the axes: the changes that are not noticed if they are of one part alone."""
 
     stretches: Sequence[Sequence[tuple[float, float]]]
 
@@ -821,6 +872,7 @@ class _Bars(Layer):
 
 
 def _verdict(found: Sequence[Criterion]) -> str:
+    """Return in words which criteria are exceeded."""
     if not found:
         return "not noticed"
     if found[0].joint:
@@ -837,6 +889,7 @@ def _sign_at(e: Evaluation, omega: float, criterion: Criterion) -> int:
             f"omega: {omega:g} rad/s is not on the band, "
             f"{' to '.join(f'{x:g}' for x in band_of(e))}"
         )
+    # Between two points of the chart no sign changes: it is that after the point below.
     return (below[-1].at if float(below[-1].omega) == omega else below[-1].after)[criterion]
 
 
@@ -844,15 +897,19 @@ def _frame(points: Array) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits that hold the points with a margin, at equal scales, neither very wide nor very
     high."""
     low, high = points.min(axis=0), points.max(axis=0)
-    half = 0.57 * np.maximum(high - low, 0.6 * np.max(high - low) or 1.0)
-    low, high = (low + high) / 2 - half, (low + high) / 2 + half
+    size = high - low
+    # The shorter side is at least 0.6 of the longer one; 0.57 is a half with a margin.
+    half = 0.57 * np.maximum(size, 0.6 * np.max(size) or 1.0)
+    middle = (low + high) / 2
+    low, high = middle - half, middle + half
     return (low[0], high[0]), (low[1], high[1])
 
 
 def _telling_frequency(e: Evaluation) -> float:
-    """The middle of the first percept band, else the end of the band; beside it if a dynamics is
-    infinite there."""
+    """Return the middle of the first percept band, else the end of the band, rad/s; beside it if
+    H_env or H_perc is infinite there."""
     low, high = ends_of(e.percepts[0].band) if e.percepts else band_of(e)
+    # Further shares are for a pole exactly at the first one, where nothing can be drawn.
     shares = (0.5, 0.4, 0.6, 0.45, 0.55) if e.percepts else (1.0, 0.9, 0.8, 0.95, 0.85)
     infinite = {float(pole.omega) for pole in poles_of(e)}
     return next(x for x in (low + share * (high - low) for share in shares) if x not in infinite)
@@ -866,7 +923,7 @@ REGIONS: Sequence[tuple[str, Any, str]] = (
     (pen.RED, pen.DOTTED, "D"),
     (pen.SCENES[1], pen.SOLID, "x"),
 )
-"""Of each region: colour, stroke of its border, mark of its bandwidth."""
+"""For each region in its order: colour, stroke of its border, mark of its bandwidth."""
 
 
 def regions(e: Evaluation) -> Panel:
@@ -889,6 +946,7 @@ def regions(e: Evaluation) -> Panel:
         entry = Words(label=region_label(x), look=_line(color, stroke, 1.0))
         look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
         shapes += [*([replace(shape, color=color, look=look)] if shape else []), entry]
+        # The regions set the scale, and not the distortion, which may go far beyond them.
         reach = max(reach, 1.6 * float(np.abs(corners).max()))
     met = [(x, color) for x, (color, *_) in rows if x.crossing]
     at = [(_way(f(np.array([float(x.crossing.omega)]))), color) for x, color in met if x.crossing]
@@ -903,48 +961,49 @@ def discriminate(e: Evaluation) -> Panel:
 
     NothingToDrawError where that was not asked.
     """
-    found = e.discrimination
-    if found is None:
+    comparison = e.discrimination
+    if comparison is None:
         raise NothingToDrawError(
             "kind: no models were compared: ask for it with evaluate(scene, discriminate=True)"
         )
     shapes, reach = list[Layer](), 0.0
-    for (name, x), (color, stroke, _) in zip(found.models.items(), REGIONS, strict=True):
-        around = outline(noticed(x), np.zeros(2), found.stimuli[0].omega, 1.0)
+    for (name, x), (color, stroke, _) in zip(comparison.models.items(), REGIONS, strict=True):
+        around = outline(noticed(x), np.zeros(2), comparison.stimuli[0].omega, 1.0)
         look: dict[str, Any] = {"linewidth": 1.0, "linestyle": stroke, "zorder": 2}
         shapes += [
             RegionLayer(around, color, filled=False, look=look),
             Words(label=name, look=_line(color, stroke, 1.0)),
         ]
+        # As for the regions: these are in sight, and the distortion where it is near them.
         reach = max(reach, 1.6 * float(np.abs(around.corners).max()))
     marks = [
         Mark([x.real], [x.imag], shape=f"${i}$", size=5, look={"markeredgewidth": 0.3})
-        for i, x in enumerate(found.stimuli, 1)
+        for i, x in enumerate(comparison.stimuli, 1)
     ]
     way = Polyline(*_way(e.distortion.compile()(sampled(e))).T, label=r"$\Delta H$ over the band")
     return Panel([way, Origin(), *shapes, *marks], *changes(reach), height=2.9, equal=True)
 
 
 def _way(v: Values) -> Array:
-    """Both ratios with their signs."""
+    """Return both ratios with the signs of the distortion, as points of the plane."""
     return np.stack([np.copysign(v.ratio_real, v.real), np.copysign(v.ratio_imag, v.imag)], axis=1)
 
 
-def _region(e: Evaluation, x: Compared) -> tuple[RegionLayer | None, Array]:
-    """One region about 0, where H_env is real and 1, and its corners."""
-    at, criteria = (
-        float(x.crossing.omega if x.crossing else e.chart.points[-1].omega),
-        noticed(x.threshold),
-    )
+def _region(e: Evaluation, compared: Compared) -> tuple[RegionLayer | None, Array]:
+    """Return one region about 0, relative to |H_env|, and its corners; None where it cannot be
+    drawn."""
+    at = float(compared.crossing.omega if compared.crossing else e.chart.points[-1].omega)
+    criteria = noticed(compared.threshold)
     tip, size = np.zeros(2), 1.0
-    if not criteria[0].joint:  # a floor, and which limit holds, depend on H_env
+    # A floor, and which of two limits holds, depend on H_env: its tip is taken as it is there, and
+    # scaled afterwards.
+    if not criteria[0].joint:
         here = e.distortion.compile()(np.array([at]))
         tip = np.array([float(here.environment_real[0]), float(here.environment_imag[0])])
         size = float(np.hypot(*tip))
     if not np.isfinite(size) or not size:
-        widths = np.array(
-            [floats_of(c, at) for c in half_widths(x.threshold)]
-        )  # H_env has no size there
+        # H_env is 0 or infinite there: the region cannot be drawn relative to it.
+        widths = np.array([floats_of(c, at) for c in half_widths(compared.threshold)])
         return None, np.array([-widths, widths])
     around = outline(criteria, tip, at, 1.0 if criteria[0].joint else None)
     return RegionLayer(around, filled=False, about=(tip, size)), (around.corners - tip) / size
@@ -954,7 +1013,7 @@ def _region(e: Evaluation, x: Compared) -> tuple[RegionLayer | None, Array]:
 
 
 class _Ranged(NamedTuple):
-    """What has a range, as it is drawn: a threshold in per cent, or a scale."""
+    """The number that has a range, as it is drawn: a threshold in per cent, or a scale."""
 
     ends: tuple[float, float]
     nominal: float
@@ -999,6 +1058,7 @@ def bandwidths(e: Evaluation) -> Panel:
         Polyline(c, omega, label="bandwidth"),
         *_jumps(e.bandwidths, moving.unit),
         *nominal,
+        # Where small thresholds have no bandwidth, the curve begins later than the range.
         Mark([max(low, c[0]), high], ends, look={"zorder": 3}),
     ]
     margin, top = 0.03 * (high - low), 1.06 * float(np.nanmax(omega))
@@ -1007,50 +1067,56 @@ def bandwidths(e: Evaluation) -> Panel:
 
 
 def _ranged(e: Evaluation) -> _Ranged:
-    t = e.scene.threshold
-    if "scale" in t.ranges:
-        low, high = map(float, t.ranges["scale"])
-        return _Ranged((low, high), float(t.region.size), 1.0, "scale of the JND")
-    low, high = (float(100 * x) for x in t.ranges["real"])
-    return _Ranged((low, high), float(100 * t.real), 100.0, "threshold $c$ (%)")
+    """Return what has a range: the scale of a region, or the threshold in per cent."""
+    threshold = e.scene.threshold
+    if "scale" in threshold.ranges:
+        low, high = map(float, threshold.ranges["scale"])
+        return _Ranged((low, high), float(threshold.region.size), 1.0, "scale of the JND")
+    low, high = (float(100 * x) for x in threshold.ranges["real"])
+    return _Ranged((low, high), float(100 * threshold.real), 100.0, "threshold $c$ (%)")
 
 
-def _curve(e: Evaluation, found: Bandwidths, moving: _Ranged) -> tuple[Array, Array]:
-    """What moves, and bandwidth: where the larger ratio is higher than ever before; broken at the
-    jumps."""
+def _curve(e: Evaluation, attained: Bandwidths, moving: _Ranged) -> tuple[Array, Array]:
+    """Return the threshold (or scale) and the bandwidth along the curve, broken at the jumps:
+    samples at which the ratio is higher than at all lower frequencies."""
     omega = np.unique(
-        np.concatenate([sampled(e), [float(x) for j in found.jumps for x in (j.low, j.high)]])
+        np.concatenate([sampled(e), [float(x) for j in attained.jumps for x in (j.low, j.high)]])
     )
     (low, high), nominal, unit, _ = moving
     limits = [limit_of(x) for x in e.criteria]
     ratio = nominal * (columns(e.criteria, e.distortion.compile()(omega), omega) / limits).max(
         axis=1
     )
-    least, most = float(found.least or 0), float(found.most or 0)
-    first = unit * float(next(iter(found.blocked.values()))) if found.blocked else low
+    least, most = float(attained.least or 0), float(attained.most or 0)
+    first = unit * float(next(iter(attained.blocked.values()))) if attained.blocked else low
+    # The bandwidth at a threshold is the first frequency at which the ratio reaches it. So a sample
+    # is on the curve only where the ratio is as high as at all frequencies below it.
     between = (
         (omega > least) & (omega < most) & (ratio >= np.maximum.accumulate(np.nan_to_num(ratio)))
     )
     inside = between & (ratio > first) & (ratio < high)
-    for jump in found.jumps:
-        inside &= (omega < float(jump.low)) | (
-            omega > float(jump.high)
-        )  # its ends have rows of their own
+    for jump in attained.jumps:
+        # The ends of a jump have rows of their own.
+        inside &= (omega < float(jump.low)) | (omega > float(jump.high))
+    # The second number orders rows of one threshold: below a jump, a gap that breaks the line,
+    # above it.
     rows = [
         (first, 0, least),
         *((c, 0, w) for c, w in zip(ratio[inside], omega[inside], strict=True)),
         (high, 3, most),
     ]
-    for jump in found.jumps:
+    for jump in attained.jumps:
         at = unit * float(jump.threshold or 0)
         rows += [(at, 0, float(jump.low)), (at, 1, np.nan), (at, 2, float(jump.high))]
     ordered = sorted(rows, key=lambda row: row[:2])
     return np.array([c for c, _, _ in ordered]), np.array([w for _, _, w in ordered])
 
 
-def _jumps(found: Bandwidths, unit: float) -> list[Layer]:
+def _jumps(attained: Bandwidths, unit: float) -> list[Layer]:
+    """Return a dotted line for each jump, with a ring at the end that is not attained and a dot at
+    the one that is."""
     made: list[Layer] = []
-    for jump in found.jumps:
+    for jump in attained.jumps:
         at, low, high = unit * float(jump.threshold or 0), float(jump.low), float(jump.high)
         dotted = Polyline(
             [at, at],

@@ -1,5 +1,9 @@
-"""Figures of several environments: the ratios of each, the largest, and what limits it; bandwidths
-by JND region."""
+"""Figures of several environments: the ratios of each, the largest of them, and what limits it;
+bandwidths by JND region.
+
+The largest ratio decides: a display is transparent with all environments exactly where the largest
+is within its threshold.
+"""
 
 from __future__ import annotations
 
@@ -59,12 +63,14 @@ def worst(
     ``shared`` : frequencies, rad/s, and what is judged there of each environment, where that is at
     hand.
     """
-    omega, every = shared or _sampled(w)
-    values = {name: all_[:, which] for name, all_ in every.items()}
+    omega, judged = shared or _sampled(w)
+    values = {name: all_[:, which] for name, all_ in judged.items()}
+    # A gap is a pole: the largest ratio is infinite there.
     envelope = np.max(np.nan_to_num(np.stack(list(values.values())), nan=np.inf), axis=0)
     criterion = noticed(w.family.threshold)[which]
     c, looks = limit_of(criterion), _looks(w)
     lines, marks = list[Layer](), list[Layer]()
+    # Legends list limiting environments in the order in which they limit, then the others.
     for name, ratio in sorted(
         values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)
     ):
@@ -94,6 +100,7 @@ def worst(
         Intervals([ends_of(x) for x in w.transparent], label="all transparent", firm=True),
     ]
     finite = envelope[np.isfinite(envelope)]
+    # The threshold is seen in all cases, and what is above four thresholds in none.
     top = min(max(1.08 * float(finite.max(initial=0.0)), 1.6 * c), 4 * c)
     axis = frequency(w.family.frequency, (float(omega[0]), float(omega[-1])))
     return Panel(layers, axis, DrawnAxis(name_of(criterion), ends=(0, top)), height=1.3)
@@ -106,17 +113,18 @@ def _sampled(w: FamilyEvaluation) -> tuple[Array, dict[str, Array]]:
     """Frequencies, rad/s, and what is judged there of each environment, a column for each
     criterion."""
     grids = [sampled(x) for x in w.answers.values()]
+    # One grid for all environments, or else no largest ratio could be taken sample by sample.
     omega = np.unique(np.concatenate([*grids, [float(point.omega) for point in w.chart.points]]))
-    found = {}
+    judged = {}
     for name, x in w.answers.items():
-        found[name] = broken(
+        judged[name] = broken(
             columns(x.criteria, x.distortion.compile()(omega), omega), omega, x.unbounded
         )
-    return omega, found
+    return omega, judged
 
 
 def _looks(w: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
-    """The colour and stroke of each environment that limits somewhere."""
+    """Return the colour and stroke of each environment that limits somewhere."""
     names = list(dict.fromkeys(x.environment for x in w.binding))
     return {name: _LIMITING[i % len(_LIMITING)] for i, name in enumerate(names)}
 
@@ -127,6 +135,7 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     first, *others = (worst(w, i, shared=shared) for i in range(count))
     ends = dict.fromkeys(x.omega for x in w.binding)
     above = Above([(float(x), first.x.digits(x, 4)) for x in ends])
+    # One legend for all criteria: its entries are those of the first panel.
     quiet = [
         replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others
     ]
@@ -149,6 +158,7 @@ def regions(w: FamilyEvaluation) -> Panel:
     layers, empty = list[Layer](), np.ones(len(names), bool)
     for i, (x, (color, _, shape)) in enumerate(zip(different(w.regions), REGIONS, strict=False)):
         widths = [*(x.answers[name].bandwidth for name in w.family), x.bandwidth]
+        # Marks of up to four regions side by side about the middle of the row.
         at = [(float(b), row + 0.2 * (i - 1.5)) for row, b in enumerate(widths) if b is not None]
         empty &= np.array([b is None for b in widths])
         look = {"zorder": 3, "clip_on": False}
@@ -164,6 +174,7 @@ def regions(w: FamilyEvaluation) -> Panel:
         )
         layers.append(marks if at else Words(label=f"{region_label(x)}: none"))
     layers += [_Said("no bandwidth", int(row)) for row in np.flatnonzero(empty)]
+    # A line between the environments and the last row, that of all together.
     layers.append(Limit(len(names) - 1.5, width=0.5))
     rows = [fill(x, _BROAD, max_lines=3, placeholder="…") for x in names]
     axis = frequency(w.family.frequency, (low, high))
@@ -206,7 +217,8 @@ def one_of(many: FamilyAnswers) -> Panel:
 
 
 def each(many: FamilyAnswers) -> Figure:
-    """What each answer draws first, below each other, under the environment's name."""
+    """Return a sheet of what each answer draws first, one below the other, under the environments'
+    names."""
     charts = [
         (name, next(iter(drawings_of(x).kinds.values()))(x)) for name, x in many.answers.items()
     ]

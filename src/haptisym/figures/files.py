@@ -117,7 +117,7 @@ def plot(
 
 
 def _axes() -> Axes:
-    """New ones, of pyplot: notebooks show them by themselves, and ``plt.show()`` does in a
+    """Return new axes of pyplot: notebooks show these by themselves, and ``plt.show()`` does in a
     script."""
     from matplotlib import pyplot
 
@@ -141,6 +141,8 @@ def sheet(*charts: Panel, wide: bool = False, joined: bool = True) -> Figure:
         len(charts), 1, sharex="all" if joined else "none", squeeze=False, height_ratios=heights
     )
     axes: Sequence[Axes] = grid[:, 0]
+    # Legends and words are fitted to the width of the axes, which is known after a first layout of
+    # the axes alone.
     frames = [frame(ax, chart) for ax, chart in zip(axes, charts, strict=True)]
     for ax in axes[:-1] if joined else ():
         ax.tick_params(labelbottom=False)
@@ -154,18 +156,19 @@ def sheet(*charts: Panel, wide: bool = False, joined: bool = True) -> Figure:
             on.ax.set_xlabel("")
     height = sum(heights)
     if len(axes) == 1 and axes[0].get_aspect() == 1:
+        # With equal scales the ratio of the data gives the height that the width needs; 0.7 inch is
+        # for the labels.
         height = min(0.7 + 2.8 * axes[0].get_data_ratio(), 3.6)
     figure.set_figheight(height + sum(map(_legend_height, axes)))
     _arrange(figure)
     with mpl.rc_context({"figure.autolayout": False, "figure.constrained_layout.use": False}):
-        figure.set_layout_engine(
-            None
-        )  # with "none" a placeholder stays, for which every file is drawn twice
+        # With "none" a placeholder would stay, for which every file is drawn twice.
+        figure.set_layout_engine(None)
     return figure
 
 
 def _arrange(figure: Figure) -> None:
-    """Texts and axes are measured; nothing is drawn, which takes longer."""
+    """Lay a figure out: texts and axes are measured; to draw them would take longer."""
     engine = figure.get_layout_engine()
     assert engine is not None
     engine.execute(figure)
@@ -181,12 +184,14 @@ _LINE = 0.2  # inches
 
 
 def _estimated(figure: Figure, about: object) -> Figure:
-    """The same, with a line above it that says so where the numbers of a scene were estimated."""
+    """Return the figure, with a line above it that says so where the numbers of the scene were
+    estimated."""
     level = getattr(about, "level", None)
     if level is None:
         return figure
     width, height = figure.get_size_inches()
     share = height / (height + _LINE)
+    # The figure grows by a line at its top; the axes keep their size in inches.
     for ax in figure.axes:
         box = ax.get_position()
         ax.set_position((box.x0, box.y0 * share, box.width, box.height * share))
@@ -204,6 +209,7 @@ def save_as(figure: Figure, path: str | Path) -> Path:
     any other ending."""
     target = checked(path)
     with (
+        # The salt makes ids in SVG the same each time; type 42 embeds fonts as TrueType.
         mpl.rc_context({"svg.hashsalt": "haptisym", "pdf.fonttype": 42}),
         _letters_alone(target),
         replacing(target) as fresh,
@@ -213,12 +219,13 @@ def save_as(figure: Figure, path: str | Path) -> Path:
 
 
 _SETTING = ("GDEF", "GPOS", "GSUB", "MATH", "kern")
-"""Tables of fonts by which letters are set."""
+"""Tables of a font by which letters are placed and combined, which matplotlib has done."""
 
 
 @contextmanager
 def _letters_alone(target: Path) -> Iterator[None]:
-    """Fonts of PDF files without these tables, as long as it lasts: not even read."""
+    """Write fonts of a PDF file without these tables while the context lasts; they are not even
+    read."""
     if target.suffix.lower() != ".pdf":
         yield
         return
@@ -229,9 +236,8 @@ def _letters_alone(target: Path) -> Iterator[None]:
         font = load(*given)
         for table in {*_SETTING} & {*font.keys()}:
             del font[table]
-        font["cmap"] = fonts.ttLib.newTable(
-            "cmap"
-        )  # which glyph a letter is, matplotlib knows: it asks for glyphs
+        # Which glyph a letter is, matplotlib knows: it asks for glyphs, so an empty table will do.
+        font["cmap"] = fonts.ttLib.newTable("cmap")
         font["cmap"].tableVersion, font["cmap"].tables = 0, []
         return font
 
@@ -239,4 +245,5 @@ def _letters_alone(target: Path) -> Iterator[None]:
     try:
         yield
     finally:
+        # The function belongs to another package: it is put back whatever happens.
         fonts.load_font = load

@@ -1,5 +1,5 @@
-"""Figures of JNDs: of a measured one the shares of the answers, the curve, and the JND with its
-interval; the published ones."""
+"""Figures of just-noticeable differences: of a measured one the shares of the answers, the fitted
+curve, and the JND with its interval; bars for the published ones."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ def answers(p: Psychometric) -> Panel:
     curve = Polyline(level, p.fit.curve(level), pen.BLUE, label="fitted curve", look={"zorder": 2})
     most = max(x.trials for x in rows)
     rim: dict[str, Any] = {"markeredgecolor": "white", "markeredgewidth": 0.5, "zorder": 3}
+    # The area of a dot is in proportion to its number of answers, hence the square root; the
+    # smallest are still seen.
     shares = [
         Mark(
             [x.level],
@@ -37,13 +39,13 @@ def answers(p: Psychometric) -> Panel:
         )
         for x in rows
     ]
-    told = Words(label="answers", look=dots(5, color=pen.BLUE))
+    entry = Words(label="answers", look=dots(5, color=pen.BLUE))
     note = [Note("the curve does not fit these answers")] if p.deviance.fits is False else []
     upright = DrawnAxis(
         "share of right answers" if p.asked.alternatives else "share of “more”", ends=(-0.03, 1.03)
     )
     return Panel(
-        [curve, *shares, told, *_jnd(p, low), *note],
+        [curve, *shares, entry, *_jnd(p, low), *note],
         DrawnAxis("level", ends=(low, high)),
         upright,
         height=2.3,
@@ -51,20 +53,25 @@ def answers(p: Psychometric) -> Panel:
 
 
 def _reach(p: Psychometric) -> tuple[float, float]:
-    """The levels from which to which is drawn: the answers', and the threshold with its interval as
-    far as it is near."""
-    level = [x.level for x in p.answers.rows]
-    span = level[-1] - level[0]
+    """Return the levels from which to which is drawn: those of the answers, and the threshold with
+    the upper end of its interval where these are near."""
+    levels = [x.level for x in p.answers.rows]
+    first, last = levels[0], levels[-1]
+    span = last - first
+    # With alternatives the JND is a level; else it is a distance from the point of equality.
     start = 0.0 if p.asked.alternatives else p.middle.value
     ends = [x + start for x in (p.jnd.value, p.jnd.high) if x is not None]
-    near = [x for x in (*ends, p.middle.value) if level[0] - span < x < level[-1] + span]
-    low, high = min([*level, *near]), max([*level, *near])
-    return low - 0.06 * (high - low), high + 0.06 * (high - low)
+    # An end farther off than the answers reach is not drawn: it would press them together.
+    near = [x for x in (*ends, p.middle.value) if first - span < x < last + span]
+    shown = [*levels, *near]
+    low, high = min(shown), max(shown)
+    margin = 0.06 * (high - low)
+    return low - margin, high + margin
 
 
 @dataclass(frozen=True)
 class _First(Polyline):
-    """A line of the first answers on the axes alone."""
+    """A line that is drawn for the first answers on the axes alone."""
 
     styled: bool = field(default=False, kw_only=True)
 
@@ -75,8 +82,10 @@ class _First(Polyline):
 def _jnd(p: Psychometric, low: float) -> list[Layer]:
     """The middle of the curve, and where the JND is taken, with its interval as a bar."""
     start = 0.0 if p.asked.alternatives else p.middle.value
-    at = start + p.jnd.value
-    share, made, under = float(p.fit.curve(np.array([at]))[0]), list[Layer](), {"zorder": 1}
+    level = start + p.jnd.value
+    # The height is that of the curve at the JND: with guesses and lapses it is not the proportion
+    # that was asked for.
+    share, made, under = float(p.fit.curve(np.array([level]))[0]), list[Layer](), {"zorder": 1}
     if not p.asked.alternatives:
         half = float(p.fit.curve(np.array([start]))[0])
         made.append(
@@ -90,17 +99,21 @@ def _jnd(p: Psychometric, low: float) -> list[Layer]:
                 look=under,
             )
         )
-    told = f"JND at {100 * p.asked.proportion:.4g} %"
+    label = f"JND at {100 * p.asked.proportion:.4g} %"
     made.append(
         _First(
-            [low, at, at], [share, share, -0.03], pen.RED, pen.DASHED, 0.8, label=told, look=under
+            [low, level, level],
+            [share, share, -0.03],
+            pen.RED,
+            pen.DASHED,
+            0.8,
+            label=label,
+            look=under,
         )
     )
     if p.jnd.low is not None and p.jnd.high is not None:
-        ends, look = (
-            [start + p.jnd.low, start + p.jnd.high],
-            {"alpha": 0.35, "solid_capstyle": "butt", "zorder": 1},
-        )
+        ends = [start + p.jnd.low, start + p.jnd.high]
+        look = {"alpha": 0.35, "solid_capstyle": "butt", "zorder": 1}
         made.append(
             _First(
                 ends,

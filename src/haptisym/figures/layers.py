@@ -2,7 +2,8 @@
 arrows and words.
 
 A ``Panel`` says what is seen: its layers from back to front, and what is along its two axes.
-Numbers are in SI and rad/s; an ``DrawnAxis`` has the unit in which they are drawn, which is the scene's.
+Numbers are in SI and rad/s; a ``DrawnAxis`` has the unit in which they are drawn, which is that of
+the scene.
 ``draw`` puts a chart on axes of matplotlib, and alone decides what a second scene on the same axes
 looks like: the next colour, a label behind each entry of the legend, bars at the top in place of
 grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
@@ -45,12 +46,11 @@ Span = tuple[float, float]
 
 @dataclass(frozen=True)
 class DrawnAxis:
-    """What is along an axis: a symbol, the unit in which it is drawn, from where to where (SI); how
-    it is divided.
+    """An axis: its symbol, the unit in which it is drawn, its ends in SI, and how it is divided.
 
     ``dimension`` : where the unit may be that of a scene which is there already. ``names`` : of
-    rows, the first on top.
-    ``large`` : whether large numbers are in thousands or millions of the unit.
+    rows, the first on top. ``large`` : whether large numbers are in thousands or millions of the
+    unit.
     """
 
     label: str = ""
@@ -62,7 +62,7 @@ class DrawnAxis:
     large: bool = False
 
     def of(self, values: Any) -> Any:
-        """Numbers in SI as they are drawn."""
+        """Return numbers in SI as they are drawn, as an array of floats in the unit of the axis."""
         size = float(self.unit.size)
         return (
             np.asarray(values, dtype=float) / size if size != 1 else np.asarray(values, dtype=float)
@@ -79,6 +79,8 @@ class DrawnAxis:
 
     def digits(self, value: RealNumber, count: int) -> str:
         """A proven number of this axis to that many correct digits."""
+        # A proven number is divided as a number, before it is rounded to decimals: so its digits in
+        # the unit are proven too.
         return (value if self.unit.size == 1 else Scaled(value, self.unit.size)).digits(count)
 
     def short(self, value: Any, digits: int = 4) -> str:
@@ -89,7 +91,11 @@ class DrawnAxis:
 def frequency(unit: Unit, ends: Span | None = None) -> DrawnAxis:
     """An axis of frequencies in the scene's unit; ``ends`` : rad/s."""
     return DrawnAxis(
-        r"$\omega$" if unit == RADIANS else "frequency", unit, ends, Dimension.FREQUENCY
+        # The symbol omega is an angular frequency; over values in Hz it would be false.
+        r"$\omega$" if unit == RADIANS else "frequency",
+        unit,
+        ends,
+        Dimension.FREQUENCY,
     )
 
 
@@ -101,11 +107,11 @@ def parameter(x: Parameter, name: str = "", ends: Span | None = None) -> DrawnAx
 
 
 class Moving(Protocol):
-    """What moves or turns."""
+    """A thing whose motion is known to be a translation or a rotation, or is not known."""
 
     @property
     def motion(self) -> MotionKind | None:
-        """Which of both; None where nothing tells it."""
+        """The kind of motion; None where nothing in the scene determines it."""
 
 
 def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> DrawnAxis:
@@ -115,14 +121,17 @@ def force_per_position(name: str, scene: Moving, ends: Span | None = None) -> Dr
 
 
 def _kept_unit(axis: DrawnAxis, text: str) -> DrawnAxis:
-    """The axis in the unit that stands in the label of one that is there already, where that is of
-    the same kind."""
-    found = re.search(r"\(([^()]+)\)$", text)
-    if axis.dimension is None or found is None or not axis.unit.name:
+    """Return the axis in the unit that the label of an earlier scene has, where both units are of
+    one kind; else as it is."""
+    # matplotlib keeps no unit: the text in brackets at the end of the label is all that is left of
+    # the first scene's.
+    brackets = re.search(r"\(([^()]+)\)$", text)
+    if axis.dimension is None or brackets is None or not axis.unit.name:
         return axis
+    # Brackets that hold no unit of this dimension raise, and the axis keeps its own.
     with suppress(SceneError):
-        read = quantity(f"1 {found[1]}", axis.dimension)
-        unit = read.unit or Unit(found[1])
+        read = quantity(f"1 {brackets[1]}", axis.dimension)
+        unit = read.unit or Unit(brackets[1])
         return replace(
             frequency(unit, axis.ends) if axis.dimension is Dimension.FREQUENCY else axis, unit=unit
         )
@@ -139,6 +148,7 @@ def number(value: float, digits: int = 6) -> str:
     ('−0.5', '2.79·10⁻⁵', '10⁻⁷', '12')
     """
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    # The format g writes a power of ten as 1e-07: print has the power without the factor 1.
     power = f"10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
     shown = (
         {"1": power, "-1": f"-{power}"}.get(mantissa, f"{mantissa}·{power}") if power else mantissa
@@ -160,13 +170,15 @@ def raised(text: str) -> str:
 
 
 class _Plain(ScalarFormatter):
-    """All decimals of all ticks; powers of ten only where numbers would be long."""
+    """Formatter of ticks with all decimals; powers of ten only where numbers would be long."""
 
     def __init__(self) -> None:
         super().__init__(useOffset=False)
         self.set_scientific(False)
 
     def __call__(self, x: float, pos: int | None = None) -> str:
+        # What the axis shows decides, not a single number: at usual sizes all ticks have the same
+        # count of decimals, which ScalarFormatter finds.
         most = float(np.abs(self.axis.get_view_interval()).max()) if self.axis else 1.0
         return number(x) if not 1e-3 <= most < 1e6 else super().__call__(x, pos)
 
@@ -186,27 +198,31 @@ def thin(ax: Axes) -> None:
 
 def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
     """Limits, numbers and label of one axis."""
-    own = getattr(ax, f"{which}axis")
+    direction = getattr(ax, f"{which}axis")
     if axis.names:
         _dress_rows(ax, axis.names)
     else:
-        own.set_major_formatter(_Plain())
-        own.set_major_locator(MaxNLocator(_TICKS, steps=[1, 2, 5, 10]))
+        direction.set_major_formatter(_Plain())
+        direction.set_major_locator(MaxNLocator(_TICKS, steps=[1, 2, 5, 10]))
     if axis.log:
         getattr(ax, f"set_{which}scale")("log")
         low, high = getattr(ax, f"get_{which}lim")()
         is_wide = np.log10(high / low) > _DECADES
-        own.set_major_locator(LogLocator(numticks=8) if is_wide else LogLocator(subs=(1, 2, 5)))
-        own.set_minor_locator(NullLocator())
-        own.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
-    most = np.abs(own.get_view_interval()).max()
+        # set_xscale has just replaced locators and formatters, so they are set after it.
+        direction.set_major_locator(
+            LogLocator(numticks=8) if is_wide else LogLocator(subs=(1, 2, 5))
+        )
+        direction.set_minor_locator(NullLocator())
+        direction.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+    most = np.abs(direction.get_view_interval()).max()
+    # Thousands from 1e5 on and millions from 1e8 on: at least three digits stay before the point.
     factor, prefix = next(
         ((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if axis.large and most >= 100 * f), (1.0, "")
     )
     if prefix:
-        own.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
+        direction.set_major_formatter(FuncFormatter(lambda value, _: number(value / factor)))
     if axis.text:
-        own.set_label_text(
+        direction.set_label_text(
             f"{axis.label} ({prefix}{axis.unit.text})" if prefix else axis.text, fontsize=pen.TEXT
         )
 
@@ -216,6 +232,7 @@ def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
     ax.set_yticks(range(len(names)), [*map(printable, names)], fontsize=pen.SMALL)
     ax.tick_params(axis="y", length=0, labelsize=pen.SMALL)
     ax.spines["left"].set_visible(False)
+    # Limits from high to low turn the axis upside down, so that the first row is on top.
     ax.set_ylim(len(names) - 0.5, -0.5)
 
 
@@ -224,7 +241,7 @@ def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
 
 @dataclass(frozen=True)
 class On:
-    """What layers are drawn on: the axes, and which scene it is that is drawn there.
+    """The axes that layers are drawn on, and which of the scenes on them is being drawn.
 
     ``number`` : of scenes that were drawn before; ``color`` : the caller's or the next one;
     ``suffix`` : behind its entries.
@@ -239,8 +256,8 @@ class On:
     suffix: str = ""
 
     def ink(self, usual: str) -> str:
-        """The colour of something that has one of its own where the scene is alone and in the usual
-        colours."""
+        """Return the colour of a layer: its usual one where the scene is alone and no colour was
+        given, else that of the scene."""
         return self.color if self.given or self.number else usual
 
 
@@ -258,11 +275,11 @@ class Layer:
     look: Mapping[str, Any] = field(default_factory=dict)
 
     def draw(self, on: On) -> list[Artist]:
-        """The artists, on the axes."""
+        """Draw on the axes, and return the artists."""
         raise NotImplementedError
 
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        """What stands in the legend, each with its words; nothing where nothing was drawn."""
+        """Return the entries of the legend, each with its words; none where nothing was drawn."""
         return [(self.label, made[0])] if self.label and made else []
 
 
@@ -329,6 +346,7 @@ class Intervals(Layer):
             if on.number and not self.firm:
                 made += self._bar(on, low, high)
             elif low == high:
+                # An interval of one point has no width: a stroke keeps it in sight.
                 made.append(on.ax.axvline(low, color=self.color, linewidth=2, zorder=0))
             else:
                 style: dict[str, Any] = {"facecolor": self.color, "linewidth": 0, "zorder": 0}
@@ -337,7 +355,7 @@ class Intervals(Layer):
 
     @staticmethod
     def _bar(on: On, low: float, high: float) -> list[Line2D]:
-        """At the top of the axes, each scene below the one before."""
+        """Draw a bar at the top of the axes, each scene's below that of the one before."""
         return on.ax.plot(
             [low, high],
             [0.985 - 0.03 * on.number] * 2,
@@ -395,6 +413,8 @@ class Ground(Layer):
         style: dict[str, Any] = {
             "facecolors": self.color,
             "linewidths": 0,
+            # Antialiased edges of two neighbours cover a shared pixel in part only: seams would
+            # show.
             "antialiased": False,
             "zorder": self.zorder,
         }
@@ -419,6 +439,7 @@ class DrawnDiscs(Layer):
     color: str
 
     def draw(self, on: On) -> list[Artist]:
+        # A radius that is not finite is unbounded or unknown: there is no disc to draw.
         seen = np.isfinite(self.radii) & (self.radii > 0)
         circles = [
             Circle((c.real, c.imag), r)
@@ -476,6 +497,7 @@ class Words(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         style: dict[str, Any] = {"color": pen.INK, "linestyle": "none", **self.look}
+        # The artist is not put on the axes: the legend alone shows it.
         return [Line2D([], [], **{**style, "color": on.ink(style["color"])})]
 
 
@@ -507,9 +529,12 @@ class Above(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         ax, ink = on.ax, on.color
+        # Labels of earlier scenes are taken away and placed anew with those of this one: where each
+        # stands depends on all of them.
         before = [x for x in ax.texts if isinstance(x, Annotation) and x.get_label() == _ABOVE]
         rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
         new = [(float(on.x.of(x)), text, ink) for x, text in self.places]
+        # Without room for all, the row of the first scene stays whole.
         if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
             new = []
         for old in before:
@@ -574,8 +599,9 @@ def draw(
 
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
-    >>> [line] = draw(ax, Panel([Polyline([0, 1], [2, 3], label="a line"), Limit(2.5, label="limit", shared=True)]), label="one")
-    >>> [line] = draw(ax, Panel([Polyline([0, 2], [5, 3], label="a line"), Limit(2.5, label="limit", shared=True)]))
+    >>> limit = Limit(2.5, label="limit", shared=True)
+    >>> [line] = draw(ax, Panel([Polyline([0, 1], [2, 3], label="a line"), limit]), label="one")
+    >>> [line] = draw(ax, Panel([Polyline([0, 2], [5, 3], label="a line"), limit]))
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['a line, one', 'limit', 'a line (2)']
     """
@@ -584,6 +610,8 @@ def draw(
 
 def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") -> On:
     """Limits, numbers and labels of the axes; for layers to be drawn on."""
+    # fill marks every artist of scene N by a gid that begins with the group and N: how many
+    # different ones there are is how many scenes were drawn.
     marks = (str(x.get_gid()) for x in ax.get_children())
     number = len({x.partition(".")[0] for x in marks if x.startswith(_GROUP)})
     suffix = f", {label}" if label else f" ({number + 1})" if number else ""
@@ -596,12 +624,15 @@ def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") 
     thin(ax)
     for axis, get, put in ((x, ax.get_xlim, ax.set_xlim), (y, ax.get_ylim, ax.set_ylim)):
         if axis.ends:
+            # Limits only grow, so that scenes before stay in sight.
             (low, high), ends = get() if number else axis.of(axis.ends), axis.of(axis.ends)
             put(min(low, ends[0]), max(high, ends[1]))
     _dress(ax, "x", x)
     _dress(ax, "y", y)
     if chart.equal:
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+        # Equal scales of a very flat or very upright window leave a strip that nobody can read:
+        # then true angles are given up.
         ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
     return On(
         ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix
@@ -609,16 +640,20 @@ def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") 
 
 
 def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
-    """The layers of a chart on axes that are framed, and the legend."""
+    """Draw the layers of a chart on axes that are framed, and the legend; return the artists that
+    take ``style``."""
     ax, before = on.ax, set(on.ax.get_children())
-    handles, styled, every = list[Artist](), list[Artist](), list[Artist]()
+    handles, styled, drawn = list[Artist](), list[Artist](), list[Artist]()
+    # Layers without given ends let matplotlib fit the axes anew while they are drawn; what was seen
+    # before is kept for _refit.
     rest = ax.get_xlim(), ax.get_ylim()
     for layer in chart.layers:
         made = layer.draw(on)
-        every += made
+        drawn += made
         for words, key in layer.keys(on, made):
             key.set_label(words if layer.shared else f"{words}{on.suffix}")
             handles.append(key)
+            # A key that is one of the artists gets the style with them, below.
             if layer.styled and key not in made:
                 key.set(**style)
         if layer.styled:
@@ -628,53 +663,60 @@ def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
     _refit(on, chart, rest)
     rows = legend(ax, handles, lines=int(any(isinstance(x, Above) for x in chart.layers)))
     if chart.title and not on.number:
+        # The title stands above the legend, of which a row takes about 1.42 sizes of its font.
         ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
     for n, artist in enumerate(x for x in ax.get_children() if x not in before):
-        artist.set_gid(f"{_GROUP}{on.number + 1}.{n}")  # SVG wants each once
-    return styled or every
+        # A gid becomes an id in SVG, which must occur once in a file: hence the count n.
+        artist.set_gid(f"{_GROUP}{on.number + 1}.{n}")
+    return styled or drawn
 
 
 def _refit(on: On, chart: Panel, rest: tuple[Span, Span]) -> None:
-    """What found its own limits: those of scenes before stay in sight, and large numbers get their
-    unit."""
-    for which, axis, (low, high) in (("x", chart.x, rest[0]), ("y", chart.y, rest[1])):
-        if axis.ends is None and not axis.names:
-            a, b = getattr(on.ax, f"get_{which}lim")()
-            if on.number and a < b:
-                getattr(on.ax, f"set_{which}lim")(min(a, low), max(b, high))
-            if axis.large:
-                _dress(on.ax, which, axis)
+    """Set the limits of axes that have found their own: what earlier scenes show stays in sight,
+    and large numbers get their unit."""
+    for which, axis, before in (("x", chart.x, rest[0]), ("y", chart.y, rest[1])):
+        if axis.ends is not None or axis.names:
+            continue
+        low, high = getattr(on.ax, f"get_{which}lim")()
+        if on.number and low < high:
+            wider = min(low, before[0]), max(high, before[1])
+            getattr(on.ax, f"set_{which}lim")(*wider)
+        if axis.large:
+            _dress(on.ax, which, axis)
 
 
 # Words: legends, and labels that do not meet.
 
 
 def entries(ax: Axes) -> dict[str, Any]:
-    """What the legend of the axes holds: from each label to its handle."""
-    found = ax.get_legend()
+    """Return the entries of the axes' legend, from each label to its handle."""
+    existing = ax.get_legend()
     return (
-        dict(zip([x.get_text() for x in found.get_texts()], found.legend_handles, strict=True))
-        if found
+        dict(
+            zip([x.get_text() for x in existing.get_texts()], existing.legend_handles, strict=True)
+        )
+        if existing
         else {}
     )
 
 
 def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
-    """The legend above the axes, where no curve is, and above that many lines of other text; how
-    many rows it has.
+    """Draw the legend above the axes, where no curve is, and above that many lines of other text;
+    return how many rows it has.
 
     Entries of a legend that is there already stay; no label occurs twice.
     """
-    told = entries(ax)
+    known = entries(ax)
     for x in handles:
-        told.setdefault(str(x.get_label()), x)
-    if not told:
+        # The entry that is there first keeps its handle: what scenes share looks as it did.
+        known.setdefault(str(x.get_label()), x)
+    if not known:
         return 0
-    columns = _columns(ax, list(told))
+    columns = _columns(ax, list(known))
     up = ScaledTranslation(0, (0.5 + 1.9 * lines) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
     ax.legend(
-        handles=list(told.values()),
-        labels=list(told),
+        handles=list(known.values()),
+        labels=list(known),
         ncols=columns,
         loc="lower left",
         bbox_to_anchor=(0, 1),
@@ -688,14 +730,20 @@ def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
         columnspacing=1.2,
         labelspacing=0.3,
     )
-    return -(-len(told) // columns)
+    # Upwards: a row that is not full is a row.
+    return -(-len(known) // columns)
 
 
 def _columns(ax: Axes, labels: Sequence[str]) -> int:
-    """The most columns of a legend that together are no wider than the axes."""
+    """Return the largest number of columns with which a legend is no wider than the axes."""
+    # TeX commands and braces are not printed as letters. The 3.2 font sizes, with the margin of
+    # text_width, are a handle, its gap, and the space to the next column, which the last one has
+    # not.
     widths = [
         text_width(ax, re.sub(r"\\[a-z]+|[\\${}_,]", "", label)) + 3.2 * em(ax) for label in labels
     ]
+    # array_split deals labels out to columns as the legend of matplotlib does, so these are the
+    # widths that it will have.
     for columns in range(len(labels), 1, -1):
         if sum(max(column) for column in np.array_split(widths, columns)) - 1.2 * em(ax) <= 1.05:
             return columns
@@ -704,6 +752,8 @@ def _columns(ax: Axes, labels: Sequence[str]) -> int:
 
 def text_width(ax: Axes, text: str) -> float:
     """About the width of a small text with a margin, as a fraction of the axes."""
+    # A letter of the font is about 0.54 of its size wide. Exact widths need a renderer, which there
+    # is none of before the layout.
     return (0.54 * max(map(len, text.split("\n"))) + 0.7) * em(ax)
 
 
@@ -713,7 +763,7 @@ def em(ax: Axes) -> float:
 
 
 def share_of(ax: Axes, x: float) -> float:
-    """Where a place is along the axes, from 0 to 1."""
+    """Return where a place is along the axes, from 0 to 1."""
     low, high = ax.get_xlim()
     return (x - low) / (high - low)
 
@@ -731,7 +781,7 @@ def dots(size: float, shape: str = "o", **more: Any) -> dict[str, Any]:
 
 
 def plate(color: str) -> dict[str, Any]:
-    """What keeps a text readable on a curve."""
+    """Return the look of a ground that keeps a text readable on a curve."""
     return {"facecolor": color, "edgecolor": "none", "pad": 0.6}
 
 
@@ -742,6 +792,9 @@ def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
     >>> spread([0.1, 0.5, 0.52], [0.1, 0.1, 0.1]).round(2).tolist()
     [0.1, 0.46, 0.56]
     """
+    # In free = centre - offset, where offset is the room of all labels to the left, labels do not
+    # overlap exactly where free does not fall. The mean of the running maximum from the left and
+    # the running minimum from the right never falls, and moves labels to both sides alike.
     offsets = np.cumsum(widths) - np.asarray(widths) / 2
     free = np.asarray(centres) - offsets
     free = (np.maximum.accumulate(free) + np.minimum.accumulate(free[::-1])[::-1]) / 2
@@ -749,7 +802,7 @@ def spread(centres: Sequence[float], widths: Sequence[float]) -> Array:
 
 
 _WIDE, _HIGH = 0.56, 0.95
-"""Of a letter, and of a line, in sizes of the font."""
+"""Width of a letter and height of a line, in sizes of the font."""
 _MARK = 3.0  # half of a point's width, pt
 _NEAR, _FAR = 5.0, 14.0  # pt from a point to its name
 _OUTSIDE, _MET, _DOUBTFUL, _CROSSED, _LONG = 50.0, 20.0, 12.0, 8.0, 0.35
@@ -762,8 +815,8 @@ Box = tuple[float, float, float, float]
 
 @dataclass
 class Room:
-    """What is on the axes already, in points of the page: boxes, lines and points that names beside
-    points should not meet."""
+    """The boxes, lines and points that are on the axes already, in points of the page, which names
+    beside points should not meet."""
 
     ax: Axes
     boxes: list[Box] = field(default_factory=list)
@@ -776,28 +829,32 @@ class Room:
         return float(a), float(b)
 
     def _on_page(self, x: Any, y: Any) -> Array:
+        """Return places of the data in points of the page."""
         transform: Any = self.ax.transData
+        # transData gives pixels, dpi to an inch; a point of the page is 1/72 inch.
         found: Array = transform.transform(np.column_stack([x, y])) * 72 / self.ax.figure.dpi
         return found
 
     def take_point(self, x: float, y: float, half: float = _MARK) -> None:
-        """Nothing is written over a point."""
+        """Take the place of a point, over which nothing is written."""
         a, b = self.at(x, y)
         self.points.append((a, b))
         self.boxes.append((a - half, b - half, a + half, b + half))
 
     def take_line(self, x: Any, y: Any) -> None:
-        """Nothing is written over a line, if there is another place."""
-        found = self._on_page(x, y)
-        self.lines.append(_dense(found[np.isfinite(found).all(axis=1)]))
+        """Take the place of a line, over which nothing is written if there is another place."""
+        places = self._on_page(x, y)
+        self.lines.append(_dense(places[np.isfinite(places).all(axis=1)]))
 
     def beside(self, x: float, y: float, text: str, size: float) -> Span:
-        """Where a name is best: from its point, pt, to its lower left corner. That place is taken
-        then."""
+        """Return the best place of a name, from its point to its lower left corner in points of the
+        page; that place is taken then."""
         a, b = self.at(x, y)
         wide, high = _WIDE * size * len(text), _HIGH * size
 
         def cost(place: Box) -> float:
+            # A name nearer to another point than to its own, or as near, would be read as the
+            # other's.
             return self._cost(place) + _DOUBTFUL * any(
                 _apart(place, p) <= _apart(place, (a, b)) for p in others
             )
@@ -806,20 +863,24 @@ class Room:
         places = [
             (gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)
         ]
+        # The number n settles equal costs: the place that is tried first, the usual one, is taken.
         _, _, best = min((cost(box) + _LONG * gap, n, box) for n, (gap, box) in enumerate(places))
         self.boxes.append(best)
         return best[0] - a, best[1] - b
 
     def crowded(self, place: Span, size: float) -> float:
-        """What it costs to write a number about a place."""
+        """Return the cost of a number that is written about a place."""
         a, b = self.at(*place)
-        return self._cost((a - 0.6 * size, b - 0.6 * size, a + 0.6 * size, b + 0.6 * size))
+        half = 0.6 * size
+        return self._cost((a - half, b - half, a + half, b + half))
 
     def away(self, one: Span, other: Span) -> float:
         """How far two places are from each other, pt."""
         return float(np.hypot(*np.subtract(self.at(*one), self.at(*other))))
 
     def _cost(self, box: Box) -> float:
+        """Return the cost of a text in a box: for leaving the axes, for each box it meets, for each
+        line that crosses it."""
         left, bottom, right, top = box
         extents: Any = self.ax.bbox.extents
         edge = extents * 72 / self.ax.figure.dpi
@@ -830,14 +891,16 @@ class Room:
             left < x1 and x0 < right and bottom < y1 and y0 < top for x0, y0, x1, y1 in self.boxes
         )
         for line in self.lines:
+            # Lines are stored as close points: a line crosses the box where one of these lies in
+            # it.
             x, y = line.T
             cost += _CROSSED * bool(((x > left) & (x < right) & (y > bottom) & (y < top)).any())
         return float(cost)
 
 
 def _tried(wide: float, high: float) -> Iterable[tuple[float, float, float]]:
-    """How far places of a name are, and where, the usual ones first: to the right, above and below,
-    to the left; then farther."""
+    """Yield places of a name: how far each is from the point, and its lower left corner. The usual
+    ones come first: to the right, above and below, to the left; then farther."""
     for gap in (_NEAR, _FAR, 2 * _FAR):
         sides = (-high / 2, gap / 2, -high - gap / 2, gap, -high - gap)
         yield from ((gap, gap, up) for up in sides)
@@ -857,5 +920,6 @@ def _dense(points: Array) -> Array:
         return points
     steps = np.hypot(*np.diff(points, axis=0).T)
     along = np.concatenate([[0.0], np.cumsum(steps)])
+    # The bound is for a line whose ends are far off the axes: it could be millions of points long.
     fine = np.linspace(0, along[-1], min(int(along[-1]) + 2, 20_000))
     return np.column_stack([np.interp(fine, along, points[:, i]) for i in (0, 1)])

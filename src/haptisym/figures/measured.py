@@ -1,8 +1,10 @@
-"""Figures of measurements: ratios with their discs against the thresholds, both responses in the
-plane, and fitted models.
+"""Figures of measurements: ratios with their uncertainty discs against the thresholds, both
+responses in the complex plane, and fitted models.
 
-Of very many lines every so many is drawn. Discs and bars that are smaller than the marks which they
-belong to are left out, and so is their entry.
+A verdict on a frequency point holds for its whole disc; between points nothing is drawn but what a
+stated bound on the slope leaves possible. Of very many points every so many is drawn. Discs and
+bars that are smaller than the marks which they belong to are left out, and so is their entry in the
+legend.
 """
 
 from __future__ import annotations
@@ -47,7 +49,7 @@ from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
 _MOST_LINES, _MOST_POINTS = 800, 6000
 """Frequency points drawn, and points of swept discs."""
 _SEEN = 0.012
-"""Of the height of the axes: what is no longer than that is hidden by its mark."""
+"""Share of the height of the axes: bars and discs no larger than that are hidden by their marks."""
 _PARTS = (
     (1, pen.RED, "exceeds in a part"),
     (0, pen.GREY, "unresolved"),
@@ -61,12 +63,12 @@ apart."""
 
 
 def _thinned(count: int) -> Any:
-    """Which of so many lines are drawn."""
+    """Return the indices of the frequency points that are drawn: every so many, at most 800."""
     return np.arange(0, count, -(-count // _MOST_LINES))
 
 
 def _left_out(drawn: int, count: int) -> list[Words]:
-    """What the legend says where not all lines are drawn."""
+    """Return what the legend says where not all points are drawn."""
     return [Words(label=f"{drawn} of {count} points are drawn")] if drawn < count else []
 
 
@@ -80,6 +82,8 @@ def unit_of(omega: Array) -> Unit:
     assert hertz is not None
     given, size = np.abs(np.asarray(omega, dtype=float)[:50]), float(hertz.size)
 
+    # A frequency in Hz comes as its product with 2 pi, rounded to a double: divided by 2 pi again
+    # it is a short decimal but for some units of the last place.
     def is_short(x: float) -> bool:
         return abs(x - float(f"{x:.6g}")) <= 1e-13 * x
 
@@ -94,6 +98,7 @@ def _along(omega: Array, unit: Unit, margin: float = 0.03) -> DrawnAxis:
     """The axis of measured frequencies, logarithmic where they span decades."""
     low, high = float(omega[0]), float(omega[-1])
     room = margin * (high - low) or 0.5 * high or 1.0
+    # From a ratio of 30 on, a linear axis would leave the low frequencies no room.
     is_log = low > 0 and high > 30 * low
     ends = (
         (0.9 * low, 1.1 * high)
@@ -105,11 +110,12 @@ def _along(omega: Array, unit: Unit, margin: float = 0.03) -> DrawnAxis:
 
 
 def _codes_of(e: MeasuredEvaluation, part: Part) -> Any:
-    """What is told of a part, or of both where the region judges them together."""
+    """Return the verdicts on a part, or those on both where the region judges them together."""
     return e.joint.verdict if e.joint else e.verdict[part]
 
 
 def _disc_words(confidence: float) -> str:
+    """Return the words of the legend for a disc."""
     return f"{100 * confidence:.4g} % disc"
 
 
@@ -124,22 +130,28 @@ def nyquist(e: MeasuredEvaluation) -> Panel:
     """
     drawn = _thinned(len(e))
     real, imag = (_codes_of(e, part) for part in Part)
+    # One part that exceeds is enough to be noticed; both must be below for the opposite.
     codes = np.where((real == 1) | (imag == 1), 1, np.where((real == -1) & (imag == -1), -1, 0))[
         drawn
     ]
-    env, felt, radius = (
-        e.lines.environment[drawn],
-        e.lines.perceived[drawn],
-        e.lines.perc_radius[drawn],
-    )
+    env = e.lines.environment[drawn]
+    felt = e.lines.perceived[drawn]
+    radius = e.lines.perc_radius[drawn]
     x, y = _frame(np.concatenate([env, felt]), radius)
     least = _SEEN * max(x[1] - x[0], y[1] - y[0])
     layers: list[Layer] = [Origin(), *_environment(e, drawn, least)]
     for code, color, label in _PARTS:
-        if (own := codes == code).any():
-            layers += [*_seen_discs(felt[own], radius[own], color, least)]
+        if (selected := codes == code).any():
+            layers += [*_seen_discs(felt[selected], radius[selected], color, least)]
             layers.append(
-                Mark(felt[own].real, felt[own].imag, color, size=2.4, label=label, styled=True)
+                Mark(
+                    felt[selected].real,
+                    felt[selected].imag,
+                    color,
+                    size=2.4,
+                    label=label,
+                    styled=True,
+                )
             )
     known = np.isfinite(radius) & (radius > least)
     disc = (
@@ -157,7 +169,7 @@ def nyquist(e: MeasuredEvaluation) -> Panel:
 
 
 def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matched:
-    """The measured frequencies that are nearest to thirds of the band."""
+    """Return marks of the measured frequencies that are nearest to thirds of the band."""
     omega, unit = e.lines.omega[drawn], _unit(e)
     axis = _along(omega, unit, 0.0)
     at = dict.fromkeys(int(np.argmin(np.abs(omega - w))) for w in short_thirds(omega, axis))
@@ -173,6 +185,7 @@ def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matc
 
 
 def _unit(e: MeasuredEvaluation) -> Unit:
+    """Return the scene's unit of frequency, or that in which the measured frequencies are short."""
     return e.scene.frequency if e.scene.band else unit_of(e.lines.omega)
 
 
@@ -201,11 +214,13 @@ def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]
 def _frame(points: Any, radius: Any) -> tuple[tuple[float, float], tuple[float, float]]:
     """Limits that hold the points and most of their discs."""
     known = radius[np.isfinite(radius)]
+    # Single huge discs would shrink all others: the largest tenth may leave the axes.
     reach = float(np.quantile(known, 0.9)) if len(known) else 0.0
-    sides = [(float(x.min()) - reach, float(x.max()) + reach) for x in (points.real, points.imag)]
-    margin = 0.05 * max(high - low for low, high in sides) or 1.0
-    (a, b), (c, d) = ((low - margin, high + margin) for low, high in sides)
-    return (a, b), (c, d)
+    x, y = points.real, points.imag
+    left, right = float(x.min()) - reach, float(x.max()) + reach
+    bottom, top = float(y.min()) - reach, float(y.max()) + reach
+    margin = 0.05 * max(right - left, top - bottom) or 1.0
+    return (left - margin, right + margin), (bottom - margin, top + margin)
 
 
 def measured_plane(e: MeasuredEvaluation) -> Panel:
@@ -216,15 +231,23 @@ def measured_plane(e: MeasuredEvaluation) -> Panel:
     if e.joint is None:
         raise NothingToDrawError("the JND judges each part by itself")
     drawn = _thinned(len(e))
-    at, codes = e.lines.change[drawn], e.joint.verdict[drawn]
-    radius = np.zeros(len(at)) if e.lines.radius is None else e.lines.radius[drawn]
-    reach = max(0.2, 1.15 * float(np.quantile(np.abs(at[np.isfinite(at)]), 0.9)))
+    places, codes = e.lines.change[drawn], e.joint.verdict[drawn]
+    radius = np.zeros(len(places)) if e.lines.radius is None else e.lines.radius[drawn]
+    # As many as nine tenths of the points are in sight; at least 20 % of |H_env|.
+    reach = max(0.2, 1.15 * float(np.quantile(np.abs(places[np.isfinite(places)]), 0.9)))
     layers: list[Layer] = []
     for code, color, label in _JOINT:
-        if (own := (codes == code) & np.isfinite(at)).any():
-            layers += _seen_discs(at[own], radius[own], color, 2 * _SEEN * reach)
+        if (selected := (codes == code) & np.isfinite(places)).any():
+            layers += _seen_discs(places[selected], radius[selected], color, 2 * _SEEN * reach)
             layers.append(
-                Mark(at[own].real, at[own].imag, color, size=2.4, label=label, styled=True)
+                Mark(
+                    places[selected].real,
+                    places[selected].imag,
+                    color,
+                    size=2.4,
+                    label=label,
+                    styled=True,
+                )
             )
     threshold = e.scene.threshold
     border = (
@@ -245,6 +268,7 @@ class _Border(Layer):
     def draw(self, on: On) -> list[Artist]:
         side = np.linspace(-self.reach, self.reach, 401)
         x, y = np.meshgrid(side, side)
+        # On |H_env| = 1 the changes are the fractions that the axes show.
         distance = joint_distance(self.threshold, np.ones(x.size), x.ravel(), y.ravel())
         assert distance is not None
         on.ax.contour(x, y, distance.reshape(x.shape), levels=[0], colors=pen.INK, linewidths=0.9)
@@ -284,6 +308,7 @@ class _Bars(Layer):
 
 
 def _beside(on: On, aside: float) -> Any:
+    """Return a transform that shifts data by some points of the page to the right."""
     return on.ax.transData + ScaledTranslation(aside / 72, 0, on.ax.figure.dpi_scale_trans)
 
 
@@ -299,6 +324,8 @@ class _Dots(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         made: list[Artist] = []
+        # Dots may lie over the rim of the axes, unless some are beyond it: these must not be drawn
+        # on other panels.
         is_cut = bool((self.y > on.ax.get_ylim()[1]).any())
         color, shape = on.ink(_COLORS[self.part]), "os"[self.part is Part.IMAG]
         place = _beside(on, -_APART if self.part is Part.REAL else _APART)
@@ -340,6 +367,7 @@ def ratios(e: MeasuredEvaluation) -> Panel:
         marks.append(_Dots(omega, ratio, is_open, part, label=_SYMBOLS[part], styled=True))
         opened |= bool(is_open.any())
         if is_seen:
+            # A disc without a bound has a bar that leaves the axes, but is finite.
             ends = np.clip(ratio - radius, 0, None), np.minimum(ratio + radius, 2 * top)
             label = _disc_words(e.scene.perceived.confidence)
             bars.append(_Bars(omega, *ends, _COLORS[part], side * _APART, label=label, shared=True))
@@ -359,7 +387,8 @@ def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
     """Lines, or curves where a threshold is a formula in omega."""
     threshold = e.scene.threshold
     if e.joint or threshold.region != SQUARE:
-        return []  # a limit that depends on the other part, or on the way, is no line
+        # A limit that depends on the other part, or on the way of the change, is no line.
+        return []
     parts = [Part.REAL] if threshold.real == threshold.imag else list(Part)
     omega, made = np.linspace(e.lines.omega[0], e.lines.omega[-1], 400), list[Layer]()
     for x, stroke in zip(parts, (pen.SOLID, pen.DASHED), strict=False):
@@ -384,19 +413,24 @@ def _thresholds(e: MeasuredEvaluation) -> list[Layer]:
 
 
 def _top(e: MeasuredEvaluation, radius: Any) -> float:
-    """The upper end of the ratios: nearly all dots with their bars, and twice the thresholds."""
-    drawn = _thinned(len(e))
+    """Return the upper end of the axis of ratios: nearly all dots with their bars, and twice the
+    thresholds."""
+    change = e.lines.change
     least = 2 * max(float(x.max()) for x in limits_of(e.scene, e.lines.omega).values())
-    reach = np.maximum(np.abs(e.lines.change.real), np.abs(e.lines.change.imag))[drawn]
-    reach = reach[np.isfinite(reach)]
-    bars = (reach + radius[: len(reach)])[np.isfinite(radius[: len(reach)])]
-    highest = [float(np.quantile(x, 0.95)) for x in (reach, bars) if len(x)]
-    most = float(reach.max()) if len(reach) else 0.0
-    return 1.08 * max(least, *highest, most if most < 3 * max(highest, default=0.0) else 0.0)
+    larger = np.maximum(np.abs(change.real), np.abs(change.imag))[_thinned(len(e))]
+    ratios = larger[np.isfinite(larger)]
+    radii = radius[: len(ratios)]
+    bars = (ratios + radii)[np.isfinite(radii)]
+    highest = [float(np.quantile(x, 0.95)) for x in (ratios, bars) if len(x)]
+    most = float(ratios.max()) if len(ratios) else 0.0
+    # The highest dot is in sight unless it is far above nearly all others.
+    is_near = most < 3 * max(highest, default=0.0)
+    return 1.08 * max(least, *highest, most if is_near else 0.0)
 
 
 def _swept(e: MeasuredEvaluation) -> list[Layer]:
-    """The ratios that swept discs leave possible, as a band for each part."""
+    """Return, for each part, a band of the ratios that swept discs leave possible between
+    points."""
     swept = BoundedLines(e.scene, e.lines)
     gaps = np.flatnonzero(~swept.contradicted)
     steps = min(25, _MOST_POINTS // max(1, len(gaps)))
@@ -405,16 +439,19 @@ def _swept(e: MeasuredEvaluation) -> list[Layer]:
     share = np.append(np.linspace(0, 1, steps), 1.0)
     low, high = swept.omega[gaps, None], swept.omega[gaps + 1, None]
     omega = (low + (high - low) * share).ravel()
-    found = list(swept.lines(BetweenLines(np.repeat(gaps, len(share)), omega, omega)))
-    drawn = np.tile(np.append(np.ones(steps, bool), False), len(gaps))  # a break after each gap
+    lines = list(swept.lines(BetweenLines(np.repeat(gaps, len(share)), omega, omega)))
+    # The end of each gap is there twice, and the second one is not drawn: a break between gaps.
+    drawn = np.tile(np.append(np.ones(steps, bool), False), len(gaps))
     made: list[Layer] = []
     for part in Part:
         with np.errstate(invalid="ignore"):
-            ratios = [np.abs(x.change.real if part is Part.REAL else x.change.imag) for x in found]
+            # The true value is in every one of these discs: so the largest of the lower bounds and
+            # the smallest of the upper ones bound it.
+            ratios = [np.abs(x.change.real if part is Part.REAL else x.change.imag) for x in lines]
             least = np.max(
-                [np.maximum(r - x.radius, 0) for r, x in zip(ratios, found, strict=True)], axis=0
+                [np.maximum(r - x.radius, 0) for r, x in zip(ratios, lines, strict=True)], axis=0
             )
-            most = np.min([r + x.radius for r, x in zip(ratios, found, strict=True)], axis=0)
+            most = np.min([r + x.radius for r, x in zip(ratios, lines, strict=True)], axis=0)
         known = drawn & np.isfinite(least) & np.isfinite(most)
         made.append(
             _Possible(
@@ -470,19 +507,19 @@ def magnitude(a: Identification) -> Panel:
     at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
     size = np.abs(H)
     is_log = bool(size.min() > 0 and size.max() > 8 * size.min())
-    least, most = (
-        float(min(size.min(), np.abs(model).min())),
-        float(max(size.max(), np.abs(model).max())),
-    )
+    least = float(min(size.min(), np.abs(model).min()))
+    most = float(max(size.max(), np.abs(model).max()))
     ends = (
         (0.8 * least, 1.25 * most)
         if is_log
         else (least - 0.06 * (most - least), most + 0.06 * (most - least))
     )
+    # What is seen of a disc: on a logarithmic axis its size relative to |H|, else to the axis.
     share = reach / (size if is_log else ends[1] - ends[0])
     bars = [
         _Bars(
             at,
+            # A bar to 0 has no end on a logarithmic axis.
             np.maximum(size - reach, 1e-3 * size),
             size + reach,
             pen.BLUE,
@@ -504,26 +541,28 @@ def magnitude(a: Identification) -> Panel:
 
 
 def phase(a: Identification) -> Panel:
-    """The phase of both, degrees, without jumps."""
+    """Return the phase of both, degrees, without jumps."""
     drawn, (omega, model) = _thinned(len(a.fit.lines)), _model(a)
     at, H, reach = a.fit.lines.omega[drawn], a.fit.lines.H[drawn], _reach(a)[drawn]
     angle = np.unwrap(np.angle(model))
-    own = np.degrees(np.interp(at, omega, angle) + np.angle(H / a.fit.model[drawn]))
+    # The measured phase is that of the model, which has no jumps, plus that of H/model, which is
+    # small: unwrapping noisy points would add whole turns.
+    measured = np.degrees(np.interp(at, omega, angle) + np.angle(H / a.fit.model[drawn]))
+    # A disc of radius r about H is seen from 0 under the angle arcsin(r/|H|) to each side; one that
+    # holds 0 leaves every phase, drawn as 90 degrees.
     half = np.degrees(np.arcsin(np.minimum(reach / np.maximum(np.abs(H), 1e-300), 1)))
-    least, most = (
-        float(min(own.min(), np.degrees(angle).min())),
-        float(max(own.max(), np.degrees(angle).max())),
-    )
+    least = float(min(measured.min(), np.degrees(angle).min()))
+    most = float(max(measured.max(), np.degrees(angle).max()))
     room = 0.06 * (most - least) or 1.0
     bars = (
-        [_Bars(at, own - half, own + half, pen.BLUE)]
+        [_Bars(at, measured - half, measured + half, pen.BLUE)]
         if half.max() > 2 * _SEEN * (most - least)
         else []
     )
     layers = [
         Polyline(omega, np.degrees(angle), pen.RED, look={"zorder": 3}),
         *bars,
-        Mark(at, own, pen.BLUE, size=2.4, styled=True, look={"zorder": 2}),
+        Mark(at, measured, pen.BLUE, size=2.4, styled=True, look={"zorder": 2}),
     ]
     return Panel(
         layers,
@@ -537,10 +576,12 @@ def residuals(a: Identification) -> Panel:
     """Measured less model, real and imaginary part, in units of their standard error, between lines
     at plus and minus 2."""
     drawn = _thinned(len(a.fit.lines))
-    at, found = a.fit.lines.omega[drawn], a.fit.residuals[drawn]
+    at, errors = a.fit.lines.omega[drawn], a.fit.residuals[drawn]
     if a.fit.lines.discs is None:
-        found = found / (np.sqrt(np.square(np.abs(found)).mean() / 2) or 1.0)
-    top = max(3.0, 1.1 * float(np.abs(np.concatenate([found.real, found.imag])).max()))
+        # Without discs no standard error is known: their own scatter is taken. The mean of |r|^2 is
+        # the sum of the variances of both parts, hence the half.
+        errors = errors / (np.sqrt(np.square(np.abs(errors)).mean() / 2) or 1.0)
+    top = max(3.0, 1.1 * float(np.abs(np.concatenate([errors.real, errors.imag])).max()))
     lines = [
         Limit(y, stroke=pen.DASHED if y else pen.SOLID, width=0.5, look={"zorder": 0})
         for y in (-2, 0, 2)
@@ -548,10 +589,10 @@ def residuals(a: Identification) -> Panel:
     look = {"markeredgewidth": 0.6}
     layers = [
         *lines,
-        Mark(at, found.real, size=2.4, label=r"$\mathrm{Re}$", styled=True, look=look),
+        Mark(at, errors.real, size=2.4, label=r"$\mathrm{Re}$", styled=True, look=look),
         Mark(
             at,
-            found.imag,
+            errors.imag,
             shape="s",
             size=2.4,
             face="white",
@@ -566,13 +607,16 @@ def residuals(a: Identification) -> Panel:
 
 
 def _model(a: Identification) -> tuple[Any, Any]:
+    """Return frequencies, rad/s, and the model's response there, close enough for a curve."""
     omega = a.fit.lines.omega
+    # The same rule as of the axis: evenly spaced as it is seen.
     spread = np.geomspace if omega[-1] > 30 * omega[0] else np.linspace
     at = np.union1d(omega, spread(omega[0], omega[-1], 800)) if len(omega) < _MANY else omega
     return at, Fitted(a.wanted, at).at(a.fit.values)
 
 
 def _reach(a: Identification) -> Any:
+    """Return the radii of the discs; 0 where none are known."""
     discs = a.fit.lines.discs
     return np.zeros(len(a.fit.lines)) if discs is None else discs
 

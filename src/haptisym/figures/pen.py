@@ -1,7 +1,7 @@
-"""What all figures are drawn with, and what files they are written as; loads no matplotlib.
+"""Pens, colours and strokes of all figures, and the endings of the files that they are written as.
 
-A wrong name of a file is refused before anything is computed, so the endings stand where the
-command line can ask for them at no cost.
+This module loads no matplotlib: a wrong name of a file is refused before anything is computed, so
+the endings stand where the command line can ask for them at no cost.
 """
 
 from __future__ import annotations
@@ -25,13 +25,15 @@ DASHED: Any = (0, (4, 1.6))
 DOTTED: Any = (0, (1, 2))
 LEADER = {"arrowstyle": "-", "linewidth": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0}
 STROKES = (SOLID, DASHED, DOTTED)
-"""Of the criteria of a scene, in their order."""
+"""Strokes of the curves of a scene's criteria, in their order."""
 SCENES = (INK, "#d0701f", BLUE, "#7cc0c8", "#8f5a9e")
 """Colours of the first, second, ... scene that is drawn on the same axes."""
 CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
 """Colour, stroke and name of environment and perceived dynamics."""
 
 UNDATED: Mapping[str, Mapping[str, None]] = MappingProxyType(
+    # matplotlib writes the day, or its own version, unless an entry is None: either would change
+    # the file without a change of the figure.
     {".svg": {"Date": None}, ".pdf": {"CreationDate": None}, ".png": {"Software": None}}
 )
 """The endings of figures, and what is left out of each so that the same figure gives the same
@@ -39,7 +41,7 @@ file."""
 
 
 def checked(path: str | Path) -> Path:
-    """The path of a figure; SceneError unless it ends as one.
+    """Return the path of a figure; raise SceneError unless its ending is that of a figure.
 
     >>> checked("chart.svg").suffix
     '.svg'
@@ -51,7 +53,7 @@ def checked(path: str | Path) -> Path:
 
 
 def checked_report(path: str | Path) -> Path:
-    """The path of a report; SceneError unless it ends as one."""
+    """Return the path of a report; raise SceneError unless it ends as a page or as a PDF."""
     target = Path(path)
     if target.suffix.lower() not in (".html", ".htm", ".pdf"):
         raise SceneError(f'report: the name "{target.name}" must end in .html or .pdf')

@@ -1,8 +1,10 @@
 """Figures of requirements: the worst case over the band against one parameter, and maps of two.
 
-A map shows exact slices as upright strokes whose ends bear marks by what limits there, the ground
-that is proven, and what is undecided. Lines between slices are interpolation. Its axes go as far as
-there is something, with some room.
+Over one parameter the curve max r/c over the band is sampled, and the set of values that satisfy
+the requirement is exact. A map shows exact slices as upright strokes whose ends bear marks by what
+limits there, the ground that is proven, and what is undecided. Lines between slices are
+interpolation. Its axes go as far as there is something, with some room. Begin with ``requirement``
+and ``slices``.
 """
 
 from __future__ import annotations
@@ -53,6 +55,7 @@ from haptisym.verbs.require.designmap import DesignMap, common
 from haptisym.verbs.require.required import Requirement
 
 _GRID, _VALUES = 600, 400
+"""Frequencies along the band, and values of the parameter, at which the worst case is sampled."""
 Pair = tuple[float, float]
 
 
@@ -68,6 +71,8 @@ _LOOKS = {"real": _Look(pen.BLUE, pen.SOLID, "o"), "imag": _Look(pen.RED, pen.DA
 
 
 def _look_of(x: Criterion) -> _Look:
+    """Return the look of a criterion: of the real part, of the imaginary part, or that of all
+    others."""
     return _LOOKS.get(x.name, _Look(pen.INK, (0, (5, 1.5, 1, 1.5)), "D"))
 
 
@@ -84,10 +89,11 @@ def requirement(found: Requirement) -> Panel:
     (['real part', 'imaginary part'], '$\\\\omega_n$ (rad/s)')
     """
     low, high = _window(found)
-    t = np.linspace(low, high, _VALUES + 1)[1:]
-    curves = _worst(found, t)
+    # The low end may be a value that the model excludes, as a mass of 0: samples begin after it.
+    free_values = np.linspace(low, high, _VALUES + 1)[1:]
+    curves = _worst(found, free_values)
     lines = [
-        Polyline(t, curves[x], *_look_of(x)[:2], label=x.words)
+        Polyline(free_values, curves[x], *_look_of(x)[:2], label=x.words)
         for x in found.criteria
         if x in curves
     ]
@@ -95,9 +101,8 @@ def requirement(found: Requirement) -> Panel:
     marks = Mark(ends, [1.0] * len(ends), label="ends, proven")
     threshold = [Limit(1, label="threshold", shared=True)] if lines else []
     lowest = [float(np.min(worst[np.isfinite(worst)], initial=np.inf)) for worst in curves.values()]
-    top = (
-        max([3.0, *(1.5 * x for x in lowest if x < np.inf)]) if lines else 2.0
-    )  # each curve is seen somewhere
+    # At least three thresholds high, and higher until each curve is seen somewhere.
+    top = max([3.0, *(1.5 * x for x in lowest if x < np.inf)]) if lines else 2.0
     upright = DrawnAxis("worst case on the band, $r/c$" if lines else "", ends=(0, top))
     layers = [
         *lines,
@@ -119,21 +124,25 @@ class _Unnumbered(Layer):
 
 
 def _set(found: Requirement, low: float, high: float) -> list[Layer]:
-    """The values that are proven to do, and those that are undecided, in strips that are wide
-    enough to be seen."""
+    """Return the values that are proven to satisfy what is required, and those that are undecided,
+    in strips wide enough to be seen."""
     word = " and ".join(found.that)
     spans = [_limits(piece, low, high) for piece in found.feasible]
     none = f"no value is {word if found.certified else f'proven {word}'}"
     made: list[Layer] = [Intervals(spans, label=word)] if spans else [Words(label=none)]
-    left = [_visible(*_limits(piece, low, high), high - low) for piece in found.undecided]
+    undecided = [_visible(*_limits(piece, low, high), high - low) for piece in found.undecided]
     return [
         *made,
-        *([Intervals(left, label="undecided", firm=True, look=UNDECIDED)] if left else []),
+        *(
+            [Intervals(undecided, label="undecided", firm=True, look=UNDECIDED)]
+            if undecided
+            else []
+        ),
     ]
 
 
 _STRIP = 0.012
-"""Of an axis: an undecided strip is drawn no narrower."""
+"""Share of an axis: an undecided strip is drawn no narrower."""
 
 
 def _visible(low: float, high: float, width: float) -> Pair:
@@ -143,8 +152,8 @@ def _visible(low: float, high: float, width: float) -> Pair:
 
 
 def _window(found: Requirement) -> Pair:
-    """The values drawn: the range, cut where it is unbounded to about the ends of the set and the
-    scene's own value."""
+    """Return the values that are drawn: the range; where it is unbounded, about as far as the ends
+    of the set and the scene's own value."""
     own = found.free.value
     known = [*([] if own.free_symbols else [float(own)]), *(float(end.value) for end in found.ends)]
     low, high = found.domain.low, found.domain.high
@@ -153,32 +162,36 @@ def _window(found: Requirement) -> Pair:
 
 
 def _limits(piece: Piece, low: float, high: float) -> Pair:
-    """The ends of an interval; where it has none, those that are given."""
+    """Return the ends of an interval; the given ones where it has none."""
     return (
         low if piece.low is None else float(piece.low),
         high if piece.high is None else float(piece.high),
     )
 
 
-def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
-    """The largest ratio to its threshold, over a grid of the band, of each criterion that is about
-    a ratio.
+def _worst(found: Requirement, free_values: Array) -> dict[Criterion, Array]:
+    """Return the largest ratio to its threshold over a grid of the band, for each criterion that is
+    about a ratio.
 
-    A gap where there is no scene, as where a formula is divided by zero.
+    There is a gap where there is no scene, as where a formula is divided by zero.
     """
     scene, free = found.scene, found.free
     chain = scene.chain.at({x: v for x, v in values(scene.parameters).items() if x != free.symbol})
-    there = np.array([_exists(chain, free, x) for x in t])
-    t = t[there]
+    there = np.array([_exists(chain, free, x) for x in free_values])
+    free_values = free_values[there]
     f = Distortion.of(chain).compile()
     start, end = (float(x) for x in scene.band)
+    # A column of frequencies against a row of values: one call gives the whole grid.
     omega = np.linspace(start, end, _GRID)[:, None]
     with np.errstate(all="ignore"):
-        at = f(
-            omega, **dict.fromkeys(f.parameters, t[None, :])
-        )  # none for a threshold, and for a number of a hand
-        curves = {x: _against(x, free, at, omega, t) for x in found.criteria}
-    given = {x: np.broadcast_to(curve, t.shape) for x, curve in curves.items() if curve is not None}
+        # The function has no parameter where the free one is a threshold or belongs to a hand.
+        at = f(omega, **dict.fromkeys(f.parameters, free_values[None, :]))
+        curves = {x: _against(x, free, at, omega, free_values) for x in found.criteria}
+    given = {
+        x: np.broadcast_to(curve, free_values.shape)
+        for x, curve in curves.items()
+        if curve is not None
+    }
     shown = {x: np.full(there.shape, np.nan) for x in given}
     for x, row in shown.items():
         row[there] = given[x]
@@ -186,25 +199,36 @@ def _worst(found: Requirement, t: Array) -> dict[Criterion, Array]:
 
 
 def _exists(chain: Chain, free: Knob, value: float) -> bool:
+    """Return whether the model takes this value of the parameter."""
     try:
+        # The exact value of the double, so that the model judges the value which is drawn.
         chain.at({free.symbol: Rational(value)})
     except SceneError:
         return False
     return True
 
 
-def _against(x: Criterion, free: Knob, at: Values, omega: Array, t: Array) -> Array | None:
-    """The largest ratio to its limit over the frequencies; where the parameter is that limit, at
-    each of its values."""
-    if not x.depends_on(free.parts):
-        own = judged(x, at, omega)
-        return None if own is None else np.nanmax(own / limit_of(x), axis=0)
-    if x.region is None:
-        own = judged(replace(x, threshold=S.One), at, omega)
-        return None if own is None else np.nanmax(own / t[None, :], axis=0)
-    opened = (replace(x, region=x.region.opened(dict.fromkeys(free.parts, Float(c)))) for c in t)
-    given = (judged(one, at, omega) for one in opened)
-    return np.array([np.nan if own is None else np.nanmax(own) for own in given])
+def _against(
+    criterion: Criterion, free: Knob, at: Values, omega: Array, free_values: Array
+) -> Array | None:
+    """Return the largest ratio to its limit over the frequencies, for each value of the parameter,
+    which may be that limit itself; None where a criterion has no ratio."""
+    # The limit is a number, the same for all values of the parameter.
+    if not criterion.depends_on(free.parts):
+        ratio = judged(criterion, at, omega)
+        return None if ratio is None else np.nanmax(ratio / limit_of(criterion), axis=0)
+    # The parameter is the limit itself: the ratio to 1, then over each value of it.
+    if criterion.region is None:
+        ratio = judged(replace(criterion, threshold=S.One), at, omega)
+        return None if ratio is None else np.nanmax(ratio / free_values[None, :], axis=0)
+    # The parameter is a number of the region, on which the ratio depends in no simple way: one
+    # region for each value.
+    opened = (
+        replace(criterion, region=criterion.region.opened(dict.fromkeys(free.parts, Float(c))))
+        for c in free_values
+    )
+    ratios = (judged(one, at, omega) for one in opened)
+    return np.array([np.nan if ratio is None else np.nanmax(ratio) for ratio in ratios])
 
 
 REQUIREMENT = Drawings[Requirement]({"worst": requirement})
@@ -217,9 +241,9 @@ Rows = Sequence[tuple[float, Requirement]]
 Join = tuple[Pair, Pair]
 """A line between two slices: where they are, and the end of an interval on either."""
 _VISIBLE = 2.5e-3
-"""Of the height: what is less is hidden by the line itself."""
+"""Share of the height: a narrower band is hidden by the line itself."""
 _ROOM = 0.12
-"""Of what is there: the room about it, where a map is empty beyond."""
+"""Share of what is drawn: the room about it, where a map is empty beyond."""
 _LEFT = {"transparent": pen.OPEN, "stable": "#f0b3a6"}
 _COLORS = {"transparent": pen.BLUE, "stable": pen.RED, "steady": pen.RED, "passive": "#d0701f"}
 _STROKES: Sequence[Any] = (pen.DASHED, pen.DOTTED, (0, (6, 1.5, 1, 1.5)))
@@ -234,13 +258,13 @@ class _Plane:
 
     @cached_property
     def asked(self) -> tuple[Pair, Pair]:
-        """From where to where both ranges go."""
+        """The ends of both ranges that were searched."""
         (a, b), (low, high) = ((float(x) for x in pair) for pair in self.found.ranges)
         return (a, b), (low, high)
 
     @cached_property
     def rows(self) -> Rows:
-        """The slices of what is asked."""
+        """The slices, each with its place, of all that is asked together."""
         return [(float(x.at), x.requirement) for x in self.found.slices]
 
     def sets(self) -> Iterator[tuple[str, tuple[str, str], Rows]]:
@@ -257,8 +281,8 @@ class _Plane:
 
     @cached_property
     def window(self) -> tuple[Pair, Pair]:
-        """What is drawn of the ranges: where a boundary or something undecided is, with some
-        room."""
+        """The part of both ranges that is drawn: where a boundary or something undecided is, with
+        some room."""
         (a, b), (low, high) = self.asked
         x, y = list[float](), list[float]()
         for _, _, rows in self.sets():
@@ -270,6 +294,8 @@ class _Plane:
             ]
             some = [(at, end) for at, r in rows for span in r.feasible for end in self.ends(span)]
             x += [at for at, _ in some]
+            # Ends inside the range are boundaries. Where there is none, the intervals go from end
+            # to end of the range, and their ends have to do.
             y += [end for _, end in (ends or some)]
         for cells in (x.rectangles.left for x in self.found.proofs if len(x.rectangles.left)):
             x += [float(cells[:, 0, 0].min()), float(cells[:, 0, 1].max())]
@@ -277,14 +303,14 @@ class _Plane:
         return _around(x, (a, b)), _around(y, (low, high))
 
     def axes(self) -> tuple[DrawnAxis, DrawnAxis]:
-        """Of both parameters."""
+        """Return the axes of both parameters, cut to what is drawn."""
         one, other = (
             parameter(x, x.name, ends) for x, ends in zip(self.found.free, self.window, strict=True)
         )
         return one, other
 
     def ends(self, span: Piece) -> Pair:
-        """From where to where an interval of a slice goes."""
+        """Return the ends of an interval of a slice; those of the range where it has none."""
         return _limits(span, *self.asked[1])
 
     def strokes(self, color: str, width: float, label: str) -> Layer:
@@ -306,17 +332,18 @@ class _Plane:
         return [_Boxes(found, label="undecided")] if found else []
 
     def left_open(self) -> Iterator[Join]:
-        """What slices leave open, halfway to their neighbours."""
+        """Yield what slices leave undecided, each halfway to its neighbours."""
         low, high = self.asked[1]
         at = [x for x, _ in self.rows]
+        # Each slice stands for the values that are nearer to it than to its neighbours.
         middles = [at[0], *((a + b) / 2 for a, b in pairwise(at)), at[-1]] if at else []
         for (_, r), around in zip(self.rows, pairwise(middles), strict=True):
             for piece in r.undecided:
                 yield around, _limits(piece, low, high)
 
     def unlike(self, rows: Rows, *, decided: bool = False) -> Iterator[Join]:
-        """The intervals of neighbouring slices that have not as many; ``decided`` : only if nothing
-        is open on either."""
+        """Yield the intervals of neighbouring slices that differ in number; ``decided`` : only if
+        nothing is open on either."""
         for (x, one), (y, other) in pairwise(rows):
             if not (_are_alike(one, other) or (decided and (one.undecided or other.undecided))):
                 yield from (((x, y), self.ends(span)) for span in one.feasible + other.feasible)
@@ -327,10 +354,12 @@ def _around(values: Sequence[float], asked: Pair) -> Pair:
     nearly all or there are none."""
     if not values:
         return asked
-    low, high = max(min(values), asked[0]), min(max(values), asked[1])
-    room = _ROOM * (high - low) or 0.1 * (asked[1] - asked[0])
-    low, high = max(asked[0], low - room), min(asked[1], high + room)
-    return (low, high) if high - low < 0.7 * (asked[1] - asked[0]) else asked
+    start, end = asked
+    whole = end - start
+    low, high = max(min(values), start), min(max(values), end)
+    room = _ROOM * (high - low) or 0.1 * whole
+    low, high = max(start, low - room), min(end, high + room)
+    return (low, high) if high - low < 0.7 * whole else asked
 
 
 def _are_alike(one: Requirement, other: Requirement) -> bool:
@@ -402,7 +431,7 @@ class _Between(Layer):
 
 @dataclass(frozen=True)
 class _Boxes(Layer):
-    """Hatched boxes: where nothing is decided."""
+    """Hatched boxes where nothing is decided."""
 
     boxes: Sequence[Join]
 
@@ -416,14 +445,18 @@ class _Boxes(Layer):
 
 def _bands(plane: _Plane, joins: Iterable[Join]) -> list[Layer]:
     """A band about each line, as wide as it may be off, as estimated."""
-    widths = {(x.low, x.high): x.deviation or 0.0 for x in plane.found.gaps}
-    rows = [(at, ends, widths.get(at, 0.0)) for at, ends in joins]
-    seen = [(at, (a, b), w) for at, (a, b), w in rows if w > _VISIBLE * plane.found.height]
-    bands: list[Layer] = [
-        _Between(at, (a - w, b - w), (a + w, b + w), pen.OPEN, 0.6) for at, (a, b), w in seen
-    ]
+    widths = {(gap.low, gap.high): gap.deviation or 0.0 for gap in plane.found.gaps}
+    bands = list[Layer]()
+    for at, (left, right) in joins:
+        width = widths.get(at, 0.0)
+        # A narrower band would be hidden by the line itself.
+        if width > _VISIBLE * plane.found.height:
+            low, high = (left - width, right - width), (left + width, right + width)
+            bands.append(_Between(at, low, high, pen.OPEN, 0.6))
+    if not bands:
+        return []
     patch = Patch(facecolor=pen.OPEN, alpha=0.6)
-    return [*bands, *([_Key(patch, label="boundary between slices, estimated")] if seen else [])]
+    return [*bands, _Key(patch, label="boundary between slices, estimated")]
 
 
 @dataclass(frozen=True)
@@ -437,12 +470,13 @@ class _Key(Layer):
 
 
 def _ground(cells: Array, label: str, color: str = pen.SHADE, zorder: float = 0) -> list[Layer]:
+    """Return proven rectangles as a ground; nothing where there are none."""
     return [Ground(cells[:, 0].T, cells[:, 1].T, color, zorder, label=label)] if len(cells) else []
 
 
 def _left(found: DesignMap) -> list[Layer]:
-    """The rectangles in which neither is proven: boundaries of what is transparent, and of what is
-    stable, lie in these.
+    """Return the rectangles in which neither is proven: boundaries of what is transparent, and of
+    what is stable, lie in these.
 
     Where a second pair of roots crosses the axis neither side is stable: such rectangles are
     undecided without a boundary.
@@ -483,13 +517,15 @@ def slices(found: DesignMap) -> Panel:
     slices are.
 
     >>> from haptisym import design_map, load_scene
-    >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], [(60, 200), (0.1, 1)], slices=5)
+    >>> ranges = [(60, 200), (0.1, 1)]
+    >>> found = design_map(load_scene("fu2019"), ["omega_n", "zeta"], ranges, slices=5)
     >>> [layer.label for layer in slices(found).layers if isinstance(layer, Limits)]
     ["imaginary part, at the band's edge"]
     """
     plane = _Plane(found)
     somewhere = any(r.feasible for _, r in plane.rows)
     if found.proofs:
+        # A map of transparency for one threshold has one proof, if any.
         [proof] = found.proofs
         ground, bands = _ground(proof.rectangles.kept, "transparent, proven"), _left(found)
     else:
@@ -518,7 +554,7 @@ def slices(found: DesignMap) -> Panel:
 
 @dataclass(frozen=True)
 class _Ticks(Layer):
-    """Where slices are, on the lower axis."""
+    """Ticks on the lower axis where the slices are."""
 
     at: Sequence[float]
 
@@ -577,6 +613,7 @@ class Limits(Layer):
         ]
 
     def _mark(self, stroke: Any) -> dict[str, Any]:
+        """Return the look of the marks, with or without the line that joins them."""
         style = {
             "marker": self.marker,
             "markersize": 2.8,
@@ -595,6 +632,7 @@ def boundary(found: DesignMap, width: float = 0.6) -> list[Layer]:
         made.append(
             Polyline(at, ends, look.color, look.stroke, width, styled=False, look={"zorder": 2})
         )
+    # Ends are grouped by what limits there, for one kind of mark and one entry of the legend each.
     places: dict[tuple[Criterion, Kind], list[Pair]] = {}
     for x in found.slices:
         for end in x.requirement.ends:
@@ -611,8 +649,8 @@ def boundary(found: DesignMap, width: float = 0.6) -> list[Layer]:
 
 
 def _joins(plane: _Plane) -> Iterator[tuple[Join, Binding]]:
-    """The lines that join the ends of neighbouring slices, and what limits along each; none along
-    the ends of the range."""
+    """Yield the lines that join the ends of neighbouring slices, and what limits along each; none
+    along the ends of the range."""
     for at, left, right in _neighbours(plane.rows):
         pairs = zip(plane.ends(left), plane.ends(right), strict=True)
         for pair, one, other in zip(
@@ -653,6 +691,7 @@ def _is_proven(found: DesignMap, name: str) -> bool:
 
 
 def _whole(found: DesignMap) -> str:
+    """Return the name of what all sets have in common."""
     return "all that is asked" if len(found.that) > 1 else "this set"
 
 
@@ -675,8 +714,8 @@ def _inner_joins(plane: _Plane, rows: Rows) -> Iterator[Join]:
 
 
 def _outlined(plane: _Plane, rows: Rows, look: tuple[str, str]) -> list[Layer]:
-    """The ends of one set, in its colour and by its name: lines that interpolate, and a dot where
-    each slice has proven one."""
+    """Return the ends of one set, in its colour and by its name: lines that interpolate, and a dot
+    where each slice has proven one."""
     (color, name), joins = look, list(_inner_joins(plane, rows))
     ends = [(x, float(e.value)) for x, r in rows for e in r.ends if e.value is not None]
     if not (ends or joins):
@@ -691,18 +730,21 @@ def _outlined(plane: _Plane, rows: Rows, look: tuple[str, str]) -> list[Layer]:
 
 def _paler(i: int, count: int) -> str:
     """The colour of what is transparent, paler for each further threshold."""
+    # At most 0.65 of the way to white, so that the palest is seen on white paper.
     r, g, b = (x + (1 - x) * (0.25 + 0.4 * (i + 1) / count) for x in to_rgb(_COLORS["transparent"]))
     return to_hex((r, g, b))
 
 
 def _classical(plane: _Plane, line: StiffnessBound, stroke: Any) -> list[Layer]:
-    """Where a classical bound is met, by its sign on a grid: drawn, not proven."""
+    """Return the line on which a classical bound is met, by its sign on a grid: drawn, not
+    proven."""
     if line.where:
         return _at_an_edge(plane, line)
     x, y = (np.linspace(*ends, _CLASSICAL) for ends in plane.window)
     one, other = (free.path for free in plane.found.free)
     with np.errstate(all="ignore"):
         excess: Array = np.array([[_finite(line, {one: u, other: v}) for u in x] for v in y])
+    # Without a change of sign there is no line, and matplotlib would warn that it found none.
     if not (np.nanmin(excess) < 0 < np.nanmax(excess)):
         return []
     return [_Contour(x, y, excess, stroke, label=line.name)]
@@ -710,7 +752,7 @@ def _classical(plane: _Plane, line: StiffnessBound, stroke: Any) -> list[Layer]:
 
 @dataclass(frozen=True)
 class _Contour(Layer):
-    """Where numbers on a grid are 0."""
+    """The line on which numbers on a grid are 0."""
 
     x: Array
     y: Array
@@ -729,8 +771,8 @@ class _Contour(Layer):
 
 
 def _at_an_edge(plane: _Plane, line: StiffnessBound) -> list[Layer]:
-    """A bound that is defined at one value of one parameter alone: a mark where it is met there, if
-    the map reaches there."""
+    """Return a bound that is defined at one value of one parameter alone: a mark where it is met
+    there, if the map reaches there."""
     [(path, value)] = line.where
     paths, windows = [free.path for free in plane.found.free], plane.window
     i = paths.index(path)
@@ -738,7 +780,8 @@ def _at_an_edge(plane: _Plane, line: StiffnessBound) -> list[Layer]:
     excess = [line.excess({path: value, paths[1 - i]: y}) for y in (start, end)]
     if not (low <= value <= high and excess[0] < 0 < excess[1]):
         return []
-    met = start - excess[0]  # the excess is the stiffness less a number
+    # The excess is the stiffness less a number, a line of slope 1 in the stiffness.
+    met = start - excess[0]
     x, y = (value, met) if i == 0 else (met, value)
     look = {"clip_on": False}
     return [
@@ -755,6 +798,7 @@ def _at_an_edge(plane: _Plane, line: StiffnessBound) -> list[Layer]:
 
 
 def _finite(line: StiffnessBound, at: Mapping[str, float]) -> float:
+    """Return the excess in floats; NaN where the bound divides by zero."""
     try:
         return float(line.excess(dict(at)))
     except ZeroDivisionError:

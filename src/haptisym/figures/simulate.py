@@ -1,5 +1,9 @@
-"""Figures of simulations: force and motion in time, loops, recovered against closed-form H_perc,
-and a release."""
+"""Figures of simulations: force and motion in time, loops, H_perc as recovered from the force
+against its closed form, and a release.
+
+A simulation is computed in floats and proves nothing; where there is a closed form, it is drawn
+with what was simulated.
+"""
 
 from __future__ import annotations
 
@@ -33,15 +37,15 @@ from haptisym.verbs.simulate.release import Release
 from haptisym.verbs.simulate.statespace import POINTS, finer
 
 _IN_TIME, _IN_LOOPS = 3, 1
-"""Periods that are shown."""
+"""Periods that are shown in time, and as a loop."""
 _PERIODS, _FOLDS = 12, 5.0
-"""Of a release: periods, and powers of e, that are shown."""
+"""Periods of a release that are shown, at most; and by how many powers of e it decays or grows."""
 
 Runs = Simulations | Simulation
 
 
 def _middle(found: Runs) -> Simulation:
-    """Of several runs the middle one."""
+    """Return the run itself, or the middle one of several."""
     return found.runs[len(found.runs) // 2]
 
 
@@ -68,13 +72,14 @@ def in_time(runs: Runs) -> Panel:
         _Motion(time, motion, most / reach, length, label="motion"),
         *limits,
     ]
+    # A limit of the force far above all that is reached would leave the force no height.
     high = 1.08 * max([most, *(abs(x.at) for x in limits if abs(x.at) < 3 * most)])
     upright = DrawnAxis("force", _newton(run), (-high, high))
     return Panel(layers, DrawnAxis("time", Unit("s"), (time[0], time[-1])), upright, height=2.0)
 
 
 def _saturated(run: Simulation) -> list[Limit]:
-    """Where the force is limited."""
+    """Return a line at each limit of the force, on both sides of 0."""
     return [
         Limit(
             sign * float(quantity(extra.limit, Dimension.FORCE).value),
@@ -105,6 +110,7 @@ class _Motion(Layer):
         if on.number:
             return []
         share = self.share * float(self.unit.size)
+        # The axis at the right undoes the scale with which the motion is drawn on the force's.
         there: Any = (lambda y: y / share, lambda y: y * share)
         right: Any = on.ax.secondary_yaxis("right", functions=there)
         right.set_ylabel(f"motion ({self.unit.text})", fontsize=pen.TEXT, color=pen.BLUE)
@@ -164,16 +170,19 @@ def recovered(runs: Runs, part: Part) -> Panel:
         raise NothingToDrawError("no ratio is recovered from this motion or from so short a run")
     omegas = np.array([x.omega for x in rows])
     grid = _around(omegas)
+    # The closed form is known between the frequencies that were simulated, too.
     values = scene.distortion().compile()(grid)
     curve = values.perceived_real if part is Part.REAL else values.perceived_imag
-    found = np.array([x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows])
+    estimates = np.array(
+        [x.simulated.real if part is Part.REAL else x.simulated.imag for x in rows]
+    )
     look = {"markeredgewidth": 0.9}
     layers = [
         Origin(level=True),
         Polyline(grid, curve, pen.RED, pen.DASHED, label="closed form"),
         Mark(
             omegas,
-            found,
+            estimates,
             size=3.8,
             face="white",
             look=look,
@@ -182,57 +191,70 @@ def recovered(runs: Runs, part: Part) -> Panel:
         ),
     ]
     name = rf"\mathrm{{{'Re' if part is Part.REAL else 'Im'}}}"
-    upright = force_per_position(rf"{name}\,H_\mathrm{{perc}}", scene, _limits(curve, found))
+    upright = force_per_position(rf"{name}\,H_\mathrm{{perc}}", scene, _limits(curve, estimates))
     return Panel(
         layers, frequency(scene.frequency, (float(grid[0]), float(grid[-1]))), upright, height=2.0
     )
 
 
 def _around(omegas: Array) -> Array:
-    """Frequencies close together, from a little below the first of some to a little above the
-    last."""
+    """Return frequencies close together, from a little below the first of some to a little above
+    the last."""
     low, high = omegas[0], omegas[-1]
     margin = 0.04 * (high - low) or 0.1 * high
     return np.linspace(max(low - margin, low / 2), high + margin, 601)
 
 
 def _last(run: Simulation, periods: int) -> slice:
-    """The samples of the last periods: of a sine its own, of several sines one common one, of a
-    chirp the fastest ones."""
+    """Return the samples of the last periods: of one sine its own periods, of several sines one of
+    the lowest, of a chirp the fastest ones."""
+    # A motion of no known frequency is shown whole.
     if not run.motion.omegas and run.motion.name != "chirp":
         return slice(0, None)
     low, high = run.motion.span
     span = periods / low if run.motion.omegas else 3 * periods / high
-    start = run.time[-1] - 2 * np.pi * (span if len(run.motion.omegas) < 2 else 1 / low)
-    return slice(int(np.searchsorted(run.time, start)) // POINTS * POINTS, None)
+    # Several sines are shown for one period of the lowest.
+    length = span if len(run.motion.omegas) < 2 else 1 / low
+    start = run.time[-1] - 2 * np.pi * length
+    # Samples come in steps of POINTS nodes: a step is shown whole or not.
+    first = int(np.searchsorted(run.time, start)) // POINTS * POINTS
+    return slice(first, None)
 
 
 def _smooth(samples: Array) -> Array:
-    """The curve through samples at the nodes of steps, with both ends of each step, so that jumps
-    are upright."""
+    """Return the curve through samples at the nodes of steps, with both ends of each step, so that
+    jumps are upright."""
     return finer(samples, np.linspace(0, 1, 25))
 
 
 def _environment_loop(run: Simulation, part: slice) -> tuple[Array, Array, str]:
+    """Return displacement, force and name of the environment's own loop: of H_env alone under a sum
+    of sines, else of what the environment itself went through."""
     if not run.motion.omegas:
         return run.environment_displacement[part], run.environment_force[part], "environment"
     values = run.scene.distortion().compile()(np.array(run.motion.omegas))
     phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])  # type: ignore[union-attr]
     forces = (values.environment_real + 1j * values.environment_imag) * phasors
-    turning = np.exp(1j * np.multiply.outer(run.time[part], np.array(run.motion.omegas)))
-    return run.displacement[part], np.asarray((turning @ forces).imag), "environment alone"
+    # Motions are sines, Im(X exp(j omega t)): so the force is the imaginary part of H_env X exp(j
+    # omega t), summed over the frequencies.
+    rotations = np.exp(1j * np.multiply.outer(run.time[part], np.array(run.motion.omegas)))
+    return run.displacement[part], np.asarray((rotations @ forces).imag), "environment alone"
 
 
 def _limits(curve: Array, found: Array) -> tuple[float, float]:
     """Limits that hold what was recovered and, unless it runs away to a pole, the curve."""
     low, high = float(found.min()), float(found.max())
     room = max(high - low, 0.1 * max(abs(low), abs(high)), 1e-12)
-    inside = curve[np.isfinite(curve) & (curve > low - room) & (curve < high + room)]
-    low, high = min(low, *inside, low), max(high, *inside, high)
+    # Beyond one extent of the recovered values the curve is on its way to a pole, and may leave the
+    # axes.
+    is_near = np.isfinite(curve) & (curve > low - room) & (curve < high + room)
+    near = curve[is_near]
+    low, high = min(low, *near, low), max(high, *near, high)
     return low - 0.08 * room, high + 0.08 * room
 
 
 def _newton(run: Simulation) -> Unit:
+    """Return the unit of forces, N, or of torques, N m."""
     return Unit("N*m") if run.scene.motion is MotionKind.ROTATION else Unit("N")
 
 
@@ -274,18 +296,21 @@ def release(r: Release) -> Panel:
     >>> list(dict.fromkeys(layer.label for layer in release(found).layers if layer.label))
     ['motion', 'envelope of the closed form']
     """
-    end, places = _shown(r), np.linspace(0, 1, 12)
+    end = _shown(r)
+    # Twelve places of each step, both ends among them: a step is a series, known between its nodes.
+    places = np.linspace(0, 1, 12)
     time, x = finer(r.time, places), finer(r.hand_motion, places)
     inside = time <= end
-    motion = Polyline(time[inside], x[inside], width=1.0, label="motion", look={"zorder": 3})
-    most = 1.08 * float(np.abs(x[inside]).max())
-    layers = [motion, Origin(level=True), *_envelope(r, time[inside], x[inside])]
+    time, x = time[inside], x[inside]
+    motion = Polyline(time, x, width=1.0, label="motion", look={"zorder": 3})
+    most = 1.08 * float(np.abs(x).max())
+    layers = [motion, Origin(level=True), *_envelope(r, time, x)]
     upright = DrawnAxis("motion", _length(r.displacement, r.unit), (-most, most))
     return Panel(layers, DrawnAxis("time", Unit("s"), (0, end)), upright, height=2.0)
 
 
 def _shown(r: Release) -> float:
-    """How much of the run is drawn: some periods, or some powers of e."""
+    """Return the time up to which a release is drawn: some periods, or some powers of e."""
     end = float(r.time[-1])
     if r.fitted is None:
         return end
@@ -294,9 +319,12 @@ def _shown(r: Release) -> float:
 
 
 def _envelope(r: Release, time: Array, x: Array) -> list[Layer]:
-    """A exp(rate t) and its opposite, as high as the motion is in the middle of what is drawn."""
+    """Return A exp(rate t) and its opposite, as high as the motion is after the first third of what
+    is drawn."""
     if r.closed is None or r.approximate or r.is_envelope:
         return []
+    # The envelope is fitted after the first third: before that, poles that decay faster still add
+    # to the motion.
     late, shape = time > time[-1] / 3, np.exp(r.closed.rate * time)
     height = float(np.max(np.abs(x[late]) / shape[late]))
     signs = (1, -1) if r.closed.omega else (1,)

@@ -1,9 +1,11 @@
 """Figures of stability and of tolerances: the plane of a hand or of a wall, and where ratios may
 cross for all values in ranges.
 
-The plane of a hand: where the display is stable, the boundary, published hands, and the ranges of a
-hand that has some. Of a display with ranges: where it is stable for all its values, where for none.
-The plane of a wall, of a display with a clock.
+The plane of a hand is that of its stiffness and damping, for one mass: where the display is stable,
+the boundary, published hands, and the ranges of a hand that has some. Of a display with ranges:
+where it is stable for all its values, and where for none. Of a display with a clock: the plane of
+the stiffness and damping of the wall that it renders. Begin with ``hand_plane``, ``held`` and
+``enclosures``.
 """
 
 from __future__ import annotations
@@ -79,14 +81,21 @@ def wall(found: Stability) -> Panel:
         )
     hand = found.held[0].hand if found.held else Hand(NOBODY)
     k_knob, b_knob = (found.scene.knobs[path] for path in WALL)
-    own = float(k_knob.value), float(b_knob.value)
+    present = float(k_knob.value), float(b_knob.value)
     near = [
         [float(x.value) for sets in found.critical[:1] if path in sets for x in sets[path].ends]
         for path in WALL
     ]
-    k = _ROOM * max([2 * own[0], *(x for x in near[0] if x < _NEAR * own[0])]) or 1.0
+    # The axes show the scene's wall with as much again, and limits that are not too far off.
+    k = _ROOM * max([2 * present[0], *(x for x in near[0] if x < _NEAR * present[0])]) or 1.0
+    # k T is of the size of the damping that a clock takes from a wall: Colgate and Schenkel ask for
+    # more than k T/2.
     b = _ROOM * max(
-        [2 * own[1], k * float(clocks(found.scene)[0]), *(x for x in near[1] if x < _NEAR * own[1])]
+        [
+            2 * present[1],
+            k * float(clocks(found.scene)[0]),
+            *(x for x in near[1] if x < _NEAR * present[1]),
+        ]
     )
     try:
         drawn = wall_plane(found.scene, hand, (0.0, k, 0.0, b))
@@ -95,8 +104,8 @@ def wall(found: Stability) -> Panel:
     layers = [
         *_grounds(drawn),
         Mark(
-            [own[0]],
-            [own[1]],
+            [present[0]],
+            [present[1]],
             size=3.5,
             look={"clip_on": False},
             label=f"the scene, in {printable(hand.name)}",
@@ -117,7 +126,8 @@ def hand_plane(found: Stability, hand: Hand | None = None) -> Panel:
     ones, whatever theirs.
 
     >>> from haptisym import stability
-    >>> [x.label for x in hand_plane(stability("delayed-spring", "light-touch")).layers if x.label][0]
+    >>> drawn = hand_plane(stability("delayed-spring", "light-touch"))
+    >>> [x.label for x in drawn.layers if x.label][0]
     'boundary'
     """
     asked = [x.hand for x in found.held]
@@ -134,7 +144,7 @@ def hand_plane(found: Stability, hand: Hand | None = None) -> Panel:
 
 
 def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[DrawnAxis, DrawnAxis]:
-    """Of a plane of hands of that mass."""
+    """Return the axes of the plane of hands of one mass: stiffness, and damping."""
     unit, damping, stiffness = (x.unit(motion or MotionKind.TRANSLATION) for x in _KINDS)
     low, high, least, most = window
     x = DrawnAxis(r"hand's stiffness $k_\mathrm{h}$", Unit(stiffness), (low, high))
@@ -143,8 +153,8 @@ def _axes(motion: MotionKind | None, mass: str, window: Window) -> tuple[DrawnAx
 
 
 def _window(found: Stability, shown: Iterable[Hand]) -> Window:
-    """Room for the hands, their ranges, critical values that are not far, and the line of the pole
-    at 0 if it is near."""
+    """Return the ends of both axes: room for the hands, their ranges, limits that are not far, and
+    the line of a pole at 0 if it is near."""
     ends = [[(p.interval or (p.value, p.value))[1] for p in x.parameters] for x in shown]
     most = [max((float(x[i]) for x in ends), default=0.0) for i in (1, 2)]
     b, k = (x or other for x, other in zip(most, (1.0, 100.0), strict=True))
@@ -154,26 +164,14 @@ def _window(found: Stability, shown: Iterable[Hand]) -> Window:
         for path, values in sets.items()
         for x in values.ends
     ]
-    b = max(
-        [
-            b,
-            *(
-                v
-                for path, v in near
-                if path.startswith("hand") and path.endswith(".b") and v < _NEAR * b
-            ),
-        ]
-    )
-    k = max(
-        [
-            k,
-            *(
-                v
-                for path, v in near
-                if path.startswith("hand") and path.endswith(".k") and v < _NEAR * k
-            ),
-        ]
-    )
+
+    def reach(key: str, size: float) -> float:
+        limits = (v for path, v in near if path.startswith("hand") and path.endswith(key))
+        return max([size, *(v for v in limits if v < _NEAR * size)])
+
+    b, k = reach(".b", b), reach(".k", k)
+    # H_perc(0) is the stiffness of the display at rest. A hand whose stiffness is the opposite
+    # leaves none, which puts a pole at 0: that line is shown if it is near.
     at_0 = float(
         found.scene.closed.compile(of=("perceived_real",))(np.array([0.0])).perceived_real[0]
     )
@@ -191,10 +189,8 @@ class _Raster(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         low, high, least, most = self.window
-        x, y = (
-            np.linspace(low, high, self.where.shape[0]),
-            np.linspace(least, most, self.where.shape[1]),
-        )
+        x = np.linspace(low, high, self.where.shape[0])
+        y = np.linspace(least, most, self.where.shape[1])
         on.ax.contourf(
             on.x.of(x), on.y.of(y), self.where.T, levels=[0.5, 1.5], colors=[self.color], zorder=0
         )
@@ -202,7 +198,7 @@ class _Raster(Layer):
 
 
 def _grounds(drawn: Plane) -> list[Layer]:
-    """Cells by whether they are stable."""
+    """Return a ground for the cells that are unstable, and one for those that are undecided."""
     grounds = (
         (
             "unstable",
@@ -224,8 +220,9 @@ def _grounds(drawn: Plane) -> list[Layer]:
 
 
 def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
-    """The boundary, and where a pole is at 0."""
+    """Return the boundary of stability, and the line on which a pole is at 0."""
     low, high, least, most = drawn.window
+    # Where no part of the boundary is in the window, the legend says so.
     is_here = bool(
         ((drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)).any()
     )
@@ -247,7 +244,7 @@ def _boundary(drawn: Plane, label: str = "boundary") -> list[Layer]:
 
 
 def _ranges(asked: Iterable[Hand]) -> list[Layer]:
-    """The rectangle of each hand with ranges of damping and stiffness."""
+    """Return the rectangle of each hand with ranges of damping and stiffness."""
     style: dict[str, Any] = {"fill": False, "edgecolor": pen.INK, "linewidth": 0.9}
     return [
         PatchLayer(Rectangle((k, b), k_high - k, b_high - b, **style))
@@ -256,7 +253,8 @@ def _ranges(asked: Iterable[Hand]) -> list[Layer]:
 
 
 def _corners(asked: Iterable[Hand]) -> Iterator[tuple[tuple[float, float], tuple[float, float]]]:
-    """Of each hand with ranges of damping and stiffness, two corners of their rectangle."""
+    """Yield two opposite corners of the rectangle of each hand with ranges of damping and
+    stiffness."""
     for x in asked:
         if x.k.interval or x.b.interval:
             (k, k_high), (b, b_high) = (
@@ -275,16 +273,17 @@ def _hands(asked: list[Hand], shown: list[Hand], drawn: Plane) -> list[Layer]:
         k, b = _place(x)
         marks.append(Mark([k], [b], color, size=3.5, face=face, look={"markeredgewidth": 0.7}))
     rim: dict[str, Any] = {"markerfacecolor": "none", "markeredgewidth": 0.7, "color": pen.GREY}
-    told = [Words(label="hand of this mass", look=dots(3.5))] if here else []
-    told += (
+    legend = [Words(label="hand of this mass", look=dots(3.5))] if here else []
+    legend += (
         [Words(label="of another mass", look=dots(3.5, **rim))]
         if len(here) < len(asked) + len(shown)
         else []
     )
-    return [*marks, *told, _Counts(drawn, tuple(asked), tuple(shown))]
+    return [*marks, *legend, _Counts(drawn, tuple(asked), tuple(shown))]
 
 
 def _place(x: Hand) -> tuple[float, float]:
+    """Return the place of a hand in the plane: its stiffness and its damping."""
     return float(x.k.value), float(x.b.value)
 
 
@@ -310,15 +309,19 @@ class _Counts(Layer):
             )
         low, high, least, most = self.drawn.window
         for x in self.drawn.cells:
+            # A number would not fit into a cell that is so narrow.
             if min(np.ptp(np.nonzero(x.pixels), axis=1)) < _NARROW:
                 continue
             shown = (
                 "?" if x.roots is None else "∞" if x.roots.number is None else f"{x.roots.number}"
             )
             inner = np.argwhere(_without_rim(x.pixels))
+            # About 400 places do: each is compared with all that is drawn already.
             share = (inner[:: max(1, len(inner) // 400)] + 0.5) / x.pixels.shape
             others = np.array([low, least]) + share * np.array([high - low, most - least])
             places = [(x.k, x.b), *((float(k), float(b)) for k, b in others)]
+            # What a number would cover counts first, then how far it is from the middle of its
+            # cell.
             costs = [(room.crowded(at, pen.TEXT), room.away(at, (x.k, x.b))) for at in places]
             at = places[min(range(len(places)), key=costs.__getitem__)]
             made.append(
@@ -329,8 +332,8 @@ class _Counts(Layer):
         return made
 
     def _names(self, room: Room) -> list[tuple[str, tuple[float, float]]]:
-        """What is written beside published hands: of those whose marks lie on each other, how many
-        they are."""
+        """Return what is written beside published hands: of those whose marks lie on each other,
+        how many they are."""
         groups: list[list[Hand]] = []
         for x in self.shown:
             near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
@@ -345,10 +348,12 @@ class _Counts(Layer):
         ]
 
     def _room(self, on: On) -> Room:
-        """What the lines and marks leave free."""
+        """Return what lines and marks have taken of the axes."""
         room, drawn = Room(on.ax), self.drawn
         low, high, least, most = drawn.window
         inside = (drawn.k > low) & (drawn.k < high) & (drawn.b > least) & (drawn.b < most)
+        # The boundary leaves the window and comes back: parts inside are lines of their own, so
+        # that no line is taken between them.
         for piece in np.split(
             np.arange(len(drawn.k)), np.flatnonzero(np.diff(inside.astype(int))) + 1
         ):
@@ -376,7 +381,8 @@ STABILITY = Drawings[Stability]({"hands": hands})
 
 _FINEST = (2.0**-8, 2.0**-7)
 _COARSE = 2.0**-6
-"""Of both ranges, by how many others there are."""
+"""Shares of both ranges down to which cells are cut: for no other parameter with a range, for one
+other, and for more."""
 _MOST = 100_000
 
 
@@ -391,13 +397,14 @@ def held(a: Tolerances) -> Panel:
 
     >>> from haptisym import load_scene, tolerances
     >>> late = load_scene("delayed-spring").with_values({"tau": "36 ms +- 5 %"})
-    >>> [x.label for x in held(tolerances(late, samples=0, hand="postural-arm")).layers if x.label][:3]
+    >>> drawn = held(tolerances(late, samples=0, hand="postural-arm"))
+    >>> [x.label for x in drawn.layers if x.label][:3]
     ['stable for all values', 'for none', 'it depends, or undecided']
     """
     if not a.held:
         raise NothingToDrawError("no hand was asked about")
     scene, asked = a.box.scene, [x.hand for x in a.held]
-    own, sampled = asked[0], bool(clocks(scene))
+    first, sampled = asked[0], bool(clocks(scene))
     turning = scene.motion is MotionKind.ROTATION
     shown = (
         []
@@ -405,32 +412,34 @@ def held(a: Tolerances) -> Panel:
         else [x for name, x in published.items() if name not in {y.name for y in asked}]
     )
     window = _held_window([*asked, *shown], sampled=sampled)
-    found = _found(a, own, window)
+    proven = _found(a, first, window)
     drawn = (
-        Plane(float(own.m.value), np.empty(0), np.empty(0), None, window)
+        Plane(float(first.m.value), np.empty(0), np.empty(0), None, window)
         if sampled
-        else boundary(scene, own, window)
+        else boundary(scene, first, window)
     )
     rows = (
-        (found.stable, "#ffffff", "stable for all values"),
-        (found.unstable, pen.UNSTABLE, "for none"),
-        (found.left, pen.OPEN, "it depends, or undecided"),
+        (proven.stable, "#ffffff", "stable for all values"),
+        (proven.unstable, pen.UNSTABLE, "for none"),
+        (proven.left, pen.OPEN, "it depends, or undecided"),
     )
     low, high, least, most = window
     size, corner = np.array([high - low, most - least])[:, None], np.array([low, least])[:, None]
     grounds: list[Layer] = []
     for cells, color, label in rows:
         if len(cells):
+            # Cells are proven in shares of the window, from 0 to 1.
             places: Array = corner + cells * size
             grounds.append(Ground(places[:, 0].T, places[:, 1].T, color, label=label))
     lines = [] if sampled else _boundary(drawn, "nominal boundary")
-    mass = " to ".join(number(float(x)) for x in own.m.interval or (own.m.value,))
+    mass = " to ".join(number(float(x)) for x in first.m.interval or (first.m.value,))
     layers = [*grounds, *lines, *_ranges(asked), *_hands(asked, shown, drawn)]
     return Panel(layers, *_axes(scene.motion, mass, window), height=2.6)
 
 
 def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
-    """What is proven of the plane."""
+    """Return what is proven of the plane; NothingToDrawError where nothing is."""
+    # The shortest decimals of the floats, as exact numbers: their exact binary values are long.
     low, high, least, most = (Rational(str(x)) for x in window)
     ranges = a.box.scene.ranges().values()
     others: dict[Symbol, tuple[Expr, Expr]] = {
@@ -447,7 +456,8 @@ def _found(a: Tolerances, hand: Hand, window: Window) -> HeldPlane:
 
 
 def _held_window(listed: Sequence[Hand], *, sampled: bool) -> Window:
-    """From 0 on, with room for the hands and their ranges; a little less without a clock."""
+    """Return the ends of both axes, from 0 on (a little less without a clock), with room for the
+    hands and their ranges."""
     ends = [[float((p.interval or (p.value, p.value))[1]) for p in (x.k, x.b)] for x in listed]
     k, b = (max(column) for column in zip(*ends, strict=True))
     k, b = (k or 100.0, b or 1.0)
@@ -474,6 +484,7 @@ def enclosures(a: Tolerances) -> Panel:
         raise NothingToDrawError("nothing is met on the band, for any values within the ranges")
     every, drawn, nominal = list[Layer](), list[Layer](), list[Layer]()
     for x in a.criteria:
+        # Two formulas become one: the closing and the opening $ between them are cut.
         name = x.joint.kind if x.joint else f"{written(x)[:-1]} = {threshold_symbol(x)[1:]}"
         spans = [(float(i.low), float(i.high)) for i in a.enclosures if i.criterion == x]
         every.append(_Row(name, spans, label="for all values", styled=True))
@@ -528,6 +539,8 @@ class _Drawn(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         at = list(on.y.names).index(self.row)
+        # Multiples of the golden ratio, without their whole parts, spread evenly however many there
+        # are.
         heights = [at + 0.5 * ((n * 0.618) % 1 - 0.5) for _, n in self.places]
         return Mark(
             [x for x, _ in self.places], heights, pen.BLUE, ".", 1.6, look={"zorder": 2}
@@ -564,6 +577,7 @@ class _Strokes(Layer):
 
 
 def _has_rows(a: Tolerances) -> bool:
+    """Return whether any values bring a crossing, so that there are rows to draw."""
     return (
         bool(a.enclosures)
         or any(a.nominal.crossings.values())

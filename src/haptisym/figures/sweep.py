@@ -54,15 +54,14 @@ if TYPE_CHECKING:
 
 _MOST_PIXELS = 1200  # along an axis; a chart in print shows no more
 _LEVELS, _SLICES = 7, 31
-_MAP = LinearSegmentedColormap.from_list(
-    "bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"]
-)  # monotone in grey, too
+# From dark to light without a turn, so that the order of the values is seen in grey print, too.
+_MAP = LinearSegmentedColormap.from_list("bandwidth", ["#5b7fa6", "#a9c0d6", "#f4f7fa"])
 _CURVES = {
     "real": (pen.BLUE, pen.SOLID, "real part crosses"),
     "imag": (pen.RED, pen.DASHED, "imaginary part crosses"),
     "joint": (pen.BLUE, pen.SOLID, "leaves the JND region"),
 }
-"""Of each criterion, in the order of the charts: colour, stroke and name."""
+"""For each criterion, in the order of the charts: colour, stroke and name."""
 _HATCHES = ("////", "\\\\\\\\", "||||", "----")
 
 
@@ -71,18 +70,19 @@ _HATCHES = ("////", "\\\\\\\\", "||||", "----")
 
 def _dimensions(data: xr.Dataset, count: int) -> list[str]:
     """The parameters of a sweep over so many; SceneError for any other."""
-    found = [str(name) for name in data.bandwidth.dims]
-    if len(found) != count or min(data.bandwidth.shape) < 2:
+    names = [str(name) for name in data.bandwidth.dims]
+    if len(names) != count or min(data.bandwidth.shape) < 2:
         raise SceneError(
             f"a chart shows one or two parameters with at least two values each, not "
             f"{dict(data.bandwidth.sizes)}: "
             "choose with Dataset.sel, or sweep fewer"
         )
-    return found
+    return names
 
 
 def _thinned(data: xr.Dataset, names: tuple[str, str]) -> xr.Dataset:
     """What a map shows, no finer than it is seen."""
+    # Rounded upwards, so that never more than the bound remain.
     steps = {name: slice(None, None, -(-data.sizes[name] // _MOST_PIXELS)) for name in names}
     wanted = ["bandwidth", *(f"crossings_{name}" for name in _judged_in(data)), *_held_in(data)]
     return data[wanted].isel(steps).load()
@@ -98,6 +98,8 @@ def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> DrawnAxis:
         else ""
     )
     x, units = data[path].values, str(data[path].attrs.get("units", ""))
+    # Without a scene the data know rad/s alone: Hz is chosen where the ends are short numbers in
+    # it.
     unit = (
         unit_of(np.array([x.min(), x.max()]))
         if units == "rad/s"
@@ -111,6 +113,7 @@ def _axis(data: xr.Dataset, path: str, scene: Scene | None) -> DrawnAxis:
 
 
 def _symbol(path: str) -> str:
+    """Return the symbol of a parameter from its path; thresholds are c with their part."""
     _, _, key = path.rpartition(".")
     return key if not path.startswith("evaluation.") else "c" if key == "jnd" else f"c_{key}"
 
@@ -119,12 +122,14 @@ def is_logarithmic(x: Array) -> bool:
     """Whether values are spaced by equal ratios rather than evenly."""
     if len(x) < 3 or x.min() <= 0:
         return False
+    # Equal but for the rounding of the values: 1e-6 is far above that and far below a spacing that
+    # somebody chose.
     even, ratio = np.diff(x), np.diff(np.log(x))
     return bool(np.ptp(ratio) < 1e-6 * abs(ratio).max() and np.ptp(even) > 1e-6 * abs(even).max())
 
 
 def _held_in(data: xr.Dataset) -> list[str]:
-    """The variables of a sweep that tell of a hand."""
+    """Return the names of a sweep's variables that are about a hand."""
     return [str(name) for name in data.data_vars if str(name).startswith(HELD)]
 
 
@@ -149,23 +154,28 @@ def _jumps(y: Array, counts: Any, band: float) -> Any:
     curve goes on; there, as elsewhere, it is only broken where it moves far more than on both
     sides.
     """
+    # The first and the last step have a neighbour on one side alone: fmin and fmax pass over NaN.
     steps = np.pad(np.abs(np.diff(y)), 1, constant_values=np.nan)
-    least, most = (np.nan_to_num(pick(steps[:-2], steps[2:])) for pick in (np.fmin, np.fmax))
+    before, after = steps[:-2], steps[2:]
+    least, most = (np.nan_to_num(pick(before, after)) for pick in (np.fmin, np.fmax))
     pairs = (np.abs(np.diff(counts, axis=1)) > 1).any(axis=0)
-    smooth = np.where(
-        pairs, np.maximum(1.5 * least, 0.004 * band), np.maximum(6 * most, 0.05 * band)
-    )
+    # How far a curve may move without a jump: little where crossings give a reason to suspect one,
+    # much where nothing does. A steep but smooth curve is steep on one side of the step, too.
+    suspected = np.maximum(1.5 * least, 0.004 * band)
+    unsuspected = np.maximum(6 * most, 0.05 * band)
+    smooth = np.where(pairs, suspected, unsuspected)
     return (steps[1:-1] > smooth).nonzero()[0] + 1
 
 
 def _edges(x: Array) -> Array:
-    """The ends of the cells whose middles are given."""
+    """Return the ends of the cells whose middles are given; the first and the last cell end at
+    their middles."""
     found: Array = np.concatenate([[x[0]], (x[1:] + x[:-1]) / 2, [x[-1]]])
     return found
 
 
 def _unit(data: xr.Dataset, scene: Scene | None) -> Unit:
-    """In which frequencies are drawn."""
+    """Return the unit in which frequencies are drawn."""
     return unit_of(np.array(data.attrs["band"])) if scene is None else scene.frequency
 
 
@@ -200,6 +210,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
         jumps = _jumps(y, counts[parts], high - low)
         lines.append(
             Polyline(
+                # A NaN before the set at which the curve begins anew breaks the line.
                 np.insert(x, jumps, np.nan),
                 np.insert(y, jumps, np.nan),
                 color,
@@ -211,12 +222,12 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
         )
         ends = np.union1d(jumps - 1, jumps).astype(int)
         marks += [Mark(x[ends], y[ends], color, size=2.4)] if len(ends) else []
-    told = [Words(label="crossings come or go", look=dots(2.4))] if marks else []
+    entry = [Words(label="crossings come or go", look=dots(2.4))] if marks else []
     end = Limit(high, width=0.4, label="end of the band", shared=True, look={"zorder": 0})
     strips = [_Held(x, None, *row[1:], label=row[0]) for row in _held(data)]
     upright = frequency(_unit(data, scene), (low, high + 0.04 * (high - low)))
     return Panel(
-        [*lines, *marks, end, *told, *strips], _axis(data, path, scene), upright, height=2.2
+        [*lines, *marks, end, *entry, *strips], _axis(data, path, scene), upright, height=2.2
     )
 
 
@@ -225,9 +236,10 @@ def _held(data: xr.Dataset) -> list[tuple[str, Any, str, str]]:
     and colour."""
     rows = []
     for name, hatch in zip(_held_in(data), _HATCHES, strict=False):
-        counts, hand = data[name].values, str(data[name].attrs["hand"])
-        rows += [(f"unstable in {hand}", counts > 0, hatch, pen.RED)]
-        rows += [(f"stability undecided in {hand}", counts == UNKNOWN, hatch, pen.GREY)]
+        counts = data[name].values
+        hand = str(data[name].attrs["hand"])
+        rows.append((f"unstable in {hand}", counts > 0, hatch, pen.RED))
+        rows.append((f"stability undecided in {hand}", counts == UNKNOWN, hatch, pen.GREY))
     return [row for row in rows if np.any(row[1])]
 
 
@@ -246,7 +258,8 @@ class _Held(Layer):
         if self.y is not None:
             _hatched(on, (self.x, self.y), self.where, self.hatch, self.color)
             return [self._patch()]
-        borders, own = np.repeat(_edges(self.x), 2)[1:-1], np.repeat(self.where, 2)
+        # Each strip needs both of its borders with the same value: inner borders occur twice.
+        borders, held = np.repeat(_edges(self.x), 2)[1:-1], np.repeat(self.where, 2)
         style: dict[str, Any] = {
             "facecolor": "none",
             "edgecolor": self.color,
@@ -255,7 +268,7 @@ class _Held(Layer):
             "zorder": 0,
         }
         on.ax.fill_between(
-            on.x.of(borders), 0, 1, where=own, transform=on.ax.get_xaxis_transform(), **style
+            on.x.of(borders), 0, 1, where=held, transform=on.ax.get_xaxis_transform(), **style
         )
         return [self._patch()]
 
@@ -264,6 +277,7 @@ class _Held(Layer):
 
 
 def _hatched(on: On, axes: tuple[Array, Array], where: Any, hatch: str, color: str) -> None:
+    """Hatch the sets of a map for which something holds."""
     x, y = on.x.of(axes[0]), on.y.of(axes[1])
     found = on.ax.contourf(
         x, y, where.astype(float), levels=[0.5, 1.5], colors="none", hatches=[hatch]
@@ -285,11 +299,13 @@ def plane(data: xr.Dataset, exact: DesignMap | None = None, scene: Scene | None 
     points that are proven, and straight lines between them.
 
     >>> from haptisym import load_scene, sweep
-    >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]})
+    >>> sets = {"effects.filter.omega_n": [40.0, 60.0, 80.0], "environment.m": [1.0, 2.0]}
+    >>> found = sweep(load_scene("fu2019"), sets)
     >>> plane(found).x.text, plane(found).y.text
     ('$m$ (kg)', '$\\\\omega_n$ (rad/s)')
     """
     upwards, along = _dimensions(data, 2)
+    # pcolormesh and contours need both axes in ascending order.
     data = _thinned(data, (upwards, along)).sortby([upwards, along])
     x, y, z, (low, high) = (
         data[along].values,
@@ -318,17 +334,17 @@ def _jump_edges(
     data: xr.Dataset, x: Array, y: Array, z: Array, band: float
 ) -> list[list[tuple[float, float]]]:
     """The edges between neighbouring sets across which the bandwidth jumps, as pieces of lines."""
-    counts, across, up, found = _counts(data), _edges(x), _edges(y), []
+    counts, across, up, edges = _counts(data), _edges(x), _edges(y), []
     for i, row in enumerate(z):
-        found += [
+        edges += [
             [(across[j], up[i]), (across[j], up[i + 1])] for j in _jumps(row, counts[:, i], band)
         ]
     for j, column in enumerate(z.T):
-        found += [
+        edges += [
             [(across[j], up[i]), (across[j + 1], up[i])]
             for i in _jumps(column, counts[:, :, j], band)
         ]
-    return found
+    return edges
 
 
 @dataclass(frozen=True)
@@ -344,6 +360,8 @@ class _Field(Layer):
     def draw(self, on: On) -> list[Artist]:
         x, y, size = on.x.of(self.x), on.y.of(self.y), float(self.unit.size)
         z, (low, high) = self.z / size, (end / size for end in self.band)
+        # Pixels in files of vectors: a shape for each of up to a million cells would be a huge
+        # file.
         style: dict[str, Any] = {
             "cmap": _MAP,
             "vmin": low,
@@ -372,6 +390,8 @@ def _round_levels(z: Array, high: float) -> Array:
     levels: Array = np.asarray(
         MaxNLocator(_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(inside.min(), inside.max())
     )
+    # A level at the rim of the plateau of the whole band would wander along it: it has a hatch
+    # instead.
     kept: Array = levels[(levels > inside.min()) & (levels < min(inside.max(), 0.999 * high))]
     return kept
 
@@ -438,6 +458,7 @@ def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
 
 
 def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:
+    """Return the plane of a sweep by exact slices, over the ranges that were swept."""
     upwards, along = _dimensions(data, 2)
     ranges = [
         tuple(float(x) for x in (data[path].min(), data[path].max())) for path in (along, upwards)

@@ -1,5 +1,5 @@
-"""What every verb returns: an answer that says what of it is proven, as a page, as a document and
-in a notebook."""
+"""The base class of the results of all commands: each prints a page, gives a JSON document and a
+figure, and states what of it is proven."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from haptisym.kernel.objects import Shown, copied
 
 
 class Subject(Protocol):
-    """What a question is about: a scene, or several."""
+    """The subject of an answer: a scene, or several."""
 
     @property
     def title(self) -> str:
@@ -35,8 +35,8 @@ class Subject(Protocol):
 
 @dataclass(frozen=True)
 class NoScene:
-    """What a question is about that is no scene: it has a title, and nothing is to be said beside
-    the answer."""
+    """The subject of an answer that is about no scene: it has a title, and no parameters to comment
+    on."""
 
     title: str
 
@@ -54,13 +54,13 @@ class NoScene:
 
 
 class Answer(Shown):
-    """What a verb answers: ``print`` shows the command line's page, a notebook likewise,
-    ``to_json`` gives the document.
+    """The result of a command: ``print`` and a notebook show the command line's page, ``to_json``
+    gives the document.
 
-    A class says what is its own: ``_about``, ``_body`` and, as data, ``_schema`` and what writes
-    its ``_page``, draws its
-    ``_figure`` (``figures.files.Drawings``) and proves it (``_certificate``): as
-    ``"package.module:name"``, so that nothing of the kind is loaded before it is asked for.
+    A subclass defines its subject, ``_about``, its document, ``_body``, the ``_schema`` of that,
+    and the functions that write its ``_page``, draw its ``_figure`` (``figures.files.Drawings``)
+    and prove it (``_certificate``): these by name, as ``"package.module:name"``, so that none is
+    loaded before it is needed.
     """
 
     __slots__ = ()
@@ -83,31 +83,32 @@ class Answer(Shown):
 
     @property
     def _about(self) -> Subject:
-        """What was asked about."""
+        """The subject of the answer."""
         subject: Subject = self.scene  # type: ignore[attr-defined]
         return subject
 
     @property
     def _varied(self) -> tuple[Collection[str], Collection[str] | None]:
-        """What the answer lets vary, and of what a double is to be told: as ``Scene.asides`` takes
-        them."""
+        """The two arguments of ``Scene.asides``: the parameters that the answer lets vary besides
+        the scene's ranges, and those of which it is reported if they exist twice (None: all)."""
         return (), ()
 
     def asides(self) -> list[str]:
-        """What is to be said beside the answer: which parameters have ranges and are nominal here,
-        and which have a double."""
+        """Notes to print with the answer: which parameters have ranges and are nominal here, and
+        which exist twice."""
         return self._about.asides(*self._varied)
 
     @abstractmethod
     def _body(self) -> dict[str, Any]:
-        """What a document holds of this kind of answer alone."""
+        """The keys of a document that only this kind of answer has."""
 
     def _left(self) -> dict[str, Any]:
-        """The keys that are there only where something was left open or left out."""
+        """The keys that are present only where something is undecided or was left out."""
         return {}
 
     def to_dict(self) -> dict[str, Any]:
         """The document that the command line prints with ``--json``."""
+        # The order of the keys is that of the printed document.
         frame = {"schema": self._schema, "title": self._about.title}
         return frame | self._body() | self._about.aside_keys(*self._varied) | self._left()
 

@@ -1,5 +1,5 @@
-"""From thresholds to bandwidths: how far a display is transparent as the JND grows, over all values
-of a range; exact.
+"""All bandwidths of a display for the thresholds of a range: how far it is transparent as the JND
+grows; exact.
 
 A region R(t) that grows with a number t (one threshold for both parts, one limit, a floor, a scale)
 gives a bandwidth w(t) that grows with it. Let T(omega) be the least t for which nothing is noticed
@@ -11,9 +11,11 @@ higher than all before them, up to where T is above them again. What does not gr
 bandwidth where it alone is noticed.
 
 Where T is as high again is enclosed by the bandwidths for rational numbers beside a height
-(``Landing``), which needs no closed form. Peaks of the same height are not told apart so:
-undecided. Of several numbers with ranges of their own the least and the most alone are told: the
-bandwidths of the smallest and of the largest region.
+(``Landing``), which needs no closed form. Whether two peaks are of the same height is undecided by
+this. With several numbers that have ranges of their own, only the smallest and the largest
+bandwidth are given: those of the smallest and of the largest region.
+
+Begin with ``bandwidths``; ``Growth.between`` is the general case.
 """
 
 from __future__ import annotations
@@ -47,15 +49,15 @@ from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import ExactRange
 
 _SURE = 400
-"""Bits up to which two numbers are told apart before they are taken for one."""
+"""Bits up to which two numbers are compared before it is undecided which is larger."""
 
 
 @dataclass(frozen=True)
 class Jump:
-    """No threshold of the range gives a bandwidth from ``low`` to below ``high``, rad/s.
+    """A gap: no threshold of the range gives a bandwidth from ``low`` to below ``high``, rad/s.
 
-    ``threshold`` : the one that gives ``high``. ``includes_low`` : whether ``low`` itself is given:
-    where a limit changes at once, the bandwidth stands there for a while.
+    ``threshold`` : the one that gives ``high``. ``includes_low`` : whether ``low`` itself is a
+    bandwidth: where the limit that holds changes, one frequency is it for several thresholds.
     """
 
     low: RealNumber
@@ -64,10 +66,10 @@ class Jump:
     includes_low: bool = False
 
     def row(self, digits: int) -> dict[str, Any]:
-        """As a document has it."""
-        ends = {"from": self.low, "to": self.high, "threshold": self.threshold}
-        found: dict[str, Any] = {name: _number(x, digits) for name, x in ends.items()}
-        return found | ({"from_reached": True} if self.includes_low else {})
+        """The gap as a row of a document."""
+        numbers = {"from": self.low, "to": self.high, "threshold": self.threshold}
+        keys: dict[str, Any] = {name: _number(x, digits) for name, x in numbers.items()}
+        return keys | ({"from_reached": True} if self.includes_low else {})
 
 
 @dataclass(frozen=True)
@@ -75,13 +77,14 @@ class Bandwidths:
     """All bandwidths for thresholds of a range: from ``least`` to ``most``, both reached, less the
     ``jumps``.
 
-    None where no threshold of the range gives a bandwidth, and, of ``least``, where none is known
-    to be the least. ``blocked`` :
-    by part, by the number of a region, or "jnd" for both parts, the least that gives one; empty
-    where all do.
-    ``undecided`` : what stayed open; there may then be further jumps, and blocked thresholds.
-    ``ends_alone`` : whether only the least and the most are told, and not what lies between.
-    ``one`` : whether they are those of one number for both parts, or of a scale.
+    Both are None where no threshold of the range gives a bandwidth; ``least`` also where none is
+    known to be the least.
+    ``blocked`` : where small thresholds give no bandwidth, the least that gives one, by the name of
+    the number that varies ("jnd" for both parts); empty where all thresholds give one.
+    ``undecided`` : a description of what is undecided; there may then be further jumps, and blocked
+    thresholds; empty where all is proven. ``ends_alone`` : whether only the least and the most are
+    known, and not what lies between. ``one`` : whether one number for both parts varies, or a
+    scale.
     """
 
     least: RealNumber | None
@@ -94,7 +97,7 @@ class Bandwidths:
 
     @property
     def certified(self) -> bool:
-        """Whether nothing stayed open."""
+        """Whether nothing is undecided."""
         return not self.undecided
 
     @property
@@ -103,13 +106,20 @@ class Bandwidths:
         return self.one and self.certified and self.least is not None and self.most is not None
 
     def row(self, digits: int) -> dict[str, Any]:
-        """As a document has it."""
-        jumps = [x.row(digits) for x in self.jumps]
-        blocked = {name: _number(x, digits) for name, x in self.blocked.items()}
-        ends = {"least": _number(self.least, digits), "most": _number(self.most, digits)}
-        open_: dict[str, Any] = {"undecided": self.undecided} if self.undecided else {}
-        open_ |= {"ends_alone": True} if self.ends_alone else {}
-        return ends | {"jumps": jumps, "none_below": blocked, "certified": self.certified} | open_
+        """The bandwidths as a part of a document."""
+        keys: dict[str, Any] = {
+            "least": _number(self.least, digits),
+            "most": _number(self.most, digits),
+            "jumps": [x.row(digits) for x in self.jumps],
+            "none_below": {name: _number(x, digits) for name, x in self.blocked.items()},
+            "certified": self.certified,
+        }
+        # These keys are present only where they say something.
+        if self.undecided:
+            keys["undecided"] = self.undecided
+        if self.ends_alone:
+            keys["ends_alone"] = True
+        return keys
 
 
 def _number(x: RealNumber | None, digits: int) -> dict[str, Any] | None:
@@ -119,14 +129,15 @@ def _number(x: RealNumber | None, digits: int) -> dict[str, Any] | None:
 
 
 def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> Bandwidths | None:
-    """The bandwidths for all thresholds of a range; None where the threshold is no range.
+    """The bandwidths for all thresholds of a range; None where the threshold has no range.
 
-    Thresholds of both parts that are alike are one number, as everywhere; of several numbers with
-    ranges the ends alone are told, exact in any case. Undecided may stay whether two peaks are
-    equally high, and whether a ratio touches an end of the range.
+    Equal thresholds of both parts with equal ranges are one number. With several numbers that have
+    ranges only the two ends are given, exact in any case. What may be undecided: whether two peaks
+    are equally high, and whether a ratio is tangent to an end of the range.
     """
     if not threshold.ranges:
         return None
+    # A bandwidth grows with its region, so the ends of the range give the least and the greatest.
     least: RealNumber | None = None
     most: RealNumber | None = None
     try:
@@ -143,6 +154,7 @@ def bandwidths(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> 
 
 def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNumber | None:
     """The bandwidth for one threshold."""
+    # A tangency that is undecided may cut the band in two: then the bandwidth is, too.
     table = chart({x: x.function(d) for x in noticed(threshold)}, *band)
     if table.undecided:
         raise UndecidedError("whether a ratio is tangent to an end of the range of thresholds")
@@ -151,8 +163,8 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
 
 
 class _Moving(NamedTuple):
-    """The one number of a JND that has a range: what grows with it, what does not, and its values
-    relative to the nominal one."""
+    """The one number of a JND that has a range: the terms that grow with it, those that do not, and
+    its range relative to the nominal value."""
 
     name: str
     terms: tuple[WayOutside, ...]
@@ -162,14 +174,15 @@ class _Moving(NamedTuple):
 
 
 def _moving(d: Distortion, threshold: Threshold) -> _Moving | None:
-    """None where several numbers have ranges of their own, or one that does not enlarge a whole
-    region of several parts."""
+    """The number that varies; None where several numbers have ranges of their own, or where one of
+    a joint region does not enlarge it as a whole."""
     ranges, region = threshold.ranges, threshold.region
     alike = threshold.real == threshold.imag and region.lower == (None, None)
     both = alike and len(set(ranges.values())) == 1 and ranges.keys() == {"real", "imag"}
     name = "jnd" if both else next(iter(ranges))
     if len(ranges) > 1 and not both:
         return None
+    # The value that its range is relative to: squares are those of the nominal region.
     named = {
         "scale": region.size,
         "jnd": threshold.real,
@@ -182,62 +195,55 @@ def _moving(d: Distortion, threshold: Threshold) -> _Moving | None:
     low, high = next(iter(ranges.values()))
     relative = low / nominal, high / nominal
     if region.shape is not Shape.SQUARE:
-        own = tuple(term for x in noticed(threshold) if x.region for term in x.region.terms(d))
-        return _Moving(name, own, (), relative, nominal) if name in ("scale", "jnd") else None
-    if any(
-        x == threshold[part] and name.startswith(part.value)
-        for part in Part
-        if (x := threshold.lower(part)) is not None
-    ):
-        return None  # limits for each way that are the same number, of which one moves
-    moved = (
-        {"real", "imag", "real.lower", "imag.lower", "floor"} if name == "scale" else set(ranges)
-    )
-    listed = [_split(*x, moved) for part in Part for x in _limits(d, threshold, part)]
-    return _Moving(
-        name,
-        tuple(x for x in listed if x.squares),
-        tuple(x for x in listed if not x.squares),
-        relative,
-        nominal,
-    )
+        terms = tuple(term for x in noticed(threshold) if x.region for term in x.region.terms(d))
+        return _Moving(name, terms, (), relative, nominal) if name in ("scale", "jnd") else None
+    # Where both ways of a part have the same limit, ``Sided`` makes one term of them: of two equal
+    # numbers of which one varies it has no term for each.
+    for part in Part:
+        lower = threshold.lower(part)
+        if lower is not None and lower == threshold[part] and name.startswith(part.value):
+            return None
+    every_name = {"real", "imag", "real.lower", "imag.lower", "floor"}
+    moved = every_name if name == "scale" else set(ranges)
+    terms_by_part = [_split(*x, moved) for part in Part for x in _limits(d, threshold, part)]
+    growing = tuple(x for x in terms_by_part if x.squares)
+    fixed = tuple(x for x in terms_by_part if not x.squares)
+    return _Moving(name, growing, fixed, relative, nominal)
 
 
 def _limits(
     d: Distortion, threshold: Threshold, part: Part
 ) -> Iterator[tuple[WayOutside, tuple[str, ...]]]:
     """The ways to notice one part, with the names of the limits of their squares."""
-    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
-    sided = Sided(part, own, own if lower is None else lower, floor)
+    higher, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
+    sided = Sided(part, higher, higher if lower is None else lower, floor)
     names: list[tuple[str, ...]] = [(part.value,)]
     if sided.has_sides:
         names += [(f"{part.value}.lower",), (part.value, f"{part.value}.lower")]
-    for term, own_names in zip(sided.terms(d), names, strict=True):
-        if not any(
-            f.is_zero for f in term.where
-        ):  # it holds nowhere: the part is as large as it was, throughout
-            yield term, (*own_names, *(() if floor is None else ("floor",)))
+    floor_name = () if floor is None else ("floor",)
+    for term, term_names in zip(sided.terms(d), names, strict=True):
+        # With a condition that is 0 throughout the term holds nowhere: the part is as large as it
+        # was at all frequencies, and neither higher nor lower.
+        if not any(f.is_zero for f in term.where):
+            yield term, (*term_names, *floor_name)
 
 
 def _split(term: WayOutside, names: tuple[str, ...], moved: set[str]) -> WayOutside:
-    """A term of which what does not move says where the rest counts."""
-    squares = tuple(
-        square for square, name in zip(term.squares, names, strict=True) if name in moved
-    )
-    fixed = (
-        above_one(square)
-        for square, name in zip(term.squares, names, strict=True)
-        if name not in moved
-    )
+    """A term in which only the squares of limits that move remain squares; those of fixed limits
+    become conditions, that they are above 1."""
+    named = list(zip(term.squares, names, strict=True))
+    squares = tuple(square for square, name in named if name in moved)
+    fixed = (above_one(square) for square, name in named if name not in moved)
     return WayOutside((*term.where, *fixed), squares)
 
 
 @dataclass(frozen=True)
 class Growth:
-    """Terms whose squares are those of a number relative to ``nominal``; ``range`` : that number's,
-    relative as well.
+    """A region that grows with one number, and the bandwidth as a function of it.
 
-    ``fixed`` : terms without squares. ``name`` : of the number.
+    ``terms`` : what is noticed where, with squares relative to the ``nominal`` value of the number;
+    ``fixed`` : terms that do not depend on it, without squares. ``range`` : of the number, relative
+    to ``nominal``. ``name`` : of the number. ``band`` : rad/s.
     """
 
     name: str
@@ -248,7 +254,9 @@ class Growth:
     band: tuple[Expr, Expr]
 
     def between(self, least: RealNumber | None, most: RealNumber) -> Bandwidths:
-        """All bandwidths of the range, whose ends are known."""
+        """All bandwidths of the range, from those at its two ends."""
+        # Without a bandwidth at the low end, the range begins to have one where the low end of the
+        # band is just not noticed.
         blocked = {} if least is not None else {self.name: Times(self._start, self.nominal)}
         first = self._first if least is None else least
         low, high = self.range
@@ -256,8 +264,9 @@ class Growth:
         return Bandwidths(first, most, jumps, blocked, one=self.name in ("jnd", "scale"))
 
     def kept(self, x: Expr) -> list[tuple[Point, Interval]]:
-        """Where nothing is noticed if the number is that many times the nominal one, each with the
-        first point of the band."""
+        """The intervals on which nothing is noticed if the number is ``x`` times the nominal one,
+        each after the first point of the band."""
+        # Enlarged x times the region is left where a square exceeds x^2.
         moved = ((*t.where, *(level(square, x**2) for square in t.squares)) for t in self.terms)
         table = chart({JOINT: Lattice((*moved, *(t.where for t in self.fixed)))}, *self.band)
         if table.undecided:
@@ -265,7 +274,7 @@ class Growth:
         return [(table.points[0], y) for y in table.where(lambda signs: signs[JOINT] <= 0)]
 
     def at(self, x: Expr) -> RealNumber | None:
-        """The bandwidth then."""
+        """The bandwidth if the number is ``x`` times the nominal one; None where there is none."""
         first = next(iter(self.kept(x)), None)
         return first[1].high.omega if first and first[1].low is first[0] else None
 
@@ -282,30 +291,34 @@ class Growth:
         """The least multiple of the nominal value for which there is a bandwidth: what the low end
         of the band needs."""
         omega, signs = self._table.points[0].omega, self._table.points[0].at
+        # By whether a term holds there: 1, or -1, or 0 where one of its conditions vanishes.
         needed: dict[int, list[RealNumber]] = {1: [], 0: [], -1: []}
         for i, term in enumerate(self.terms):
-            least = Largest(tuple(Negative(ValueAt(x, omega)) for x in term.squares))
-            needed[self._envelope.holds(i, signs)].append(Negative(least))
-        found = Largest(tuple(needed[1]))
-        if not needed[1] or any(above(x, found) for x in needed[0]):
+            # The least of the squares, as minus the largest of their negatives.
+            negatives = tuple(Negative(ValueAt(x, omega)) for x in term.squares)
+            needed[self._envelope.holds(i, signs)].append(Negative(Largest(negatives)))
+        square = Largest(tuple(needed[1]))
+        # A term that is just about to hold does not matter where another asks for as much.
+        if not needed[1] or any(above(x, square) for x in needed[0]):
             raise UndecidedError("which limit holds at the low end of the band")
-        found.tight_ball(64)
-        return SquareRoot(found)
+        # Raises here, not in a page that prints it, if it cannot be enclosed.
+        square.tight_ball(64)
+        return SquareRoot(square)
 
     @property
     def _first(self) -> RealNumber:
-        """The bandwidth for that."""
-        first, (square, slope) = (
-            self._table.points[0],
-            self._envelope.counting(self._table.points[0].after),
-        )
+        """The bandwidth for the least number that gives one."""
+        first = self._table.points[0]
+        square, slope = self._envelope.counting(first.after)
+        # Where more is needed right behind the low end, the band ends there; otherwise where as
+        # much is needed again.
         if slope > 0:
             return first.omega
         return self._landing(self._start if slope else _height(square, first.omega))
 
     def _jumps(self, least: RealNumber, most: RealNumber) -> Iterator[Jump]:
-        """At each peak, or begin of a plateau, of what is judged, that is higher than all before
-        it."""
+        """One gap at each peak, or begin of a plateau, of the envelope that is higher than all
+        before it."""
         if self._table.undecided:
             raise UndecidedError("whether a ratio has a peak where its slope nearly vanishes")
         top: RealNumber | None = None
@@ -321,44 +334,44 @@ class Growth:
                 )
 
     def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
+        """The peaks, and begins of plateaus, between the bandwidths at the ends of the range."""
         for point in self._table.points[1:-1]:
             peak = self._envelope.top(point) or self._envelope.plateau(point)
-            begins = peak and (
-                self._is_passed(point, peak) if peak.after else above(point.omega, least)
-            )
-            if peak and begins and above(most, point.omega):
+            if not peak:
+                continue
+            begins = self._is_passed(point, peak) if peak.after else above(point.omega, least)
+            if begins and above(most, point.omega):
                 yield point.omega, peak
 
     def _is_passed(self, point: Point, peak: Maximum) -> bool:
-        """Whether a height that is only reached behind a step lies in the range; the bandwidth may
-        stand at the step itself."""
+        """Whether a height that is reached only behind a step of the envelope lies in the range;
+        the frequency of the step may itself be the least bandwidth."""
         low, high = (ExactNumber(x) for x in self.range)
         height = _height(peak.square, point.omega)
         return above(height, low) and not above(height, high)
 
     def _landing(self, height: RealNumber) -> RealNumber:
         """The bandwidth for a height; UndecidedError where its enclosures do not become narrow."""
-        found = self.at(height.value) if isinstance(height, ExactNumber) else None
-        x = Landing(height, self) if found is None else found
-        if (
-            at_rising_precision(
-                lambda bits: x.ball(bits).rel_accuracy_bits() > 50 or None, 64, _SURE
-            )
-            is None
-        ):
+        exact = self.at(height.value) if isinstance(height, ExactNumber) else None
+        bandwidth = Landing(height, self) if exact is None else exact
+
+        def is_narrow(bits: int) -> bool | None:
+            return bool(bandwidth.ball(bits).rel_accuracy_bits() > 50) or None
+
+        # With two peaks of one height, numbers just below it give a bandwidth before the second
+        # peak, those just above it one behind it: the enclosure never gets narrow.
+        if at_rising_precision(is_narrow, 64, _SURE) is None:
             raise UndecidedError("whether two peaks of the ratios are equally high")
-        return x
+        return bandwidth
 
 
 def _height(square: RealFunction, omega: RealNumber) -> RealNumber:
     """The root of a square at a frequency; in closed form where it is the same at all
     frequencies."""
     value = None if square.function.numerator.degrees()[0] else square.expression()
-    return (
-        SquareRoot(ValueAt(square, omega))
-        if value is None or value.free_symbols
-        else ExactNumber(sqrt(value))
-    )
+    if value is None or value.free_symbols:
+        return SquareRoot(ValueAt(square, omega))
+    return ExactNumber(sqrt(value))
 
 
 @dataclass(frozen=True, repr=False)
@@ -370,6 +383,8 @@ class Landing(RealNumber):
     growth: Growth
 
     def ball(self, bits: int) -> Ball:
+        # The bandwidth grows with the number, so it lies between those for rational bounds of the
+        # height: exact charts, for each precision two.
         low, high = (Rational(x.numerator, x.denominator) for x in self.height.bounds(bits))
         upper = self.growth.at(high)
         lower = upper if low == high else self._behind(low)
@@ -379,8 +394,8 @@ class Landing(RealNumber):
             return lower.ball(bits).union(upper.ball(bits))
 
     def _behind(self, height: Rational) -> RealNumber | None:
-        """Where more is needed than that again; for numbers close to the height it was too little
-        around the frequency alone."""
+        """The end of the first interval behind the peak on which this height is enough; None if
+        there is none. A number a little below the height is too small around the peak alone."""
         later = [
             y for first, y in self.growth.kept(height) if y.low is not first and y.low is not y.high
         ]
@@ -389,7 +404,7 @@ class Landing(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Times(RealNumber):
-    """A number that many times."""
+    """The product of a real number and an exact one."""
 
     number: RealNumber
     times: Expr
@@ -400,7 +415,7 @@ class Times(RealNumber):
 
 
 def above(a: RealNumber, b: RealNumber) -> bool:
-    """Whether a > b; UndecidedError where they are not told apart, unless both are known
+    """Whether a > b; UndecidedError where enclosures do not separate them, unless both are known
     exactly."""
     if a is b or a == b:
         return False
@@ -412,7 +427,7 @@ def above(a: RealNumber, b: RealNumber) -> bool:
                 return False
             return True if left > right else False if left < right else None
 
-    found = at_rising_precision(sign, 64, _SURE)
-    if found is None:
+    is_above = at_rising_precision(sign, 64, _SURE)
+    if is_above is None:
         raise UndecidedError("which of two numbers is the larger")
-    return found
+    return is_above

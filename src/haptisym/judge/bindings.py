@@ -1,5 +1,5 @@
-"""What limits the values of a number: a criterion that holds with equality at the end of a set, and
-where on the band."""
+"""What limits the allowed values of a parameter: a criterion that holds with equality at the end of
+a set of values, and the frequency at which it does."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from haptisym.model.catalogue import Hand
 
 
 class Kind(Enum):
-    """Where on the band a condition binds."""
+    """Where on the band a condition holds with equality."""
 
     EDGE = "band-edge"
     """At the band's high end."""
@@ -31,10 +31,10 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class Binding(Judged):
-    """A condition that holds with equality at the end of a set: which one, where on the band,
-    rad/s.
+    """A condition that holds with equality at the end of a set of values: which one, and at which
+    frequency, rad/s.
 
-    ``omega``: None where the frequency of a degenerate touch was not isolated.
+    ``omega``: None where the frequency of a degenerate tangency was not isolated.
     """
 
     criterion: Criterion
@@ -46,10 +46,8 @@ STABLE, STEADY = IN_HANDS = "stable", "steady"
 
 
 def stable_in(hand: Hand, what: str = STABLE) -> Criterion:
-    """The display is stable in this hand, or steady: without shaking, a drift allowed.
-
-    It has no function of frequency.
-    """
+    """The criterion that the display is stable in this hand, or, for ``STEADY``, that it does not
+    oscillate while a drift is allowed. It has no function of frequency."""
     name = f"{what} in {hand.name}"
     return Criterion(what, name, "H_perc + Z_hand", name, _none, kept=name)
 

@@ -1,4 +1,5 @@
-"""What a chain of series effects does to every environment at once.
+"""Bounds on the band over which a chain of series effects is transparent with every environment,
+and with none.
 
 Behind a series effect G the distortion is (G - 1) H: |G - 1| |H| long, in a direction that depends
 on the environment. So every environment is transparent where |G - 1| is at most the smaller
@@ -28,19 +29,18 @@ from haptisym.model.scene import Scene
 
 @dataclass(frozen=True)
 class AnyEnvironment:
-    """Bounds on the band for all environments, rad/s, certified.
+    """Bounds on the band that hold for all environments, rad/s, proven.
 
-    ``transparent_below`` : from the band's low end up to here no environment is felt distorted;
-    None if not even there.
-    ``opaque_above`` : from here up to the band's high end every environment is; None if not even
-    there.
+    ``transparent_below`` : from the band's low end up to here the distortion of no environment is
+    noticed; None if it may be at the low end. ``opaque_above`` : from here up to the band's high
+    end that of every environment is noticed; None if it may not be at the high end.
     """
 
     transparent_below: RealNumber | None
     opaque_above: RealNumber | None
 
     def row(self) -> dict[str, float | None]:
-        """As a row of a document."""
+        """The bounds as a row of a document, rad/s."""
         ends = {"transparent_below": self.transparent_below, "opaque_above": self.opaque_above}
         return {name: None if omega is None else float(omega) for name, omega in ends.items()}
 
@@ -64,20 +64,20 @@ def relative_square(distortion: Distortion) -> RealFunction | None:
 
 def is_series(chain: Chain) -> bool:
     """Whether H_perc is G H_env."""
-    series = all(
-        b.is_zero and c.is_zero for _, b, c, _ in chain.matrices
-    )  # a symbol, m s^2 say, is not zero
+    # ``is_zero`` of a symbol, m s^2 say, is None: it counts as not zero.
+    series = all(b.is_zero and c.is_zero for _, b, c, _ in chain.matrices)
     return series and chain.rendered == chain.environment
 
 
 def _square(distortion: Distortion) -> RealFunction:
-    found = relative_square(distortion)
-    if found is None:
+    """As ``relative_square``; SceneError where effects are not in series."""
+    square = relative_square(distortion)
+    if square is None:
         raise SceneError(
             "a bound for any environment needs effects in series only: evaluate this scene "
             "for its environment"
         )
-    return found
+    return square
 
 
 def _modulus(values: Any) -> Any:
@@ -93,33 +93,36 @@ ANY_ENVIRONMENT = Criterion(
     _modulus,
     kept="transparent with any environment",
 )
-"""Judges the effects of a scene alone, whatever stands behind them."""
+"""The criterion that judges the effects of a scene alone, for any environment."""
 
 
 def for_any_environment(threshold: Threshold) -> Criterion:
-    """|G - 1| <= c, with the smaller threshold."""
+    """The criterion |G - 1| <= c, with the smaller of both thresholds as c."""
     threshold.need_plain("for any environment")
     return replace(ANY_ENVIRONMENT, threshold=min(threshold.real, threshold.imag))
 
 
 def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
-    """For a region what is positive where some, and where every, change of this squared length
-    leaves it.
+    """For a region two functions: positive where some change of this squared length leaves it, and
+    where every change does.
 
-    By the largest circle inside it and the smallest one around it, both about 0. With a floor, or
-    limits for each way, the first is on the careful side, and the second says nothing.
+    They compare the length with the largest circle inside the region and with the smallest one
+    around it, both about 0. With a floor, or limits for each way, the first is on the careful side,
+    and the second proves nothing.
     """
-    own, axis, q = threshold.region, square.axis, square.function
+    region, axis, q = threshold.region, square.axis, square.function
 
     def over(x: Expr, minus: int = 1) -> RealFunction:
         return RealFunction((q * axis.convert(x) - axis.convert(Integer(minus))).reduced())
 
-    if own.shape is Shape.ELLIPSE:  # by trace and determinant of the quadratic form of its border
-        upright = 1 - own.tilt**2
+    # On the border of an ellipse a quadratic form is 1, with eigenvalues e1 and e2: a change of the
+    # squared length q leaves it for some direction where max(e1, e2) q > 1, for all where both are.
+    # Without their roots: (1 - e1 q)(1 - e2 q) = 1 - trace q + determinant q^2, and trace q - 2.
+    if region.shape is Shape.ELLIPSE:
+        upright = 1 - region.tilt**2
         trace = (threshold.real**-2 + threshold.imag**-2) / upright
-        whole = over(-trace, -1).function + q * q * axis.convert(
-            (threshold.real * threshold.imag) ** -2 / upright
-        )
+        determinant = (threshold.real * threshold.imag) ** -2 / upright
+        whole = over(-trace, -1).function + q * q * axis.convert(determinant)
         form, sum_ = RealFunction(whole.reduced()), over(trace, 2)
         return Lattice.largest([sum_, RealFunction(-form.function)]), Lattice(((sum_, form),))
     inner, outer = _circles(threshold)
@@ -127,15 +130,16 @@ def around(threshold: Threshold, square: RealFunction) -> tuple[Signed, Signed]:
 
 
 def _circles(threshold: Threshold) -> tuple[list[Expr], list[Expr]]:
-    """1/radius^2 of circles about 0: within all of the first no change leaves the region, outside
-    all of the others every one."""
+    """Values 1/radius^2 of circles about 0: within all of the first no change leaves the region,
+    outside all of the others every one does."""
     region, (a, b) = threshold.region, (threshold.real, threshold.imag)
+    # The line p x + q y = 1 of an edge is 1/sqrt(p^2 + q^2) from 0; the farthest points of a
+    # polygon are corners. Which one decides may depend on frequency, so all are kept, equal ones
+    # once.
     if corners := threshold.corners:
         edges = Cornered(S.One, S.One, corners).edges
-        inner, outer = (
-            (p * p + q * q for p, q in edges),
-            (1 / (x * x + y * y) for x, y in corners),
-        )
+        inner = [p * p + q * q for p, q in edges]
+        outer = [1 / (x * x + y * y) for x, y in corners]
         return list(dict.fromkeys(inner)), list(dict.fromkeys(outer))
     return [x**-2 for x in (a, b, *region.lower) if x is not None], [1 / (a * a + b * b)]
 
@@ -156,13 +160,12 @@ def any_environment(scene: Scene) -> AnyEnvironment | None:
         most: Expr = sqrt(sum(x.limit for x in noticed(scene.threshold)))
         asked: tuple[Signed, Signed] = least.function(d), replace(least, threshold=most).function(d)
     else:
+        # With a floor, or limits for each way, more than the length of a change matters.
         region = scene.threshold.region
-        if region.floor is not None or region.lower != (
-            None,
-            None,
-        ):  # where more than the length of a change matters
+        if region.floor is not None or region.lower != (None, None):
             return None
         asked = around(scene.threshold, _square(d))
+    # Only an interval from the low end of the band, and one up to its high end, is a bound.
     table = chart(dict(zip(("all", "none"), asked, strict=True)), *scene.band)
     transparent = table.where(lambda signs: signs["all"] <= 0)
     opaque = table.where(lambda signs: signs["none"] > 0)

@@ -1,13 +1,18 @@
 """Whether a sampled loop is passive: Colgate and Schenkel's condition, one polynomial sign in
 tan(theta/2).
 
-A device m s^2 + b s + k, its position sampled every T, a controller C(z), the force held: passive
-    where, for 0 < theta <= pi, b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta), b
-    >= 0, and its stiffness at rest, C(1) + k, is not negative: else it pushes a softer hand away,
-    whatever damps.
-With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand side is Re((s - 1)/s C) T/2:
-a response like any other.
-Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity.
+The device is m s^2 + b s + k; its position is sampled every T, passes a controller C(z), and the
+force is held for T. The display is passive where, for 0 < theta <= pi::
+
+    b > T/2 Re((1 - exp(-j theta)) C(exp(j theta)))/(1 - cos theta),
+
+b >= 0, and the stiffness at rest, C(1) + k, is not negative: a negative one pushes a softer hand
+away, whatever the damping. With exp(j theta) = (1 + s)/(1 - s), s = j tan(theta/2), the right-hand
+side is Re((s - 1)/s C) T/2, a frequency response like any other. Near theta = pi the tangent is
+infinite; there the cotangent is the variable.
+
+Source: Colgate and Schenkel (1997). Derivation: 18_sampled_passivity. Begin with
+``sampled_passivity``.
 """
 
 from __future__ import annotations
@@ -45,26 +50,27 @@ _TEN = "something other than mass, spring and damper lies between sampler and ha
 
 @dataclass(frozen=True, repr=False)
 class ClockAngle(RealNumber):
-    """theta = 2 atan(t), or pi less that."""
+    """The angle theta = 2 atan(t) of a tangent t, or pi - 2 atan(t) if ``is_far``, where t is the
+    cotangent."""
 
     tangent: RealNumber
     is_far: bool = False
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
-            found = 2 * self.tangent.ball(bits).atan()
-            return arb.pi() - found if self.is_far else found
+            angle = 2 * self.tangent.ball(bits).atan()
+            return arb.pi() - angle if self.is_far else angle
 
 
 @dataclass(frozen=True)
 class SampledPassivity:
-    """Colgate and Schenkel's condition for a display of period ``T``, s, whose device has this
-    ``damping``.
+    """Colgate and Schenkel's condition for a display sampled every ``T``, s, whose device has this
+    ``damping``, N s/m.
 
-    ``sides`` : its right-hand side as a function of tan(theta/2), and of cot(theta/2); None where
-    the condition does not apply, for that ``reason``. ``is_settled`` : whether the controller's own
-    poles lie inside the unit circle. ``at_rest`` :
-    the stiffness of controller and device for what does not move, where it is settled.
+    ``sides`` : the right-hand side as a function of tan(theta/2), and of cot(theta/2), each on [0,
+    1]; None where the condition does not apply, for that ``reason``. ``is_settled`` : whether the
+    controller's own poles lie inside the unit circle. ``at_rest`` : the static stiffness C(1) + k,
+    N/m, where it is settled.
     """
 
     T: Expr
@@ -76,111 +82,119 @@ class SampledPassivity:
 
     @property
     def asks_nothing(self) -> bool:
-        """Whether what the controller asks of damping is negative at every angle."""
+        """Whether the right-hand side is negative at every angle, so that the controller needs no
+        damping."""
         return self.needed is not None and ordered(self.needed.value, ExactNumber(Integer(0))) > 0
 
     @property
     def pushes(self) -> bool:
-        """Whether it pushes away what is held by no stiffness: then no damping is enough."""
+        """Whether the static stiffness is negative, so that a hand without stiffness is pushed
+        away: then no damping is enough."""
         return sign_of_number(self.at_rest) < 0
 
     @cached_property
     def needed(self) -> Greatest | None:
-        """The largest right-hand side: the damping that the device must exceed, and theta. None
-        where nothing bounds it."""
+        """The largest right-hand side, N s/m, which the device's damping must exceed, and its
+        theta. None where it is unbounded, and where the condition does not apply."""
         return self._largest(Integer(0))
 
     def _largest(self, less: Expr) -> Greatest | None:
-        """Of the right-hand side less a number."""
+        """The largest value of the right-hand side less a number, and its angle; None as for
+        ``needed``."""
+        # Angles up to pi/2 by the tangent, the others by the cotangent: both charts end at 1.
         if self.sides is None:
             return None
         shifted = (RealFunction((f.function - f.axis.convert(less)).reduced()) for f in self.sides)
         near, far = (greatest(f, Integer(0), Integer(1)) for f in shifted)
         if near is None or far is None:
             return None
-        best = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
-        assert best[0].omega is not None
-        return Greatest(Largest((near.value, far.value)), ClockAngle(best[0].omega, best[1]))
+        # Floats choose the half with the angle; the value is the larger of both in any case.
+        best, is_far = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
+        assert best.omega is not None
+        return Greatest(Largest((near.value, far.value)), ClockAngle(best.omega, is_far))
 
     @cached_property
     def passive(self) -> bool | None:
-        """Whether the device's damping exceeds that, and nothing is pushed away: then the display
-        is passive.
+        """Whether the display is passive: the device's damping exceeds ``needed``, and the static
+        stiffness is not negative.
 
-        None where not decided.
+        None where the condition does not apply, or the controller is not settled.
         """
+        # One condition that fails is enough for False. For True the controller's own poles must lie
+        # inside the unit circle as well, of which conditions on frequencies say nothing.
         if self.sides is None:
             return None
         if self.needed is None or self.pushes or sign_of_number(self.damping) < 0:
             return False
         if not self.is_settled:
             return None
-        # a controller that holds no force leaves the device, which need not damp: a free mass is
-        # passive
+        # A controller that holds no force leaves the device, which need not damp: a free mass is
+        # passive. Otherwise the inequality is strict at every angle.
         return all(f.is_zero or self._exceeds(f) for f in self.sides)
 
     @property
     def hand_needed(self) -> RealNumber | None:
-        """The damping of a hand that makes up for what the device lacks, at least 0: with it any
-        mass and stiffness will do.
+        """The damping of a hand that compensates for what the device lacks, N s/m, at least 0: with
+        it the hand is stable for any mass and stiffness.
 
-        None where none does, or that is not decided.
+        None where no damping is enough, or that is undecided.
         """
         if self.passive:
             return ExactNumber(Integer(0))
         if self.pushes:
             return None
-        found = self._largest(self.damping)
-        if not (found and self.needed and self.is_settled):
+        missing = self._largest(self.damping)
+        if not (missing and self.needed and self.is_settled):
             return None
-        return ExactNumber(-self.damping) if self.asks_nothing else found.value
+        # Where the controller needs none, the hand compensates for a negative damping of the device
+        # alone: the total must not be negative.
+        return ExactNumber(-self.damping) if self.asks_nothing else missing.value
 
     def is_held_by(self, damping: Expr, stiffness: Expr) -> bool:
-        """Whether no root is on the unit circle in a hand that damps so and is so stiff, or more,
-        whatever its mass.
+        """Whether no root lies on the unit circle for a hand with this damping, N s/m, and
+        stiffness, N/m, or more of them, whatever its mass. False proves nothing.
 
-        Something must damp: between two samples a motion may go on that none of them sees.
+        The total damping must be positive: between two samples a motion may go on that none of them
+        sees.
         """
         if self.sides is None or not self.is_settled:
             return False
-        if any(sign_of_number(x) <= 0 for x in (self.at_rest + stiffness, self.damping + damping)):
+        totals = (self.at_rest + stiffness, self.damping + damping)
+        if any(sign_of_number(x) <= 0 for x in totals):
             return False
-        found = self._largest(self.damping)
-        return found is not None and ordered(found.value, ExactNumber(damping)) > 0
+        missing = self._largest(self.damping)
+        return missing is not None and ordered(missing.value, ExactNumber(damping)) > 0
 
     def _exceeds(self, f: RealFunction) -> bool:
-        table = chart(
-            {"": RealFunction((f.axis.convert(self.damping) - f.function).reduced())},
-            Integer(0),
-            Integer(1),
-        )
+        """Whether the damping exceeds one form of the right-hand side at all angles of it."""
+        margin = RealFunction((f.axis.convert(self.damping) - f.function).reduced())
+        table = chart({"": margin}, Integer(0), Integer(1))
         if table.undecided:
             raise UndecidedError(
                 "whether a device has just the damping that its sampled loop needs"
             )
-        signs = {
-            x
-            for p in table.points
-            for x in (*p.at.values(), *p.before.values(), *p.after.values())
-            if x is not None
-        }
-        return signs == {1}
+        # Positive at every point and between all of them; outside of the chart there are no signs.
+        signs: set[int | None] = set()
+        for p in table.points:
+            signs |= {*p.at.values(), *p.before.values(), *p.after.values()}
+        return signs - {None} == {1}
 
     def row(self, digits: int) -> dict[str, Any]:
-        """As documents have it."""
+        """The condition as a part of a document, SI."""
         best = self.needed
         rest = {"stiffness_at_rest": float(self.at_rest)} if self.pushes else {}
-        told = {
+        needed = {
             "damping_needed": None if best is None else float(best.value),
             "digits": None if best is None else best.value.digits(digits),
             "theta": None if best is None or best.omega is None else float(best.omega),
         }
         why = {"reason": self.reason} if self.reason else {}
-        return {"T": float(self.T), "passive": self.passive, **told, **rest, **why}
+        return {"T": float(self.T), "passive": self.passive, **needed, **rest, **why}
 
 
 def sampled_passivity(scene: Scene) -> SampledPassivity | None:
-    """Colgate and Schenkel's condition for a scene with numbers; None without a clock.
+    """Colgate and Schenkel's condition for a scene with numbers; None where nothing in it is
+    sampled.
 
     >>> from haptisym import effects, environments
     >>> device = effects.shunt(m="0.04", b="0.8")
@@ -196,9 +210,10 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
         return loop
     ring = Ring()
     inner = ring.convert(loop.C).reduced()
-    settled = (
-        is_stable(inner) is True and inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
-    )
+    # The map from z to s takes the unit circle to the imaginary axis, and z = -1 to infinity: a
+    # pole there would be a numerator of higher degree.
+    is_proper = inner.numerator.degrees()[0] <= inner.denominator.degrees()[0]
+    settled = is_stable(inner) is True and is_proper
     reason = "" if settled else "the controller has a pole on or outside the unit circle"
     at_rest = loop.at_rest(ring)[0] if settled else Integer(0)
     return SampledPassivity(loop.T, loop.damping, loop.sides(ring), settled, reason, at_rest)
@@ -206,8 +221,8 @@ def sampled_passivity(scene: Scene) -> SampledPassivity | None:
 
 @dataclass(frozen=True)
 class ColgateLoop:
-    """Period, controller as a function of s = (z - 1)/(z + 1), and the device; in numbers, or with
-    a symbol."""
+    """A sampled loop: its period T, s, its controller C as a function of s = (z - 1)/(z + 1), and
+    its device, SI; in numbers, or with a symbol."""
 
     T: Expr
     C: Expr
@@ -217,16 +232,19 @@ class ColgateLoop:
 
     def sides(self, ring: Ring) -> tuple[RealFunction, RealFunction]:
         """The right-hand side as a function of tan(theta/2), and of cot(theta/2)."""
-        found = [
+        # With s = j cot(theta/2), 1/s is the conjugate of the former s, which has the same real
+        # part: (s - 1)/s becomes 1 - s.
+        forms = [
             self.T / 2 * (s - 1) / s * self.C,
             self.T / 2 * (1 - s) * self.C.xreplace({s: 1 / s}),
         ]
-        near, far = (on_axis(ring.convert(f).reduced()).real for f in found)
+        near, far = (on_axis(ring.convert(f).reduced()).real for f in forms)
         return near, far
 
     def at_rest(self, ring: Ring) -> tuple[Expr, Expr]:
-        """C(1) + k, and that times what C(1) is divided by, which is 0 where the controller is not
-        settled."""
+        """The static stiffness C(1) + k, and the same times the denominator of C(1), which vanishes
+        where the controller integrates."""
+        # z = 1 is s = 0: the lowest coefficients of both polynomials.
         inner = ring.convert(self.C).reduced()
         above, below = (
             next(iter(ring.coefficients(x)), Integer(0))
@@ -237,7 +255,8 @@ class ColgateLoop:
 
 
 def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
-    """Of a scene with a clock; what is said where the condition does not apply."""
+    """The loop of a scene in which something is sampled; or, where the condition does not apply,
+    the answer with its reason."""
     place = next(i for i, x in enumerate(scene.effects) if x.model in CLOCKS)
     clock = scene.effects[place]
     behind: Sequence[Effect] = scene.effects[place + 1 :]
@@ -248,29 +267,30 @@ def loop_of(scene: Scene) -> ColgateLoop | SampledPassivity:
         return SampledPassivity(T, reason=_FORCE)
     else:
         C, behind = _held(scene, T, behind)
-    own = _device(behind)
-    if own is None:
+    impedance = _device(behind)
+    if impedance is None:
         return SampledPassivity(T, reason=_TEN)
-    return ColgateLoop(T, C.xreplace({BACK: (1 - s) / (1 + s)}), own.b, own.m, own.k)
+    # BACK is 1/z, one sample ago.
+    C = C.xreplace({BACK: (1 - s) / (1 + s)})
+    return ColgateLoop(T, C, impedance.b, impedance.m, impedance.k)
 
 
 def _held(scene: Scene, T: Expr, behind: Sequence[Effect]) -> tuple[Expr, Sequence[Effect]]:
-    """A spring whose force is sampled as the controller of its position, with the whole samples
-    that come late behind it."""
+    """The controller of a spring whose force is sampled, with all delays of whole samples directly
+    behind it; and the effects that are left."""
     C, left = (scene.rendered or scene.environment).H, list(behind)
-    while (
-        left and left[0].model == "delay" and (count := left[0].parameters[0].value / T).is_Integer
-    ):
+    while left and left[0].model == "delay":
+        # A delay of n samples is z^-n. Any other one is no function of z.
+        count = left[0].parameters[0].value / T
+        if not count.is_Integer:
+            break
         C, left = C * BACK**count, left[1:]
     return C, left
 
 
 def _device(effects: Sequence[Effect]) -> DeviceImpedance | None:
-    """Mass, damping and stiffness between clock and hand; None where there is something else, or a
-    negative mass or stiffness.
-
-    Of a symbol it is not asked whether it is negative.
-    """
+    """Mass, damping and stiffness between sampler and hand; None where there is something else, or
+    a negative mass or stiffness. A symbol counts as not negative."""
     parts = [device(x) for x in effects]
     if None in parts:
         return None

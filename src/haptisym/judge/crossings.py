@@ -1,8 +1,9 @@
-"""Step 1, when: the criteria that are judged, and the frequencies at which a distortion becomes, or
-stops being, noticeable.
+"""Step 1 of the evaluation: at which frequencies a distortion becomes, or stops being, noticeable.
 
-A criterion is a real function of omega that must not be positive: r^2 - c^2 of a ratio, or what a
-JND region makes of a change.
+A criterion is a real function of omega that must not be positive: r^2 - c^2 of a ratio r = |Re
+dH|/|H_env| or |Im dH|/|H_env| with its threshold c, or the function of a JND region. All questions
+about a band are answered from one chart of the signs of all these functions (``curves``), without
+sampling. Begin with ``noticed`` and ``find_crossings``.
 """
 
 from __future__ import annotations
@@ -56,7 +57,8 @@ class Criterion:
     region: Region | None = None
 
     def __hash__(self) -> int:
-        return hash(self.name)  # charts look up much
+        # The hash of all fields would be taken at each of a chart's many look-ups.
+        return hash(self.name)
 
     @property
     def component(self) -> str:
@@ -71,7 +73,8 @@ class Criterion:
 
     @property
     def limit(self) -> Expr:
-        """What the measure is held against: c^2, or 0."""
+        """The limit of the measure: c^2, or 0."""
+        # Squares instead of |x| and square roots: a rational function of omega stays one.
         return (self.threshold**2).expand()
 
     def depends_on(self, parts: Collection[Part]) -> bool:
@@ -90,12 +93,12 @@ class Criterion:
         return self.exceeded(self.measure(d))
 
     def exceeded(self, measure: RealFunction) -> RealFunction:
-        """The same of a measure that is known."""
+        """As ``function``, from a measure that is known already."""
         return level(measure, self.limit)
 
 
 class Judged:
-    """Something that is said of one criterion."""
+    """Base of results that concern one criterion."""
 
     criterion: Criterion
 
@@ -106,15 +109,17 @@ class Judged:
 
 
 def level(measure: RealFunction, limit: Expr) -> RealFunction:
-    """A real function minus a number: positive where it is above."""
+    """A real function minus a limit, a number or a formula in omega: positive where it is above."""
+    # A number shares no factor with a measure in lowest terms; a formula may bring one.
     f = measure.function
     bound = f.ring.convert(limit)
     top = f.numerator * bound.denominator - bound.numerator * f.denominator
-    found = RationalFunction(f.ring, top, f.denominator * bound.denominator)
-    return RealFunction(found.reduced() if limit.has(omega) else found)
+    difference = RationalFunction(f.ring, top, f.denominator * bound.denominator)
+    return RealFunction(difference.reduced() if limit.has(omega) else difference)
 
 
 def _given_away(d: Distortion) -> RealFunction:
+    """-Im H_perc: times pi A^2 the energy that the display generates per cycle of amplitude A."""
     return RealFunction(d.perc_response.imag.axis.zero) - d.perc_response.imag
 
 
@@ -137,14 +142,14 @@ _JND: Mapping[Part, Criterion] = {
 
 
 def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
-    """What must hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag, eq. (4), or that
-    a region is not left."""
-    own = threshold.region
-    if own.shape is Shape.SQUARE:
+    """The criteria that must all hold so that nothing is noticed: r_r <= c_real and r_i <= c_imag,
+    eq. (4), or that a JND region is not left."""
+    details = threshold.region
+    if details.shape is Shape.SQUARE:
         return tuple(_of_part(threshold, part) for part in Part)
-    region: Joint = Ellipse(threshold.real, threshold.imag, own.tilt)
-    if corners := own.corners or own.shape.corners:
-        region = Cornered(threshold.real, threshold.imag, corners, own.shape)
+    region: Joint = Ellipse(threshold.real, threshold.imag, details.tilt)
+    if corners := details.corners or details.shape.corners:
+        region = Cornered(threshold.real, threshold.imag, corners, details.shape)
     rule = f"dH/|H_env| within the {region.kind}"
     return (
         Criterion(
@@ -154,18 +159,19 @@ def noticed(threshold: Threshold) -> tuple[Criterion, ...]:
 
 
 def _of_part(threshold: Threshold, part: Part) -> Criterion:
-    own, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
-    plain = replace(_JND[part], threshold=own)
+    """The criterion of one part: r <= c, or a region of one part where there is more than c."""
+    higher, lower, floor = threshold[part], threshold.lower(part), threshold.region.floor
+    plain = replace(_JND[part], threshold=higher)
     if lower is None and floor is None:
         return plain
-    sided = Sided(part, own, own if lower is None else lower, floor)
+    sided = Sided(part, higher, higher if lower is None else lower, floor)
     return replace(
         plain, measure=sided, region=sided, rule=f"|{plain.component} dH| within its limit"
     )
 
 
 JOINT = "joint"
-"""The name of what judges both parts of dH at once."""
+"""The name of the criterion of a region that judges both parts of dH at once."""
 
 
 def opened(criteria: Iterable[Criterion], parts: Collection[Part]) -> tuple[Criterion, ...]:
@@ -188,7 +194,7 @@ PASSIVE = Criterion(
     _given_away,
     kept="passive on the whole band",
 )
-"""The display gives no energy away at that frequency."""
+"""The criterion that the display generates no energy at a frequency."""
 
 
 def judged(chart: Chart) -> tuple[Criterion, ...]:
@@ -268,9 +274,8 @@ class Crossing(Judged, Shown):
 class PerceptFunction(Enum):
     """The real functions whose signs tell how a distortion is felt; each is of one part."""
 
-    __hash__ = (
-        object.__hash__
-    )  # members are singletons; the hash by name is slow, and charts look up much
+    # Members are singletons; the hash by name is slow, and charts look up much.
+    __hash__ = object.__hash__
 
     ENVIRONMENT = "Re or Im of H_env"
     PERCEIVED = "Re or Im of H_perc"
@@ -281,69 +286,63 @@ class PerceptFunction(Enum):
 
 
 NEARER = "real nearer"
-"""The function that is positive where the real part is nearer its own limit than the imaginary
-part, of such a region."""
+"""For a region that judges both parts at once: the function that is positive where the real part is
+nearer its own limit than the imaginary part."""
 
 
 def curves(
     d: Distortion, criteria: Iterable[Criterion], without_friction: Distortion | None = None
 ) -> dict[Key, Signed]:
-    """All real functions that an evaluation asks about."""
+    """All real functions whose signs an evaluation needs, by their names on its chart."""
     responses = {
         PerceptFunction.ENVIRONMENT: d.env_response,
         PerceptFunction.PERCEIVED: d.perc_response,
         PerceptFunction.DIFFERENCE: d.difference_response,
     }
     listed = list(criteria)
-    found: dict[Key, Signed] = {x: x.function(d) for x in listed}
+    functions: dict[Key, Signed] = {x: x.function(d) for x in listed}
     for region in (x.joint for x in listed if x.joint):
-        found |= {(PerceptFunction.OUTSIDE, part): region.projected(d, part) for part in Part}
-        found[NEARER] = region.nearer(d)
+        functions |= {(PerceptFunction.OUTSIDE, part): region.projected(d, part) for part in Part}
+        functions[NEARER] = region.nearer(d)
     if without_friction is not None:
-        own = [x for x in listed if x.part is Part.IMAG or x.joint]
-        found |= {(PerceptFunction.WITHOUT_FRICTION, x): x.function(without_friction) for x in own}
+        # Friction is named for the imaginary part, and for both parts together.
+        damped = [x for x in listed if x.part is Part.IMAG or x.joint]
+        for x in damped:
+            functions[PerceptFunction.WITHOUT_FRICTION, x] = x.function(without_friction)
     for part in Part:
-        found |= {(name, part): part_of(x, part) for name, x in responses.items()}
-        found[PerceptFunction.SUM, part] = part_of(d.env_response, part) + part_of(
-            d.perc_response, part
-        )
-    return found
+        functions |= {(name, part): part_of(x, part) for name, x in responses.items()}
+        # |p|^2 - |e|^2 = (p - e)(p + e): two signs compare the magnitudes.
+        environment, perceived = part_of(d.env_response, part), part_of(d.perc_response, part)
+        functions[PerceptFunction.SUM, part] = environment + perceived
+    return functions
 
 
 def find_crossings(chart: Chart) -> tuple[Crossing, ...]:
     """All crossings on the band in ascending order; () means proved none."""
     criteria = judged(chart)
-    found = (
-        (p, x)
-        for p in chart.points
-        for x in criteria
-        if p.orders.get(x, 0) > 0 and x not in p.undecided
-    )
-    return tuple(_crossing(p, x) for p, x in found)
+    crossings: list[Crossing] = []
+    # The order of a zero is positive, that of a pole negative.
+    for point in chart.points:
+        met = (x for x in criteria if point.orders.get(x, 0) > 0 and x not in point.undecided)
+        crossings += [_crossing(point, x) for x in met]
+    return tuple(crossings)
 
 
 def _crossing(point: Point, x: Criterion) -> Crossing:
+    """The crossing of a criterion at a zero of its function."""
     before, after = point.before[x], point.after[x]
-    mirrored = (
-        isinstance(point.omega, ExactNumber) and point.omega.value == 0
-    )  # where all functions are even or odd
+    # At omega = 0 all functions are even or odd, and the sign before it is a mirror image: a ratio
+    # that rises from its threshold there exceeds it.
+    mirrored = isinstance(point.omega, ExactNumber) and point.omega.value == 0
     if before == after and not (mirrored and after > 0):
         kind = CrossingKind.TOUCHES
     else:
         kind = CrossingKind.EXCEEDS if after > 0 else CrossingKind.RETURNS
-    jump = (
-        isinstance(x.region, Sided)
-        and x.region.has_sides
-        and point.orders.get((PerceptFunction.SUM, x.part), 0) > 0
-    )
-    return Crossing(
-        x,
-        point.omega,
-        kind,
-        point.after.get((PerceptFunction.DIFFERENCE, x.part), 0),
-        point.orders[x],
-        jump,
-    )
+    # The limit for higher takes over from that for lower where H_perc = -H_env in this part.
+    has_sides = isinstance(x.region, Sided) and x.region.has_sides
+    jump = has_sides and point.orders.get((PerceptFunction.SUM, x.part), 0) > 0
+    sign = point.after.get((PerceptFunction.DIFFERENCE, x.part), 0)
+    return Crossing(x, point.omega, kind, sign, point.orders[x], jump)
 
 
 def unbounded_points(chart: Chart) -> tuple[Point, ...]:

@@ -1,7 +1,9 @@
-"""The two-step evaluation of a scene: when a distortion is noticed, and how it is felt.
+"""The two-step evaluation of a scene: at which frequencies a distortion is noticed, and as what it
+is felt.
 
-Beside it: whether the conclusion survives another JND model: square, disc and diamond of its half
-widths, beside the scene's own.
+``evaluate`` gives an ``Evaluation``, whose answers are read off one chart of signs when they are
+asked for. ``compared`` repeats step 1 with other JND regions of the same half widths (square, disc
+and diamond), to see whether the conclusion depends on the shape of the region.
 """
 
 from __future__ import annotations
@@ -57,8 +59,8 @@ from haptisym.model.scenefile import as_scene
 
 @dataclass(frozen=True, repr=False)
 class Compared(Shown):
-    """What one region says of a scene: the first crossing on the band, and the bandwidth; None for
-    what there is not."""
+    """Step 1 of a scene with one JND region: the first crossing on the band, and the bandwidth,
+    rad/s; None where there is none."""
 
     name: str
     threshold: Threshold
@@ -87,7 +89,7 @@ class Compared(Shown):
 
 
 OWN = "the scene's own"
-"""The region of the scene, in documents."""
+"""The name of the scene's JND region in documents."""
 
 
 class _Named(Protocol):
@@ -101,22 +103,23 @@ _N = TypeVar("_N", bound=_Named)
 
 
 def region_label(x: _Named) -> str:
-    """What a region is called on a page and in a figure."""
+    """The name of a region on a page and in a figure."""
     return "of the scene" if x.name == OWN else x.name
 
 
 def different(found: Sequence[_N]) -> list[_N]:
-    """Regions without the scene's where that is one of the others."""
+    """The regions, without the scene's where that equals one of the others."""
     others = [x.threshold for x in found if x.name != OWN]
     return [x for x in found if x.name != OWN or x.threshold not in others]
 
 
 def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tuple[Compared, ...]:
-    """Square, disc and diamond of the half widths of a JND, and the JND itself; all certified.
+    """Step 1 with the square, disc and diamond of the half widths of a JND, and with the JND
+    itself.
 
-    The half widths of limits for each way are those for changes that make a part larger; those of a
-    polygon the least that it reaches along each axis. SceneError for a polygon that depends on the
-    frequency, which has none.
+    With limits for each way the half widths are those for changes that make a part larger; of a
+    polygon they are the shorter of its two reaches along each axis. SceneError for a polygon that
+    depends on frequency, which has none.
     """
     real, imag = half_widths(threshold)
     plain = Threshold.of(real, imag)
@@ -125,20 +128,21 @@ def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tu
         "disc": RegionDetails(Shape.ELLIPSE),
         "diamond": RegionDetails(Shape.DIAMOND),
     }
-    regions = {name: replace(plain, region=region) for name, region in shapes.items()} | {
-        OWN: threshold
-    }
-    found = []
+    regions = {name: replace(plain, region=region) for name, region in shapes.items()}
+    regions[OWN] = threshold
+    results = []
     for name, x in regions.items():
         table = chart(curves(d, noticed(x)), *band)
         first, clear = next(iter(find_crossings(table)), None), kept(table)
+        # An interval that begins inside the band is no bandwidth.
         width = clear[0].high.omega if clear and clear[0].low is table.points[0] else None
-        found.append(Compared(name, x, first, width, clear, not table.undecided))
-    return tuple(found)
+        results.append(Compared(name, x, first, width, clear, not table.undecided))
+    return tuple(results)
 
 
 def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
-    """How far a region reaches along the axes of x and y."""
+    """How far a region reaches along the axes of x and y; of the two directions of an axis the
+    shorter one counts."""
     corners = threshold.region.corners
     if not corners:
         return threshold.real, threshold.imag
@@ -147,25 +151,27 @@ def half_widths(threshold: Threshold) -> tuple[Expr, Expr]:
             "regions: a polygon that depends on omega cannot be compared with a square and a "
             "disc: leave regions out"
         )
+    # The edge p x + q y = 1 meets the x axis at 1/p: the largest |p| is the nearest.
     edges = Cornered(S.One, S.One, corners).edges
     across, up = (1 / max(max(edge[i], -edge[i]) for edge in edges) for i in (0, 1))
     return across, up
 
 
 class LeftOut(Protocol):
-    """What is proven of a scene when effects are left out of it: ``Relevance`` is that."""
+    """What is proven of a scene when effects are left out of it; ``Relevance`` has this
+    interface."""
 
     @property
     def scene(self) -> Scene:
-        """With all effects."""
+        """The scene with all effects."""
 
     @property
     def pruned(self) -> Scene:
-        """With those that are kept."""
+        """The scene with the effects that are kept."""
 
     @property
     def tolerance(self) -> Expr:
-        """The change of a ratio that was allowed."""
+        """The largest change of a ratio that was allowed."""
 
     @property
     def dropped(self) -> tuple[Effect, ...]:
@@ -173,14 +179,14 @@ class LeftOut(Protocol):
 
     @property
     def bound(self) -> Mapping[Part, Any]:
-        """Per part the largest change: ``most``, a proven upper bound."""
+        """The largest change of each part's ratio; its ``most`` is a proven upper bound."""
 
     @property
     def crossings(self) -> Sequence[Any]:
-        """Where the full scene's crossings are: ``part`` and ``bounds``."""
+        """Enclosures of the full scene's crossings, each with ``part`` and ``bounds``."""
 
     def row(self) -> dict[str, Any]:
-        """What a document says of the full scene."""
+        """The part of a document about the full scene."""
 
 
 class Reported(Protocol):
@@ -192,23 +198,25 @@ class Reported(Protocol):
 
     @property
     def band(self) -> tuple[float, float]:
-        """From where to where its frequencies lie, rad/s."""
+        """The lowest and the highest of its frequencies, rad/s."""
 
     @property
     def environment(self) -> Mapping[str, float | None]:
-        """Of the environment, by name, SI; None where there is no number or it is undecided."""
+        """k, b and m fitted to H_env, by name, SI; None where there is no number or it is
+        undecided."""
 
     @property
     def perceived(self) -> Mapping[str, float | None]:
-        """Of what is felt."""
+        """k, b and m fitted to H_perc."""
 
     @property
     def poles(self) -> Mapping[str, Sequence[float]]:
-        """Where, rad/s, H of one of both is infinite, so that it has no fit."""
+        """For H_env or H_perc the frequencies, rad/s, at which it is infinite, so that it has no
+        fit."""
 
     @property
     def undecided(self) -> bool:
-        """Whether a number is."""
+        """Whether any number is undecided."""
 
     @property
     def computed(self) -> bool:
@@ -216,30 +224,31 @@ class Reported(Protocol):
 
     @property
     def change(self) -> Mapping[str, float | None]:
-        """Relative."""
+        """The relative change of k, b and m from the environment to what is perceived."""
 
     def row(self) -> dict[str, Any]:
         """As a part of a document."""
 
 
 class Deciding(Protocol):
-    """What would decide between models of the JND: ``verbs.evaluate.discriminate``."""
+    """Changes that would decide between models of the JND: ``verbs.evaluate.discriminate``."""
 
     @property
     def stimuli(self) -> Sequence[Any]:
-        """For each two models the change of the largest margin."""
+        """For each pair of models the change that they judge differently with the largest
+        margin."""
 
     @property
     def display(self) -> Sequence[Any]:
-        """Where the display is itself such a change."""
+        """Where on the band the display itself makes such a change."""
 
     @property
     def models(self) -> Mapping[str, Threshold]:
-        """The models."""
+        """The models by name."""
 
     @property
     def undecided(self) -> Sequence[RealNumber]:
-        """Where a verdict stayed open at the precision limit."""
+        """The frequencies, rad/s, at which a verdict is undecided at the precision limit."""
 
     def row(self) -> dict[str, Any]:
         """As a part of a document."""
@@ -263,7 +272,7 @@ class Evaluation(Answer):
     ``stable`` : whether it is stable under prescribed motion: all poles of H_perc in Re s < 0. None
     where that is undecided or poles do not show it (a sampled loop). It says nothing about a
     display in a hand; ``hs.stability`` does.
-    ``undecided`` : where something stayed open at the precision limit, such as a tangency of a
+    ``undecided`` : where something is undecided at the precision limit, such as a tangency of a
     scene with delays; empty of each rational scene. ``certified`` : nothing is.
     ``digits`` : decimal digits shown of each crossing.
     ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what
@@ -297,23 +306,22 @@ class Evaluation(Answer):
     left: Left = field(default_factory=dict)
 
     def _line(self) -> str:
-        width = (
-            "no bandwidth"
-            if self.bandwidth is None
-            else f"bandwidth {self.bandwidth.digits(5)} rad/s"
-        )
-        found = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
-        return f"{titled(self.scene.title)}: {width}, {', '.join(found)}"
+        width = "no bandwidth"
+        if self.bandwidth is not None:
+            width = f"bandwidth {self.bandwidth.digits(5)} rad/s"
+        counts = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
+        return f"{titled(self.scene.title)}: {width}, {', '.join(counts)}"
 
     def with_regions(self) -> Evaluation:
-        """The same, with what square, disc and diamond of the same half widths say."""
+        """The same evaluation, with ``regions`` for the square, disc and diamond of the same half
+        widths."""
         return replace(
             self, regions=compared(self.distortion, self.scene.threshold, self.scene.band)
         )
 
     @property
     def given(self) -> Scene:
-        """The scene that was asked about, with what was left out of it."""
+        """The scene as it was given, with the effects that were left out of ``scene``."""
         return self.scene if self.relevance is None else self.relevance.scene
 
     @property
@@ -322,7 +330,7 @@ class Evaluation(Answer):
 
     @property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What is judged."""
+        """The criteria that are judged, in the order of their parts."""
         return judged(self.chart)
 
     @cached_property
@@ -344,7 +352,7 @@ class Evaluation(Answer):
 
     @cached_property
     def bandwidths(self) -> Bandwidths | None:
-        """All bandwidths there are where the threshold is a range; None where it is a number."""
+        """All bandwidths for the thresholds of a range; None where the threshold is a number."""
         return bandwidths(self.distortion, self.scene.threshold, self.scene.band)
 
     @cached_property
@@ -359,8 +367,10 @@ class Evaluation(Answer):
 
     @cached_property
     def _felt_chart(self) -> Chart:
-        """With friction also where a ratio would meet its threshold without it, which is a place
-        for percepts alone."""
+        """The chart that percepts are read from: with friction also the points at which a ratio
+        would equal its threshold without it."""
+        # A part that would not be noticed without the friction is felt as friction. These points
+        # are no crossings, so they stay out of the chart of step 1.
         if self.friction is None:
             return self.chart
         bare = without_friction(self.scene).distortion()
@@ -373,8 +383,8 @@ class Evaluation(Answer):
 
     @cached_property
     def felt(self) -> tuple[Felt, ...]:
-        """Everything that is noticed, as what it is felt, in words: percepts, and where no property
-        is named."""
+        """Everything that is noticed, in words: percepts, and the intervals on which no property is
+        named."""
         return find_felt(self._felt_chart)
 
     @property
@@ -401,7 +411,7 @@ class Evaluation(Answer):
 
     @cached_property
     def undecided(self) -> tuple[tuple[Criterion, Point], ...]:
-        """Where it stayed open at the precision limit whether a ratio touches its threshold,
+        """Where it is undecided at the precision limit whether a ratio touches its threshold,
         crosses it twice or not at all."""
         return tuple(
             (x, point)
@@ -420,6 +430,7 @@ class Evaluation(Answer):
     def passivity(self) -> Passivity | None:
         """Whether the display is passive, judged at all frequencies; None where not even signs are
         decided."""
+        # The evaluation stands without it: the page then says that passivity is undecided.
         try:
             return passivity(self.scene, self.distortion)
         except UndecidedError:
@@ -468,16 +479,22 @@ class Evaluation(Answer):
         }
 
     def _left(self) -> dict[str, Any]:
-        rows: list[Any] = [
-            {"part": x.name, "enclosure": list(p.omega.enclosure(self.digits))}
-            for x, p in self.undecided
-        ]
+        rows: list[Any] = []
+        for x, point in self.undecided:
+            rows.append({"part": x.name, "enclosure": list(point.omega.enclosure(self.digits))})
         rows += [{"name": name, "reason": why} for name, why in self.left.items()]
-        found: dict[str, Any] = {"undecided": rows} if rows else {}
-        found |= {"regions": [x.row(self.digits) for x in self.regions]} if self.regions else {}
-        found |= {} if self.movement is None else {"movement": self.movement.row()}
-        found |= {} if self.discrimination is None else {"discriminate": self.discrimination.row()}
-        return found | ({} if self.relevance is None else {"relevance": self.relevance.row()})
+        keys: dict[str, Any] = {}
+        if rows:
+            keys["undecided"] = rows
+        if self.regions:
+            keys["regions"] = [x.row(self.digits) for x in self.regions]
+        if self.movement is not None:
+            keys["movement"] = self.movement.row()
+        if self.discrimination is not None:
+            keys["discriminate"] = self.discrimination.row()
+        if self.relevance is not None:
+            keys["relevance"] = self.relevance.row()
+        return keys
 
     def _crossing(self, c: Crossing) -> dict[str, Any]:
         return {
@@ -498,8 +515,8 @@ def evaluate(
     """Evaluate a scene with numbers for all parameters; ``digits`` decimal digits of each crossing,
     as many as wanted.
 
-    ``left_out`` : what is known of the scene that ``scene`` is the rest of. Raises SceneError if a
-    parameter is still a symbol.
+    ``left_out`` : where effects were left out, what is proven of the full scene. Raises SceneError
+    if a parameter is still a symbol.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(1.8, 15, 100), (effects.second_order_lowpass(80, 0.5),))
@@ -509,6 +526,7 @@ def evaluate(
     scene = as_scene(scene)
     digits = whole("digits", digits)
     scene.knobs.need_numbers()
+    # One chart of all functions: crossings, percepts and changeovers are then in one exact order.
     distortion = scene.distortion()
     table = chart(curves(distortion, noticed(scene.threshold)), *scene.band)
     left = Left()
@@ -523,8 +541,8 @@ def _interval(x: Interval) -> list[float]:
 
 
 def _percept(p: Percept) -> dict[str, Any]:
-    """A percept as a row; of both parts together both properties, that of the part nearer its own
-    limit last."""
+    """A percept as a row of a document; one of both parts together has both properties, that of the
+    part nearer its own limit last."""
     if p.part:
         return {
             "part": p.part.value,

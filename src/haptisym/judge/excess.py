@@ -1,12 +1,12 @@
-"""What a criterion judges, over cells of band and parameters, in Taylor models: proven bounds on it
-and on its slopes.
+"""By how much a criterion is exceeded, over cells of frequency and parameters: proven bounds on the
+excess and on its slopes, in Taylor models.
 
-The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or of a
-limit that depends on the frequency, is the largest of the smallest of smooth functions, as far as
-its sign and its zeros go, in one model (``joined``):
-of an ellipse it is one function, of a diamond two; a polygon has one for each edge. |G - 1|^2 -
-c^2, of effects in series, is what is judged whatever the environment, and nowhere less than the
-excess of one part.
+A scene whose parameters have ranges is a ``Box``; a cell is a piece of the band and of these
+ranges. The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or
+of a limit that depends on frequency, is the maximum of minima of smooth functions: one function for
+an ellipse, two for a diamond, one for each edge of a polygon. ``joined`` makes of them one model,
+with the same sign and the same zeros. With effects in series |G - 1|^2 - c^2 is judged for any
+environment; it is nowhere less than the excess of one part. Begin with ``excess_of``.
 """
 
 from __future__ import annotations
@@ -51,17 +51,18 @@ class Side:
 
 @dataclass(frozen=True)
 class Box:
-    """All values of a scene's parameters within their ranges."""
+    """A scene whose parameters have ranges: all combinations of values within them."""
 
     scene: Scene
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
-        """What varies, in the order of the scene; the threshold last."""
+        """The parameters that vary, in the order of the scene; the threshold last."""
         return tuple(_side(x) for x in self.scene.ranges().values())
 
     def values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
-        """The exact values of what varies, each that share of its way."""
+        """The exact values of the parameters that vary, each that share of the way through its
+        range."""
         return {side.name: side.at(shares[side.name]) for side in self.sides}
 
     @cached_property
@@ -72,8 +73,9 @@ class Box:
 
     @cached_property
     def chain(self) -> tuple[Chain, bool]:
-        """The scene's with these numbers, without zeros on the axis; whether real and imaginary
-        part are exchanged by that."""
+        """The scene's chain with the fixed numbers, in a form in which H_env has no zeros on the
+        imaginary axis; and whether that exchanges real and imaginary part."""
+        # At such a zero the ratios are 0/0, and over a cell around it nothing would be known.
         return self.scene.chain.at(self.fixed).without_axis_zeros()
 
     def part_name(self, part: Part) -> str:
@@ -104,15 +106,15 @@ def box_of(scene: Scene) -> Box:
     return box
 
 
-_BENT = 7  # sides: with more of them the curvature of all slopes costs more than the cells that it spares
+_BENT = 7  # sides; with more the curvature of all slopes costs more than the cells that it spares
 
 
 class Excess:
-    """r^2 - c^2 of a criterion of one part, for every frequency of the band and every set of values
-    of the box.
+    """The excess r^2 - c^2 of a criterion of one part, for every frequency of the band and every
+    set of values of the box.
 
-    ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box,
-    from which share of its way to which, 0 the low end and 1 the high end.
+    ``model`` takes cells, an array (cells, sides, 2): for omega, then for each side of the box, the
+    two ends of an interval, as shares of the way through its range: 0 the low end, 1 the high end.
     """
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
@@ -124,19 +126,21 @@ class Excess:
         self._over(box)
         self._judges(box, criterion, part)
         chain, exchanged = box.chain
+        # The chain without zeros shows the imaginary part's ratio as the real part's, and vice
+        # versa, where the factor taken out is imaginary on the axis.
         seen = part if not exchanged else Part.IMAG if part is Part.REAL else Part.REAL
         self._name = f"squared_{seen.value}"
         self._program = chain.program([self._name])
         self._inputs = self._places(self._program)
 
     def _judges(self, box: Box, criterion: Criterion, part: Part) -> None:
-        """By which threshold."""
+        """Set the threshold c: a side of the box if it varies, else a number."""
         c = box.part_name(part)
         self._limit = 1 + self._names.index(c) if c in self._names else None
         self._c = floated(criterion.threshold)
 
     def _over(self, box: Box) -> None:
-        """What varies, and within which ends."""
+        """Set the sides: omega over the band, then each parameter of the box over its range."""
         self._names = [side.name for side in box.sides]
         self._fixed = box.fixed
         ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
@@ -145,7 +149,7 @@ class Excess:
         self.order = 2 if self.sides <= _BENT else 1
 
     def _places(self, program: Program) -> list[int]:
-        """Of each input of a program the number of its side, omega being that of 0."""
+        """For each input of a program the number of its side; omega is side 0."""
         return [0, *(1 + self._names.index(x.name) for x in program.inputs[1:])]
 
     @cached_property
@@ -157,12 +161,11 @@ class Excess:
         """The excess over each cell; t_i goes from -1 to 1 along its side i. Unknown where a pole
         may lie in the cell.
 
-        ``slopes`` : of which order; none if 0, and whatever suits so many sides if not said.
+        ``slopes`` : their order; 0 for none, None for the order that suits the number of sides.
         """
         slopes = self.order if slopes is None else slopes
-        with np.errstate(
-            all="ignore"
-        ):  # what is not finite is unknown, which every caller asks about
+        # What is not finite is unknown, and every caller asks for that.
+        with np.errstate(all="ignore"):
             inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
             square = self._square(inputs)
             c = (
@@ -174,18 +177,20 @@ class Excess:
             return minus + square if isinstance(square, TaylorModel) else minus.plus(square)
 
     def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
-        """The functions of which the excess is the largest of the smallest, as of ``model``."""
+        """The functions whose maximum of minima is the excess, over the cells of ``model``."""
         return [[self.model(cells, slopes=slopes)]]
 
     def curve(self, cells: Array) -> LineBound:
-        """The excess over each cell as a judge of the one search."""
-        found = LineBound.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
-        unknown = ~(np.isfinite(found.changes).all(-1) & (found.changes.max(-1) > 0))
-        found.changes[unknown] = self._spread(cells[unknown])
-        return found
+        """The excess over each cell, as a bound for the search of ``kernel.where``."""
+        bound = LineBound.of(*(x[:, 0] for x in self.model(cells, slopes=0).arrays))
+        # Where no change is known, next to a pole or to cancelling numbers, the relatively widest
+        # side is cut.
+        unknown = ~(np.isfinite(bound.changes).all(-1) & (bound.changes.max(-1) > 0))
+        bound.changes[unknown] = self._spread(cells[unknown])
+        return bound
 
     def _spread(self, cells: Array) -> Array:
-        """How wide cells are, relative to the values in them: by what is cut of which nothing is
+        """The relative width of cells along each side, by which those are cut of which nothing is
         known."""
         low, width = np.array(self._intervals).T
         ends = low[:, None] + width[:, None] * cells
@@ -201,8 +206,8 @@ class Excess:
         return limit | self._used(self._program)
 
     def _used(self, program: Program) -> Array:
-        """For omega and each side, whether the results of a program depend on it; of omega it is
-        said anyway."""
+        """For omega and each side, whether the results of a program depend on it; omega always
+        counts as one that matters."""
         steps = [program.operations[i] for i in program.needed(program.results.values())]
         used = {step.arguments[0] for step in steps if step.name == "input"}
         inputs = self._places(program)
@@ -210,6 +215,7 @@ class Excess:
         return np.array([i in places for i in range(self.sides)])
 
     def _variable(self, i: int, cells: Array, *, slopes: int) -> TaylorModel:
+        """The model of the variable of side i over each cell."""
         (low, width), (start, end) = self._intervals[i], cells[:, i].T
         middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
         size = abs(low) + width * np.maximum(np.abs(start), np.abs(end))
@@ -217,8 +223,8 @@ class Excess:
 
 
 class LargerExcess(Excess):
-    """|G - 1|^2 - c^2 of a criterion of one part, or for any environment: of effects in series r is
-    never larger."""
+    """The excess |G - 1|^2 - c^2 of effects in series, for any environment, or as an upper bound on
+    that of one part: r_r and r_i are at most |G - 1|."""
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         self._over(box)
@@ -232,11 +238,9 @@ class LargerExcess(Excess):
         return all(self._program.operations[self._program.results[x]].value == 0 for x in _RELATIVE)
 
     def _square(self, inputs: Sequence[TaylorModel]) -> TaylorModel:
-        found = Modelled(self._program).run(inputs)
-        x, y = (
-            v if isinstance(v, TaylorModel) else inputs[0].number(v)
-            for v in (found[name] for name in _RELATIVE)
-        )
+        results = Modelled(self._program).run(inputs)
+        listed = (results[name] for name in _RELATIVE)
+        x, y = (v if isinstance(v, TaylorModel) else inputs[0].number(v) for v in listed)
         return x * x + y * y
 
 
@@ -251,37 +255,45 @@ def joined(terms: Sequence[Sequence[TaylorModel]]) -> TaylorModel:
     all of them, and so of what they make. Where none counts it is a number of the known sign.
     """
     signs = [[_sign(f) for f in term] for term in terms]
+    # A term with one negative function is negative, whatever the others are: none of it counts. One
+    # whose functions are all positive settles the whole cell.
     alive = [np.logical_and.reduce([sign >= 0 for sign in term]) for term in signs]
-    positive = np.logical_or.reduce(
-        [np.logical_and.reduce([sign > 0 for sign in term]) for term in signs]
-    )
+    all_positive = [np.logical_and.reduce([sign > 0 for sign in term]) for term in signs]
+    positive = np.logical_or.reduce(all_positive)
     first = terms[0][0]
-    found, known = (
-        first.number(1.0).where(positive, first.number(-1.0)),
-        np.zeros(len(positive), dtype=bool),
-    )
-    for own, term, of_term in zip(alive, terms, signs, strict=True):
-        for f, sign in zip(term, of_term, strict=True):
-            counts = own & (sign == 0) & ~positive
-            found = f.where(counts & ~known, enclosing(found, f).where(counts & known, found))
-            known |= counts
-    return found
+    whole = first.number(1.0).where(positive, first.number(-1.0))
+    begun = np.zeros(len(positive), dtype=bool)
+    for term_alive, term, term_signs in zip(alive, terms, signs, strict=True):
+        for f, sign in zip(term, term_signs, strict=True):
+            # Of a living term the positive functions do not decide the sign of its minimum.
+            counts = term_alive & (sign == 0) & ~positive
+            whole = f.where(counts & ~begun, enclosing(whole, f).where(counts & begun, whole))
+            begun |= counts
+    return whole
 
 
 def _sign(f: TaylorModel) -> Array:
-    """Of the value: 0 where it is not known."""
+    """The sign of the value over each cell: 1, -1, or 0 where it is not known."""
     low, high = (x[:, 0] for x in f.bounds())
     return np.where(low > 0, 1, np.where(high < 0, -1, 0))
 
 
 def enclosing(f: TaylorModel, g: TaylorModel) -> TaylorModel:
-    """A model within which both lie, with their slopes."""
-    middle = [(a + b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True)]
-    c0, c1, c2 = (np.abs(a - b) / 2 for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True))
-    r = (c0 + TaylorModel(c0, c1, c2, np.maximum(f.r, g.r)).deviation) * (1 + 1e-14)
-    return TaylorModel(
-        middle[0], middle[1], middle[2], r + 1e-14 * (np.abs(middle[0]) + np.abs(f.c0))
-    )
+    """A model that encloses two, value and slopes."""
+    # Half way between both polynomials. From there either is as far as half their difference, whose
+    # largest value is the sum of the sizes of its coefficients.
+    middle: list[Array] = []
+    half: list[Array] = []
+    for a, b in zip(f.arrays[:3], g.arrays[:3], strict=True):
+        middle.append((a + b) / 2)
+        half.append(np.abs(a - b) / 2)
+    c0, c1, c2 = half
+    difference = TaylorModel(c0, c1, c2, np.maximum(f.r, g.r))
+    r = (c0 + difference.deviation) * (1 + 1e-14)
+    # The rounding of the middle itself.
+    c0, c1, c2 = middle
+    size = np.abs(c0) + np.abs(f.c0)
+    return TaylorModel(c0, c1, c2, r + 1e-14 * size)
 
 
 Terms: TypeAlias = list[list[TaylorModel]]
@@ -290,7 +302,7 @@ _SQUARED = ("squared_real", "squared_imag")
 
 
 def excess_of(box: Box, criterion: Criterion) -> Excess:
-    """What must not be positive of a criterion, over cells."""
+    """The excess of a criterion over cells: what must not be positive."""
     if criterion.name == ANY_ENVIRONMENT.name:
         return LargerExcess(box, criterion)
     is_plain = criterion.region is None and not criterion.threshold.has(omega)
@@ -298,8 +310,8 @@ def excess_of(box: Box, criterion: Criterion) -> Excess:
 
 
 class RegionalExcess(Excess):
-    """Of a criterion with a region, or with a formula in omega as its limit; has the sign and the
-    zeros of what it judges."""
+    """The excess of a criterion with a JND region, or with a formula in omega as its limit; in sign
+    and zeros it is what the criterion judges."""
 
     def __init__(self, box: Box, criterion: Criterion) -> None:
         self._over(box)
@@ -312,23 +324,23 @@ class RegionalExcess(Excess):
             self._limit = 1 + self._names.index(box.part_name(Part.REAL))
         chain = box.scene.chain.at(self._fixed)
         relative, _ = chain.without_axis_zeros()
-        environments = (chain.ring.convert(x.environment) for x in (chain, relative))
-        powers = [
-            int(n)
-            for n, *_ in (next(environments) / next(environments)).reduced().numerator.monoms()
-        ]
+        # Z, the factor of H_env that was taken out. At s = j omega its highest power s^n has the
+        # phase of j^n: by so many quarters of a turn ``relative`` lies behind.
+        with_zeros, without = (chain.ring.convert(x.environment) for x in (chain, relative))
+        Z = (with_zeros / without).reduced().numerator
+        powers = [int(n) for n, *_ in Z.monoms()]
+        # A Z of several terms has zeros at omega > 0, at which it changes its sign. Squares do not
+        # see that; an edge without its opposite changes sides, and needs the chain as it is.
         sided = isinstance(criterion.region, Cornered) and not criterion.region.pairs
-        if len(powers) > 1 and sided:  # changes its side where H_env changes its sign
+        if len(powers) > 1 and sided:
             relative, powers = chain, [0]
         self._turns, self._from_rest = max(powers) % 4, len(powers) == 1
-        self._relative, self._plain = (
-            relative.program([*_SQUARED, *_FIELDS]),
-            chain.program(_FIELDS),
-        )
+        self._relative = relative.program([*_SQUARED, *_FIELDS])
+        self._plain = chain.program(_FIELDS)
 
     @cached_property
     def is_zero(self) -> bool:
-        """Whether nothing of what is judged changes anywhere."""
+        """Whether the parts that are judged change nowhere."""
         parts = [self._criterion.part] if self._criterion.part else list(Part)
         steps, results = self._relative.operations, self._relative.results
         return all(
@@ -351,33 +363,30 @@ class RegionalExcess(Excess):
     def terms(self, cells: Array, *, slopes: int | None = None) -> Terms:
         """The functions of which the excess is the largest of the smallest, as of ``model``."""
         slopes = self.order if slopes is None else slopes
-        with np.errstate(
-            all="ignore"
-        ):  # what is not finite is unknown, which every caller asks about
+        # What is not finite is unknown, and every caller asks for that.
+        with np.errstate(all="ignore"):
             at = self._variable(0, cells, slopes=slopes)
-            relative, plain = (
-                self._run(x, cells, at, slopes=slopes) for x in (self._relative, self._plain)
-            )
+            programs = (self._relative, self._plain)
+            relative, plain = (self._run(x, cells, at, slopes=slopes) for x in programs)
             known: dict[Expr, TaylorModel] = {omega: at}
             if self._limit is not None:
                 known[c] = self._variable(self._limit, cells, slopes=slopes)
-            return RelativeChange(relative, plain, known, self._turns, self._from_rest).terms(
-                self._criterion
-            )
+            change = RelativeChange(relative, plain, known, self._turns, self._from_rest)
+            return change.terms(self._criterion)
 
     def _run(
         self, program: Program, cells: Array, at: TaylorModel, *, slopes: int
     ) -> dict[str, TaylorModel]:
-        found = Modelled(program).run(
-            [self._variable(i, cells, slopes=slopes) for i in self._places(program)]
-        )
+        """The results of a program over cells, constants among them as models."""
+        inputs = [self._variable(i, cells, slopes=slopes) for i in self._places(program)]
+        results = Modelled(program).run(inputs)
         return {
-            name: x if isinstance(x, TaylorModel) else at.number(x) for name, x in found.items()
+            name: x if isinstance(x, TaylorModel) else at.number(x) for name, x in results.items()
         }
 
 
 def seen_as(part: Part, turns: int) -> Part:
-    """Which part shows a part of what was turned by a number of quarters."""
+    """The part that shows a part of a complex number turned by a number of quarters of a turn."""
     return part if turns % 2 == 0 else Part.IMAG if part is Part.REAL else Part.REAL
 
 
@@ -398,8 +407,7 @@ class RelativeChange:
     from_rest: bool = False
 
     def terms(self, criterion: Criterion) -> Terms:
-        """The functions of which the largest of the smallest is positive where a change is
-        noticed."""
+        """The functions whose maximum of minima is positive exactly where a change is noticed."""
         region = criterion.region
         if isinstance(region, Ellipse):
             return [[self._quadric(region, (S.One, -region.tilt, S.One), 1 - region.tilt**2)]]
@@ -419,32 +427,42 @@ class RelativeChange:
     def _quadric(
         self, region: Ellipse | Cornered, form: tuple[Expr, Expr, Expr], whole: Expr
     ) -> TaylorModel:
-        """a b times xx (x/a)^2 + 2 xy (x/a)(y/b) + yy (y/b)^2 - whole."""
+        """The quadric xx (x/a)^2 + 2 xy (x/a)(y/b) + yy (y/b)^2 - whole, times a b."""
+        # Times a b, which changes no sign, the factor of x y is a number also where a or b varies;
+        # and x^2, y^2 are programs of their own, which need no |H_env|.
         (a, b), (xx, xy, yy) = (region.real, region.imag), form
-        squares = self._times(xx * b / a, self._square(Part.REAL)) + self._times(
-            yy * a / b, self._square(Part.IMAG)
-        )
-        found = squares - self._constant(a * b * whole)
-        return found if xy == 0 else found + self._times(2 * xy, self._product)
+        x_square = self._times(xx * b / a, self._square(Part.REAL))
+        y_square = self._times(yy * a / b, self._square(Part.IMAG))
+        quadric = x_square + y_square - self._constant(a * b * whole)
+        return quadric if xy == 0 else quadric + self._times(2 * xy, self._product)
 
     def _sided(self, region: Sided) -> Terms:
-        own = self.plain[region.part.value]
-        larger, smaller = (self._beyond(region.part, x) for x in (region.higher, region.lower))
-        least = [] if region.floor is None else [own * own - self._constant(region.floor**2)]
+        """The terms of one part with limits for each way, or a floor: those of ``Sided.terms``."""
+        above_higher = self._beyond(region.part, region.higher)
+        above_lower = self._beyond(region.part, region.lower)
+        above_floor: list[TaylorModel] = []
+        if region.floor is not None:
+            part = self.plain[region.part.value]
+            above_floor = [part * part - self._constant(region.floor**2)]
         if not region.has_sides:
-            return [[larger, *least]]
+            return [[above_higher, *above_floor]]
         growth = self._growth(region.part)
-        return [[growth, larger, *least], [-growth, smaller, *least], [larger, smaller, *least]]
+        return [
+            [growth, above_higher, *above_floor],
+            [-growth, above_lower, *above_floor],
+            [above_higher, above_lower, *above_floor],
+        ]
 
     def _growth(self, part: Part) -> TaylorModel:
-        """|H_perc|^2 - |H_env|^2 of a part: of what H_env vanishes with at omega = 0 alone nothing
-        is left in it."""
-        fields, seen = (
-            (self.relative, seen_as(part, self.turns)) if self.from_rest else (self.plain, part)
-        )
-        return fields[seen.value] * (
-            fields[seen.value] + fields[f"environment_{seen.value}"].times(2.0)
-        )
+        """|H_perc|^2 - |H_env|^2 of a part, up to a positive factor: where H_env vanishes at omega
+        = 0 alone, without its power of omega."""
+        # (h + d)^2 - h^2 = d (d + 2 h), which does not cancel. A power of s taken out of both
+        # divides it by an even power of omega; any other factor might change the sign.
+        fields, seen = self.plain, part
+        if self.from_rest:
+            fields, seen = self.relative, seen_as(part, self.turns)
+        change, environment = fields[seen.value], fields[f"environment_{seen.value}"]
+        return change * (change + environment.times(2.0))
 
     def _beyond(self, part: Part, limit: Expr) -> TaylorModel:
         return self._square(part) - self._constant(limit**2)
@@ -454,9 +472,10 @@ class RelativeChange:
 
     @cached_property
     def _product(self) -> TaylorModel:
-        """x y."""
-        found = self.relative["real"] * self.relative["imag"] / self._modulus
-        return -found if self.turns % 2 else found
+        """The product x y."""
+        # Turned by a quarter (x, y) becomes (-y, x): the product changes its sign.
+        product = self.relative["real"] * self.relative["imag"] / self._modulus
+        return -product if self.turns % 2 else product
 
     @cached_property
     def _modulus(self) -> TaylorModel:
@@ -465,8 +484,10 @@ class RelativeChange:
 
     @cached_property
     def _xy(self) -> tuple[TaylorModel, TaylorModel]:
+        """x and y. Only an edge without its opposite needs them, and the root of |H_env|^2."""
         size = self._modulus.to_the(self._at.number(0.5))
         x, y = self.relative["real"] / size, self.relative["imag"] / size
+        # Multiplied by j once for each quarter of a turn.
         for _ in range(self.turns):
             x, y = -y, x
         return x, y

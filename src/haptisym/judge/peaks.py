@@ -1,10 +1,12 @@
-"""Where a distortion is largest, and how large: peaks of the ratios, and the largest values of real
-functions, exact.
+"""Peaks of a distortion's ratios, and the largest values of real functions: where, and how large;
+exact.
 
-What is judged of a part or a region is an envelope: a change is outside at frequencies at which all
-``where`` of a term are positive, as soon as all its squares exceed 1. So at each frequency the
-square that counts is the largest, over the terms that hold there, of their least ones; a local
-maximum is one of that square, or lies where another one takes over.
+A criterion judges the envelope of several squares: a change is outside a region at frequencies at
+which all ``where`` of a term are positive, as soon as all squares of the term exceed 1. So at each
+frequency the square that counts is the largest, over the terms that hold there, of their least
+ones. A local maximum of the envelope is one of the square that counts, or lies where another one
+takes over. Signs of all squares' slopes, and of their differences, are read off one chart: begin
+with ``Envelope.top``.
 """
 
 from __future__ import annotations
@@ -33,14 +35,15 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 
 _Place: TypeAlias = tuple[int, int]
-"""Of a square: its term, and its place there."""
+"""Which square: the index of its term, and its index there."""
 
 
 class Maximum(NamedTuple):
-    """The square that has a local maximum; ``jump`` : whether to one side of it another limit holds
-    at once.
+    """A local maximum of an envelope, by the square that has it.
 
-    ``after`` : whether that is the side before it.
+    ``jump`` : whether the envelope is discontinuous there, as on one side another limit holds.
+    ``after`` : whether the square is approached from the side after the frequency, the other limit
+    holding before it.
     """
 
     square: RealFunction
@@ -50,8 +53,8 @@ class Maximum(NamedTuple):
 
 @dataclass(frozen=True)
 class Envelope:
-    """What is judged under a ``name``: the largest, over the terms that hold at a frequency, of
-    their least squares."""
+    """The envelope of the squares of ``terms``: at each frequency the largest, over the terms that
+    hold there, of their least squares. ``name`` : what its functions are known by on a chart."""
 
     name: Hashable
     terms: tuple[WayOutside, ...]
@@ -62,19 +65,16 @@ class Envelope:
         return {(i, j): f for i, term in enumerate(self.terms) for j, f in enumerate(term.squares)}
 
     def functions(self) -> dict[Key, RealFunction]:
-        """All functions whose signs tell where there is a maximum."""
-        found: dict[Key, RealFunction] = {
+        """All functions whose signs show where the envelope has a maximum: slopes and differences
+        of squares, and the conditions of terms."""
+        functions: dict[Key, RealFunction] = {
             (self, "slope", x): f.derivative() for x, f in self.squares.items()
         }
-        found |= {
-            (self, "over", x, y): self.squares[x] - self.squares[y]
-            for x, y in combinations(self.squares, 2)
-        }
-        return found | {
-            (self, "where", i, k): f
-            for i, term in enumerate(self.terms)
-            for k, f in enumerate(term.where)
-        }
+        for x, y in combinations(self.squares, 2):
+            functions[self, "over", x, y] = self.squares[x] - self.squares[y]
+        for i, term in enumerate(self.terms):
+            functions |= {(self, "where", i, k): f for k, f in enumerate(term.where)}
+        return functions
 
     def __hash__(self) -> int:
         return hash(self.name)
@@ -82,20 +82,20 @@ class Envelope:
     def top(self, point: Point) -> Maximum | None:
         """The maximum at a point inside of the band; None where there is none, or no bound."""
         before, after = self._counts(point.before), self._counts(point.after)
-        rises = (
-            before is not None
-            and point.before[self, "slope", before] > 0
-            and self._is_finite(point, before)
-        )
-        falls = (
-            after is not None
-            and point.after[self, "slope", after] < 0
-            and self._is_finite(point, after)
-        )
+        # A square that rises to a pole has no maximum there.
+        rises, falls = False, False
+        if before is not None:
+            is_rising = point.before[self, "slope", before] > 0
+            rises = is_rising and self._is_finite(point, before)
+        if after is not None:
+            is_falling = point.after[self, "slope", after] < 0
+            falls = is_falling and self._is_finite(point, after)
+        # Which side is higher at the point itself; a side on which no term holds is lower.
         if before is None or after is None:
             over = (before is not None) - (after is not None)
         else:
             over = self._over(point.at, before, after)
+        # The envelope jumps down, or is continuous there: rising before and falling after.
         if before is not None and rises and (over > 0 or (not over and falls)):
             return Maximum(self.squares[before], jump=over > 0)
         if after is not None and falls and over < 0:
@@ -103,8 +103,9 @@ class Envelope:
         return None
 
     def plateau(self, point: Point) -> Maximum | None:
-        """What counts behind a point if it is a number there, and less before it: as of ``top``,
-        though no maximum."""
+        """The square that counts behind a point if it is constant there, and larger than the
+        envelope before it: as ``top`` returns it, though it is no strict maximum. None
+        otherwise."""
         before, after = self._counts(point.before), self._counts(point.after)
         if after is None or point.after[self, "slope", after]:
             return None
@@ -115,33 +116,34 @@ class Envelope:
         return Maximum(self.squares[after], jump=False) if not over and rises else None
 
     def holds(self, i: int, signs: Signs) -> int:
-        """Whether a term holds (1), does not (-1), or is about to (0)."""
+        """The sign of a term's least condition: it holds (1), does not (-1), or a condition
+        vanishes at that point (0)."""
         return min((signs[self, "where", i, k] for k in range(len(self.terms[i].where))), default=1)
 
     def counting(self, signs: Signs) -> tuple[RealFunction, int]:
         """The square that counts between two points at which a term holds, and the sign of its
         slope."""
-        own = self._counts(signs)
-        assert own is not None
-        return self.squares[own], signs[self, "slope", own]
+        place = self._counts(signs)
+        assert place is not None
+        return self.squares[place], signs[self, "slope", place]
 
     def _is_finite(self, point: Point, x: _Place) -> bool:
         return point.orders.get((self, "slope", x), 0) >= 0
 
     def _counts(self, signs: Signs) -> _Place | None:
-        """The square that counts between two points."""
+        """The square that counts between two points; None where no term holds."""
         best: _Place | None = None
         for i, term in enumerate(self.terms):
             if self.holds(i, signs) <= 0:
                 continue
-            own = [(i, j) for j in range(len(term.squares))]
-            least = next(x for x in own if all(self._over(signs, x, y) <= 0 for y in own))
+            places = [(i, j) for j in range(len(term.squares))]
+            least = next(x for x in places if all(self._over(signs, x, y) <= 0 for y in places))
             if best is None or self._over(signs, least, best) > 0:
                 best = least
         return best
 
     def _over(self, signs: Signs, x: _Place, y: _Place) -> int:
-        """The sign of the difference of two squares."""
+        """The sign of the difference of two squares; a chart has each pair once, in order."""
         if x == y:
             return 0
         return signs[self, "over", x, y] if x < y else -signs[self, "over", y, x]
@@ -149,7 +151,7 @@ class Envelope:
 
 @dataclass(frozen=True, repr=False)
 class ValueAt(RealNumber):
-    """The value of a real function at a frequency."""
+    """The value of a real function at a frequency; balls are kept by their number of bits."""
 
     function: RealFunction
     omega: RealNumber
@@ -189,7 +191,7 @@ class Peak(Judged, Shown):
         return f"{what} = {self.ratio.digits(6)} at {self.omega.digits(6)} rad/s"
 
     def row(self) -> dict[str, Any]:
-        """As a row of a document."""
+        """The peak as a row of a document."""
         shown = {
             "omega": float(self.omega),
             "digits": self.omega.digits(),
@@ -218,7 +220,7 @@ class Peak(Judged, Shown):
 class Peaks(Answer, tuple[Peak, ...]):
     """The local maxima of a scene's ratios inside its band, in ascending order.
 
-    ``undecided`` : where it stayed open at the precision limit whether a slope changes its sign;
+    ``undecided`` : where it is undecided at the precision limit whether a slope changes its sign;
     empty for every rational scene.
     """
 
@@ -274,23 +276,22 @@ def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
     scene = as_scene(scene)
     scene.knobs.need_numbers()
     d = scene.distortion()
-    judged = {
-        x: x.region.terms(d) if x.region else (WayOutside((), (x.measure(d),)),)
-        for x in noticed(scene.threshold)
-    }
-    envelopes = {x: Envelope(x, terms) for x, terms in judged.items()}
-    functions = {
-        key: f for envelope in envelopes.values() for key, f in envelope.functions().items()
-    }
+    envelopes: dict[Criterion, Envelope] = {}
+    functions: dict[Key, RealFunction] = {}
+    for x in noticed(scene.threshold):
+        # A plain limit is a region of one term, r^2 without conditions.
+        terms = x.region.terms(d) if x.region else (WayOutside((), (x.measure(d),)),)
+        envelopes[x] = Envelope(x, terms)
+        functions |= envelopes[x].functions()
     with limited(limit):
         table = chart(functions, *scene.band)
-    found = (
-        Peak(x, point.omega, top.square, top.jump)
-        for point in table.points[1:-1]
-        for x, envelope in envelopes.items()
-        if (top := envelope.top(point))
-    )
-    return Peaks(scene, found, (point.omega for point in table.undecided))
+    maxima: list[Peak] = []
+    # The ends of the band are no local maxima: what lies outside of it is not known.
+    for point in table.points[1:-1]:
+        for x, envelope in envelopes.items():
+            if top := envelope.top(point):
+                maxima.append(Peak(x, point.omega, top.square, top.jump))
+    return Peaks(scene, maxima, (point.omega for point in table.undecided))
 
 
 @dataclass(frozen=True)
@@ -308,9 +309,9 @@ class Top:
 
 def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
     """All places at which a real function can be largest on a closed band: its ends and local
-    maxima, certified.
+    maxima, proven.
 
-    None where it is unbounded. UndecidedError where it stayed open whether the slope changes its
+    None where it is unbounded. UndecidedError where it is undecided whether the slope changes its
     sign somewhere.
     """
     table = chart({"value": f, "slope": f.derivative()}, low, high)
@@ -321,19 +322,18 @@ def tops(f: RealFunction, low: Expr, high: Expr) -> tuple[Top, ...] | None:
             "whether a function has a local maximum where its slope nearly vanishes"
         )
     first, last = table.points[0], table.points[-1]
-    found = [
-        (x, None if x is not first and x is not last else x is last)
-        for x in table.points
-        if x is first or x is last or (x.before["slope"], x.after["slope"]) == (1, -1)
-    ]
-    return tuple(
-        Top(x.omega, ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega), end)
-        for x, end in found
-    )
+    highest: list[Top] = []
+    for x in table.points:
+        is_end = x is first or x is last
+        if is_end or (x.before["slope"], x.after["slope"]) == (1, -1):
+            # Where the function vanishes its value is known exactly, which no ball shows.
+            value = ExactNumber(Integer(0)) if x.orders.get("value") else ValueAt(f, x.omega)
+            highest.append(Top(x.omega, value, x is last if is_end else None))
+    return tuple(highest)
 
 
 def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
-    """The largest value of a real function on a closed band, certified; None where it is unbounded.
+    """The largest value of a real function on a closed band, proven; None where it is unbounded.
 
     >>> from haptisym.kernel.dynamics import Ring
     >>> from haptisym.kernel.rings import omega
@@ -341,21 +341,21 @@ def largest(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
     >>> largest(RealFunction(Ring().axis.convert(omega / (omega**2 + 4))), Integer(0), Integer(5)).digits(5)
     '0.25000'
     """
-    found = tops(f, low, high)
-    return None if found is None else Largest(tuple(x.value for x in found))
+    highest = tops(f, low, high)
+    return None if highest is None else Largest(tuple(x.value for x in highest))
 
 
 @dataclass(frozen=True)
 class Greatest:
     """The largest value of a real function, and a frequency where it has it; None where it only
-    comes near it, far out."""
+    comes near it, at high frequency."""
 
     value: RealNumber
     omega: RealNumber | None
 
 
 def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
-    """The largest value of a real function on a closed band and where, certified; None where it
+    """The largest value of a real function on a closed band and where, proven; None where it
     grows without bound.
 
     Where it falls without bound it is not largest.
@@ -365,6 +365,8 @@ def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
         raise UndecidedError(
             "whether a function has a local maximum where its slope nearly vanishes"
         )
+    # Signs beside the poles, as far as they lie within the band: a positive one means that the
+    # function is unbounded above.
     poles = [p for p in table.points if p.orders.get("value", 0) < 0]
     sides = {p.after["value"] for p in poles if p is not table.points[-1]}
     sides |= {p.before["value"] for p in poles if p is not table.points[0]}
@@ -375,6 +377,8 @@ def greatest(f: RealFunction, low: Expr, high: Expr) -> Greatest | None:
         (ExactNumber(Integer(0)) if p.orders.get("value") else ValueAt(f, p.omega), p.omega)
         for p in tried
     ]
+    # Every zero of the slope is tried, minima included. Floats choose the frequency; the value is
+    # the largest of all in any case.
     best = max(known, key=lambda pair: float(pair[0]))
     return Greatest(Largest(tuple(value for value, _ in known)), best[1])
 

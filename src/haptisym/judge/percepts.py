@@ -1,5 +1,10 @@
-"""Step 2, how: as which mechanical property a noticeable distortion is felt, and as more or less of
-it; friction among them."""
+"""Step 2 of the evaluation: as which mechanical property a noticeable distortion is felt, and
+whether as more or less of it; friction among them.
+
+A property is read off signs alone: Re H > 0 is stiffness, Re H < 0 mass, Im H > 0 damping; more or
+less is the sign of |H_perc|^2 - |H_env|^2 of that part. All signs come from the chart of step 1, so
+that percepts are proven on whole intervals. Begin with ``find_percepts``.
+"""
 
 from __future__ import annotations
 
@@ -31,8 +36,8 @@ class Property(Enum):
 
 
 class Change(Enum):
-    """How the magnitude felt compares with the environment's: that of Re H_perc with Re H_env, or
-    of the imaginary parts."""
+    """How the perceived magnitude of a part compares with the environment's: |Re H_perc| with |Re
+    H_env|, or the same of the imaginary parts."""
 
     HIGHER = "higher"
     LOWER = "lower"
@@ -69,8 +74,8 @@ class Percept(Shown):
 
 
 class Felt(NamedTuple):
-    """A piece of the band on which a part, or None for both together, is noticed, and as what it is
-    felt, in words."""
+    """An interval of the band on which a part, or None for both together, is noticed, and as what
+    it is felt, in words."""
 
     part: Part | None
     band: Interval
@@ -78,7 +83,7 @@ class Felt(NamedTuple):
 
 
 NOT_NAMED = "noticed (active)"
-"""What is said where the imaginary part is noticed while Im H_perc < 0: the paper's model has no
+"""The words where the imaginary part is noticed while Im H_perc < 0: the paper's model has no
 property for that."""
 
 _OF_IMAG = (Property.DAMPING, Property.FRICTION)
@@ -93,8 +98,8 @@ def felt(percept: Percept) -> str:
 
     Where a property takes the place of another, the magnitudes compared are those of the force.
     """
-    own = felt_words(percept.property, percept.change)
-    return own if percept.other is None else f"{felt_words(*percept.other)} and {own}"
+    words = felt_words(percept.property, percept.change)
+    return words if percept.other is None else f"{felt_words(*percept.other)} and {words}"
 
 
 def felt_of(percept: Percept, part: Part) -> str:
@@ -114,11 +119,11 @@ def felt_words(what: Property, change: Change) -> str:
 
 
 def find_felt(chart: Chart) -> tuple[Felt, ...]:
-    """Everything that is noticed on the band, part by part: the percepts, and where no property is
-    named."""
+    """Everything that is noticed on the band, part by part: the percepts, and the intervals on
+    which no property is named."""
     named = [Felt(p.part, p.band, felt(p)) for p in find_percepts(chart)]
-    missing = None if _joint(chart) else Part.IMAG
-    rows = [*named, *(Felt(missing, band, NOT_NAMED) for band in unnamed(chart))]
+    part = None if _joint(chart) else Part.IMAG
+    rows = [*named, *(Felt(part, band, NOT_NAMED) for band in unnamed(chart))]
     return tuple(sorted(rows, key=lambda x: (_ORDER.index(x.part), float(x.band.low.omega))))
 
 
@@ -133,21 +138,16 @@ def find_percepts(chart: Chart) -> tuple[Percept, ...]:
     < 0. Of a region that judges both parts at once a part is named where it alone would be outside,
     and both together where neither would.
     """
+    # A joint region has one criterion, of which each part, and both together, may be noticed.
     joint = _joint(chart)
+    noticed = [_Noticed(x, x.part) for x in judged(chart) if x.part]
     if joint:
-        return tuple(
-            percept for part in _ORDER for percept in _percepts(chart, _Noticed(joint, part))
-        )
-    return tuple(
-        percept
-        for x in judged(chart)
-        if x.part
-        for percept in _percepts(chart, _Noticed(x, x.part))
-    )
+        noticed = [_Noticed(joint, part) for part in _ORDER]
+    return tuple(percept for x in noticed for percept in _percepts(chart, x))
 
 
 def _joint(chart: Chart) -> Criterion | None:
-    """The criterion that judges both parts at once."""
+    """The criterion that judges both parts at once; None where each is judged by itself."""
     return next((x for x in judged(chart) if x.joint), None)
 
 
@@ -156,40 +156,42 @@ _Label: TypeAlias = tuple[tuple[Property, Change], tuple[Property, Change] | Non
 
 
 class _Noticed(NamedTuple):
-    """What is felt where a criterion is broken, of one part or of both together."""
+    """One thing that may be noticed where a criterion is broken: one part, or both together
+    (None)."""
 
     criterion: Criterion
     part: Part | None
 
     def at(self, signs: Signs) -> bool:
-        """Whether it is this that is noticed."""
+        """Whether it is noticed where the functions have these signs."""
         if signs[self.criterion] <= 0:
             return False
         if not self.criterion.joint:
             return True
+        # Outside of a joint region: a part is noticed if it alone would be outside, both together
+        # only if neither would.
         alone = [signs[PerceptFunction.OUTSIDE, part] > 0 for part in Part]
         return not any(alone) if self.part is None else alone[self.part is Part.IMAG]
 
     def label(self, signs: Signs) -> _Label | None:
-        """How it is felt; None where it is not noticed, or has no name."""
+        """How it is felt; None where it is not noticed, or no property is named."""
         if not self.at(signs):
             return None
         if self.part:
-            own = self._of(signs, self.part)
-            return own and (own, None)
+            of_part = self._of(signs, self.part)
+            return of_part and (of_part, None)
+        # Both together: named only if both parts have a name. The nearer part comes first.
         real, imag = (self._of(signs, part) for part in Part)
         if real is None or imag is None:
             return None
         return (real, imag) if signs[NEARER] > 0 else (imag, real)
 
     def _of(self, signs: Signs, part: Part) -> tuple[Property, Change] | None:
-        """Friction, where without it this would not be noticed."""
-        found = _label(signs, part)
-        friction = (
-            part is Part.IMAG
-            and signs.get((PerceptFunction.WITHOUT_FRICTION, self.criterion), 1) <= 0
-        )
-        return (Property.FRICTION, found[1]) if found and friction else found
+        """How one part is felt: as friction where nothing would be noticed without the friction."""
+        label = _label(signs, part)
+        without = signs.get((PerceptFunction.WITHOUT_FRICTION, self.criterion), 1)
+        is_friction = part is Part.IMAG and without <= 0
+        return (Property.FRICTION, label[1]) if label and is_friction else label
 
 
 def _percepts(chart: Chart, noticed: _Noticed) -> list[Percept]:
@@ -199,32 +201,41 @@ def _percepts(chart: Chart, noticed: _Noticed) -> list[Percept]:
         label = noticed.label(low.after)
         if label is None:
             continue
+        # Two cells are one percept only if the point between them belongs to it: where a ratio is
+        # tangent to its threshold from above, nothing is noticed at that point.
         last = runs[-1] if runs else None
-        own, other = label
+        main, other = label
+        is_adjacent = last is not None and last.band.high is low
         if (
             last
-            and last.band.high is low
-            and (last.property, last.change, last.other) == (*own, other)
+            and is_adjacent
+            and (last.property, last.change, last.other) == (*main, other)
             and noticed.at(low.at)
         ):
             runs[-1] = replace(last, band=Interval(last.band.low, high))
         else:
-            runs.append(Percept(noticed.part, Interval(low, high), *own, other))
+            runs.append(Percept(noticed.part, Interval(low, high), *main, other))
     return runs
 
 
+_CHANGES = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
+
+
 def _label(signs: Signs, part: Part) -> tuple[Property, Change] | None:
-    env, perc = signs[PerceptFunction.ENVIRONMENT, part], signs[PerceptFunction.PERCEIVED, part]
-    if part is Part.IMAG and perc < 0:
+    """Property and change of a part; None where Im H_perc < 0, for which no property is named."""
+    environment = signs[PerceptFunction.ENVIRONMENT, part]
+    perceived = signs[PerceptFunction.PERCEIVED, part]
+    if part is Part.IMAG and perceived < 0:
         return None
-    change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
+    # |p|^2 - |e|^2 = (p - e)(p + e)
     compared = signs[PerceptFunction.DIFFERENCE, part] * signs[PerceptFunction.SUM, part]
-    return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change[compared]
+    kind = Property.DAMPING if part is Part.IMAG else real_property(environment, perceived)
+    return kind, _CHANGES[compared]
 
 
 def real_property(env: int, perc: int) -> Property:
-    """A part that is zero throughout takes the other's side: nothing becomes something of the same
-    kind."""
+    """The property of the real part from the signs of Re H_env and Re H_perc. One that is zero
+    throughout takes the sign of the other: nothing becomes something of the same kind."""
     return _SIDES[env or perc, perc or env]
 
 
@@ -247,20 +258,19 @@ def outside_model(chart: Chart) -> tuple[Interval, ...]:
 
 
 def unnamed(chart: Chart) -> tuple[Interval, ...]:
-    """Where Im H_perc < 0 and the imaginary part is noticed all the same, alone or with the real
-    one: it has no name there."""
+    """The intervals on which Im H_perc < 0 and the imaginary part is noticed, alone or together
+    with the real one: no property is named for it there."""
     joint = _joint(chart)
-    damping = [x for x in judged(chart) if x.part is Part.IMAG]
-    found = (
-        [_Noticed(joint, None), _Noticed(joint, Part.IMAG)]
-        if joint
-        else [_Noticed(x, x.part) for x in damping]
-    )
-    return chart.where(
-        lambda signs: (
-            signs[PerceptFunction.PERCEIVED, Part.IMAG] < 0 and any(x.at(signs) for x in found)
-        )
-    )
+    if joint:
+        noticed = [_Noticed(joint, None), _Noticed(joint, Part.IMAG)]
+    else:
+        noticed = [_Noticed(x, x.part) for x in judged(chart) if x.part is Part.IMAG]
+
+    def is_unnamed(signs: Signs) -> bool:
+        is_active = signs[PerceptFunction.PERCEIVED, Part.IMAG] < 0
+        return is_active and any(x.at(signs) for x in noticed)
+
+    return chart.where(is_unnamed)
 
 
 _MODEL = "coulomb-friction"
@@ -268,10 +278,11 @@ _MODEL = "coulomb-friction"
 
 @dataclass(frozen=True)
 class Friction:
-    """``force`` : of the display's elements together, N or N m. ``least`` : the least difference
-    from ``reference`` noticed.
+    """The display's Coulomb friction, judged by a threshold of its own.
 
-    ``noticed`` : None where the scene does not say when friction is.
+    ``force`` : of all elements together, N or N m. ``reference`` : the force that it is compared
+    with. ``least`` : the difference from it above which friction is noticed. ``noticed`` : None
+    where the scene has no such threshold; ``reference`` and ``least`` are then None too.
     """
 
     force: Expr
@@ -280,7 +291,7 @@ class Friction:
     noticed: bool | None
 
     def row(self) -> dict[str, Any]:
-        """As a document has it."""
+        """The friction as a part of a document, N or N m."""
         numbers = {"force": self.force, "reference": self.reference, "threshold": self.least}
         return {key: None if x is None else float(x) for key, x in numbers.items()} | {
             "noticed": self.noticed
@@ -289,21 +300,18 @@ class Friction:
 
 def frictions(scene: Scene) -> Friction | None:
     """The friction of a scene with numbers; None without any."""
-    forces = [
-        x.value
-        for e in scene.effects
-        if e.model == _MODEL
-        for x in e.parameters
-        if x.key == "force"
-    ]
+    elements = [e for e in scene.effects if e.model == _MODEL]
+    forces = [x.value for e in elements for x in e.parameters if x.key == "force"]
     if not forces:
         return None
-    force, own = Add(*forces), scene.friction
-    if own is None:
+    force, threshold = Add(*forces), scene.friction
+    if threshold is None:
         return Friction(force, None, None, None)
-    change = force - own.reference
+    # |force - reference|, by an exact sign
+    change = force - threshold.reference
     size = change if sign_of_number(change) >= 0 else -change
-    return Friction(force, own.reference, own.least, sign_of_number(size - own.least) > 0)
+    is_noticed = sign_of_number(size - threshold.least) > 0
+    return Friction(force, threshold.reference, threshold.least, is_noticed)
 
 
 def without_friction(scene: Scene) -> Scene:

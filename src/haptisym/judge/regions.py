@@ -1,8 +1,10 @@
-"""JND regions as exact functions: positive where a change (x, y) = (Re dH, Im dH)/|H_env| lies
-outside.
+"""JND regions as exact functions of omega that are positive where a change (x, y) = (Re dH, Im
+dH)/|H_env| lies outside.
 
-A region with 0 inside is judged by how many times it must be enlarged to hold the change, which
-must not be more than once.
+A region with 0 inside is judged by the factor by which it must be enlarged to hold the change,
+which must not exceed 1. The square of the factor is a rational function of omega, or the maximum of
+minima of several (``Region.terms``): of (x/a)^2 + (y/b)^2 for an ellipse, of (p u + q v)^2 for each
+edge of a polygon, u = x/a and v = y/b. Squares, as |H_env| itself is no rational function.
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ from haptisym.model.jnd import Corner, Part, Shape
 
 
 class WayOutside(NamedTuple):
-    """One way to be outside: at frequencies at which all of ``where`` are positive, as soon as all
-    squares are above 1."""
+    """One way to be outside a region: at frequencies at which all of ``where`` are positive, as
+    soon as all ``squares`` are above 1."""
 
     where: tuple[RealFunction, ...]
     squares: tuple[RealFunction, ...]
@@ -39,7 +41,7 @@ class DynamicsChange:
     d: Distortion
 
     def part(self, part: Part) -> RationalFunction:
-        """X or Y."""
+        """X or Y, by the part."""
         return part_of(self.d.difference_response, part).function
 
     @property
@@ -52,17 +54,20 @@ class DynamicsChange:
         return self.square.ring.convert(x)
 
     def side(self, x: RationalFunction, power: int) -> RealFunction:
-        """What tells a side and grows as a power of |H_env|: where that vanishes at omega = 0, with
-        the sign of its limit."""
+        """A function whose sign shows on which side a change lies, and which is of the size of a
+        ``power`` of |H_env|; where H_env vanishes at omega = 0, with the sign of its limit
+        there."""
+        # N grows as omega^(above - below) from 0, |H_env| as its root: without that power of omega
+        # the function is not 0 at omega = 0 merely because H_env is.
         form, variable = x.reduced(), x.ring.variable
         above, below = (
             min(int(n) for n, *_ in p.monoms())
             for p in (self.square.numerator, self.square.denominator)
         )
         order = max(above - below, 0) * power // 2
-        return RealFunction(
-            (form / form.ring.function(variable**order)).reduced() if order else form
-        )
+        if not order:
+            return RealFunction(form)
+        return RealFunction((form / form.ring.function(variable**order)).reduced())
 
     def over(self, x: RationalFunction) -> RealFunction:
         """A square relative to that of H_env."""
@@ -74,38 +79,37 @@ class DynamicsChange:
 
 
 class Region(ABC):
-    """What is judged of a change at each frequency, and what is drawn of it: all is told by its
-    terms."""
+    """A set of changes that are not noticed, judged at each frequency; its ``terms`` define it."""
 
     @property
     @abstractmethod
     def words(self) -> str:
-        """What it is called in a sentence, with its article."""
+        """The name of the region in a sentence, with its article."""
 
     @abstractmethod
     def terms(self, d: Distortion) -> tuple[WayOutside, ...]:
-        """All ways to be outside; the square of how many times the region must be enlarged is the
-        largest of their least ones."""
+        """All ways to be outside. The square of the factor by which the region must be enlarged is,
+        over the ways whose conditions hold, the largest of their least squares."""
 
     @abstractmethod
     def opened(self, limits: Mapping[Part, Expr]) -> Region:
-        """With other limits for some parts."""
+        """The region with other limits for some parts."""
 
     def __call__(self, d: Distortion) -> RealFunction:
-        """The square of what must not exceed 1; SceneError where that is not one smooth
+        """The square of the factor that must not exceed 1; SceneError where that is not one smooth
         function."""
-        found = self.squares(d)
-        if len(found) > 1:
+        squares = self.squares(d)
+        if len(squares) > 1:
             raise self._not_smooth
-        return found[0]
+        return squares[0]
 
     def squares(self, d: Distortion) -> tuple[RealFunction, ...]:
-        """The squares of which the largest must not exceed 1; SceneError where it is not made of
-        such."""
-        found = self.terms(d)
-        if any(x.where or len(x.squares) > 1 for x in found):
+        """The squares whose maximum must not exceed 1; SceneError where the region has conditions,
+        or minima, as well."""
+        terms = self.terms(d)
+        if any(x.where or len(x.squares) > 1 for x in terms):
             raise self._not_smooth
-        return tuple(x.squares[0] for x in found)
+        return tuple(x.squares[0] for x in terms)
 
     @property
     def _not_smooth(self) -> SceneError:
@@ -113,8 +117,9 @@ class Region(ABC):
 
     def exceeded(self, d: Distortion) -> Signed:
         """Positive where the change is noticed."""
-        found = tuple((*x.where, *map(above_one, x.squares)) for x in self.terms(d))
-        return found[0][0] if len(found) == len(found[0]) == 1 else Lattice(found)
+        # All conditions and all excesses of a term are positive together: a minimum of them.
+        terms = tuple((*x.where, *map(above_one, x.squares)) for x in self.terms(d))
+        return terms[0][0] if len(terms) == len(terms[0]) == 1 else Lattice(terms)
 
 
 class Joint(Region):
@@ -123,7 +128,7 @@ class Joint(Region):
     @property
     @abstractmethod
     def kind(self) -> str:
-        """What it is called, without an article."""
+        """The name of the region, without an article."""
 
     @abstractmethod
     def projected(self, d: Distortion, part: Part) -> Signed:
@@ -140,20 +145,22 @@ class Joint(Region):
 
 
 def above_one(square: RealFunction) -> RealFunction:
-    """Positive where a square is above 1."""
+    """The function that is positive where a square is above 1."""
+    # f and f - 1 have the same denominator, and no common factor where f has none.
     f = square.function
     return RealFunction(f.ring.function(f.numerator - f.denominator, f.denominator))
 
 
 @dataclass(frozen=True)
 class _OfHalfWidths(Joint):
-    """A region in the plane of u = x/a and v = y/b."""
+    """A region in the plane of u = x/a and v = y/b, with half widths a = ``real`` and b =
+    ``imag``."""
 
     real: Expr
     imag: Expr
 
     def _scaled(self, d: Distortion) -> tuple[DynamicsChange, RationalFunction, RationalFunction]:
-        """X/a and Y/b."""
+        """The change, and X/a and Y/b in its ring."""
         w = DynamicsChange(d)
         return w, w.part(Part.REAL) / w.number(self.real), w.part(Part.IMAG) / w.number(self.imag)
 
@@ -163,7 +170,7 @@ class _OfHalfWidths(Joint):
 
 @dataclass(frozen=True)
 class Ellipse(_OfHalfWidths):
-    """(x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2."""
+    """The ellipse (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2, t = ``tilt``."""
 
     tilt: Expr = Integer(0)
     kind = "ellipse"
@@ -177,8 +184,9 @@ class Ellipse(_OfHalfWidths):
         )
 
     def projected(self, d: Distortion, part: Part) -> Signed:
-        w, *own = self._scaled(d)
-        x = own[part is Part.IMAG]
+        # Where the other part is 0 the border is at (x/a)^2 = 1 - t^2.
+        w, *scaled = self._scaled(d)
+        x = scaled[part is Part.IMAG]
         return w.beyond(x * x / w.number(1 - self.tilt**2))
 
     def nearer(self, d: Distortion) -> Signed:
@@ -192,8 +200,8 @@ class Ellipse(_OfHalfWidths):
 
 @dataclass(frozen=True)
 class Cornered(_OfHalfWidths):
-    """p u + q v <= 1 for each edge; where the opposite of each edge is one, too, (p u + q v)^2 <= 1
-    for each pair.
+    """The polygon p u + q v <= 1 for each edge (p, q); where the edges come in opposite pairs, (p u
+    + q v)^2 <= 1 for each pair.
 
     ``corners`` : (u, v), counterclockwise around 0. ``shape`` : a polygon, or what it is called.
     """
@@ -211,19 +219,20 @@ class Cornered(_OfHalfWidths):
 
     @property
     def edges(self) -> tuple[Corner, ...]:
-        """(p, q) of each edge."""
-        found = []
-        for (x, y), (right, up) in zip(
-            self.corners, [*self.corners[1:], self.corners[0]], strict=True
-        ):
+        """The pair (p, q) of each edge, p u + q v = 1 on it."""
+        lines = []
+        next_corners = [*self.corners[1:], self.corners[0]]
+        # Cramer's rule for p u + q v = 1 at both ends; with 0 inside the determinant is positive.
+        for (x, y), (right, up) in zip(self.corners, next_corners, strict=True):
             area = x * up - y * right
-            found.append(((up - y) / area, (x - right) / area))
-        return tuple(found)
+            lines.append(((up - y) / area, (x - right) / area))
+        return tuple(lines)
 
     @property
     def pairs(self) -> tuple[Corner, ...]:
-        """One edge of each pair of opposite ones; none unless all are such, as a shape that tells
-        its corners has them."""
+        """One edge of each pair of opposite ones; none unless the shape has fixed corners and all
+        its edges come in such pairs."""
+        # The square of a pair is one function, without a condition on the side.
         half = len(self.edges) // 2
         paired = self.shape.corners and self.edges[half:] == tuple(
             (-p, -q) for p, q in self.edges[:half]
@@ -234,40 +243,39 @@ class Cornered(_OfHalfWidths):
         return self._outside(d, tuple(Part))
 
     def projected(self, d: Distortion, part: Part) -> Signed:
+        # With opposite edges the largest p (or q) decides for both signs of the part.
         if self.pairs:
-            w, *own = self._scaled(d)
-            x = (
-                w.number(max(edge[part is Part.IMAG] for edge in self.edges))
-                * own[part is Part.IMAG]
-            )
+            index = part is Part.IMAG
+            w, *scaled = self._scaled(d)
+            x = w.number(max(edge[index] for edge in self.edges)) * scaled[index]
             return w.beyond(x * x)
-        return Lattice(
-            tuple((*x.where, *map(above_one, x.squares)) for x in self._outside(d, (part,)))
-        )
+        ways = self._outside(d, (part,))
+        return Lattice(tuple((*x.where, *map(above_one, x.squares)) for x in ways))
 
     def _outside(self, d: Distortion, parts: tuple[Part, ...]) -> tuple[WayOutside, ...]:
+        """The ways to be outside of some parts of the change, the other one taken as 0."""
         w, *scaled = self._scaled(d)
-        found = []
+        ways = []
         for edge in self.pairs or self.edges:
-            own = [w.number(edge[part is Part.IMAG]) * scaled[part is Part.IMAG] for part in parts]
-            along = (own[0] + own[1] if len(own) == 2 else own[0]).reduced()
-            found.append(
-                WayOutside(() if self.pairs else (w.side(along, 1),), (w.over(along * along),))
-            )
-        return tuple(found)
+            summands = [w.number(edge[x is Part.IMAG]) * scaled[x is Part.IMAG] for x in parts]
+            along = (summands[0] + summands[1] if len(summands) == 2 else summands[0]).reduced()
+            # p u + q v > 1 is (p u + q v)^2 > 1 where p u + q v > 0.
+            condition = () if self.pairs else (w.side(along, 1),)
+            ways.append(WayOutside(condition, (w.over(along * along),)))
+        return tuple(ways)
 
     def nearer(self, d: Distortion) -> Signed:
         w, u, v = self._scaled(d)
         if self.pairs:
             u, v = (w.number(max(edge[i] for edge in self.edges)) * x for i, x in enumerate((u, v)))
             return RealFunction((u * u - v * v).reduced())
+        # max_p p u > max_q q v, which is max over p of the min over q of p u - q v.
         across, up = (_extremes([edge[i] for edge in self.edges]) for i in (0, 1))
-        return Lattice(
-            tuple(
-                tuple(RealFunction((w.number(p) * u - w.number(q) * v).reduced()) for q in up)
-                for p in across
-            )
-        )
+        rows = []
+        for p in across:
+            differences = ((w.number(p) * u - w.number(q) * v).reduced() for q in up)
+            rows.append(tuple(map(RealFunction, differences)))
+        return Lattice(tuple(rows))
 
     def opened(self, limits: Mapping[Part, Expr]) -> Cornered:
         if limits and not self.shape.corners:
@@ -275,18 +283,20 @@ class Cornered(_OfHalfWidths):
         return super().opened(limits)
 
     def enlarged(self, x: Any, y: Any, number: Callable[[Expr], Any]) -> Any:
+        # max(a, b) = (a + b + |a - b|)/2, which works for numbers and for arrays alike.
         u, v = x / number(self.real), y / number(self.imag)
-        found = (number(p) * u + number(q) * v for p, q in self.edges)
-        return reduce(lambda largest, one: (largest + one + abs(largest - one)) / 2, found)
+        factors = (number(p) * u + number(q) * v for p, q in self.edges)
+        return reduce(lambda largest, one: (largest + one + abs(largest - one)) / 2, factors)
 
 
 @dataclass(frozen=True)
 class Sided(Region):
-    """One part, with a limit for a magnitude that grows and one for a magnitude that shrinks, or
+    """A limit on one part of the change: one where its magnitude grows and one where it shrinks, or
     with a floor, or both.
 
-    Where the part is as large as it was, the larger limit holds, so that what is not noticed is a
-    closed set.
+    ``higher``, ``lower`` : limits of |Re dH|/|H_env| or |Im dH|/|H_env|. ``floor`` : a change of
+    the part, in its unit, that must be exceeded as well to be noticed. Where the part is as large
+    as it was, the larger limit holds, so that what is not noticed is a closed set.
     """
 
     part: Part
@@ -307,15 +317,15 @@ class Sided(Region):
         w = DynamicsChange(d)
         square = w.part(self.part) * w.part(self.part)
         higher, lower = (w.over(square / w.number(x) ** 2) for x in (self.higher, self.lower))
-        least = (
-            ()
-            if self.floor is None
-            else (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
-        )
+        least: tuple[RealFunction, ...] = ()
+        if self.floor is not None:
+            least = (RealFunction((square / w.number(self.floor) ** 2).reduced()),)
         if not self.has_sides:
             return (WayOutside((), (higher, *least)),)
         env, perc = (part_of(x, self.part).function for x in (d.env_response, d.perc_response))
         up, down = (w.side(x, 2) for x in (perc * perc - env * env, env * env - perc * perc))
+        # The third way has no condition: above both limits it matters not which one holds, also
+        # where the magnitudes are equal and neither ``up`` nor ``down`` is positive.
         return (
             WayOutside((up,), (higher, *least)),
             WayOutside((down,), (lower, *least)),
@@ -328,6 +338,7 @@ class Sided(Region):
 
 
 def _extremes(values: Sequence[Expr]) -> list[Expr]:
-    """Those among which the largest multiple is: the ends, where they are rational numbers."""
+    """Those of some values among which the largest product with any number is: the ends, where all
+    are rational numbers."""
     listed = sorted(set(values), key=str)
     return [min(listed), max(listed)] if all(x.is_Rational for x in listed) else listed

@@ -25,11 +25,11 @@ class _Later(ModuleType):
         if name.startswith("__"):  # what readers of documentation ask of everything
             raise AttributeError(name)
         try:
-            found = getattr(import_module(self.__name__), name)
+            value = getattr(import_module(self.__name__), name)
         except ModuleNotFoundError:
             raise UndecidedError("this needs NumPy, which is missing: pip install numpy") from None
-        setattr(self, name, found)
-        return found
+        setattr(self, name, value)
+        return value
 
 
 def has_arrays() -> bool:

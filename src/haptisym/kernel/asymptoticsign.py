@@ -4,7 +4,8 @@ many frequencies.
 A function is a sum of powers of omega, each times a sum of waves: sines and cosines of multiples of
 angles. The highest power decides where what does not turn in it outweighs all that does: from some
 frequency on all lower powers are less. Where its waves take both signs, they take both infinitely
-often, as sums of waves come as near as one likes to every value they have.
+often: sums of waves are almost periodic, and come as near as one likes, again and again, to every
+value they have. Where neither shows, the sign is ``UNKNOWN``.
 """
 
 from __future__ import annotations
@@ -27,9 +28,10 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.zeros import sign_of
 
 _BITS = 128
-_SAMPLES = 400
+_SAMPLES = 400  # frequencies at which both signs are looked for
+# The radius is doubled from here, about 1e-6 rad/s, up to about 1e18 rad/s.
+_FIRST = Rational(1, 1 << 20)
 _MOST_DOUBLINGS = 80
-_FIRST = Rational(1, 1 << 20)  # rad/s
 
 
 class Sense(Enum):
@@ -75,6 +77,8 @@ def asymptotic_sign(f: RationalFunction) -> AsymptoticSign:
     waves = _Waves(axis, polynomial)
     highest = max(waves.groups)
     with flint.ctx.workprec(_BITS):
+        # Without a constant part that outweighs the rest there is no radius, whatever lower powers
+        # do.
         sign, least = waves.dominated(highest)
         if not least > 0:
             return AsymptoticSign(Sense.BOTH if waves.takes_both_signs(highest) else Sense.UNKNOWN)
@@ -86,35 +90,37 @@ _Group: TypeAlias = dict[tuple[int, ...], Ball]
 
 
 class _Waves:
-    """A polynomial of an axis as sums of products of harmonics of its angles, by the powers of
-    omega before them."""
+    """A polynomial of an axis as sums of products of harmonics of its angles, gathered by powers of
+    omega."""
 
     def __init__(self, axis: Axis, polynomial: Polynomial) -> None:
         self.axis, self.polynomial = axis, polynomial
         self.turning = [i for i, angle in enumerate(axis.angles) if not angle.constant]
         top = [int(polynomial.degrees()[axis.size + i]) for i in self.turning]
-        self.degrees = [n + n % 2 for n in top]  # even: times cos^n of a half angle keeps the sign
+        # Tangents become sines and cosines by a factor cos^n of each half angle; n even, it keeps
+        # the sign.
+        self.degrees = [n + n % 2 for n in top]
 
     @cached_property
     def groups(self) -> dict[Rational, _Group]:
-        bits = _BITS + sum(
-            self.degrees
-        )  # sums of powers of a tangent cancel where harmonics are few
+        """For each power of omega the coefficients of its products of harmonics."""
+        # Shares of harmonics over 2^n cancel where harmonics are few: n bits more make up for it.
+        bits = _BITS + sum(self.degrees)
         with flint.ctx.workprec(bits):
             fixed = {
                 a: expression_ball(tan(x.value / 2))
                 for a, x in enumerate(self.axis.angles)
                 if x.constant
             }
-            found: dict[Rational, _Group] = {}
+            groups: dict[Rational, _Group] = {}
             for power, turns, constants, value in self._terms():
-                own = arb(value) * arb.pi() ** constants[0]
+                coefficient = arb(value) * arb.pi() ** constants[0]
                 for place, n in constants[1].items():
-                    own *= fixed[place] ** n
-                group = found.setdefault(power, {})
+                    coefficient *= fixed[place] ** n
+                group = groups.setdefault(power, {})
                 for waves, share in self._spread(turns):
-                    group[waves] = group.get(waves, arb(0)) + own * share
-            return found
+                    group[waves] = group.get(waves, arb(0)) + coefficient * share
+            return groups
 
     def _spread(self, turns: Sequence[int]) -> Iterator[tuple[tuple[int, ...], fmpq]]:
         """Powers of sines and cosines of half angles as a sum of products of waves."""
@@ -128,40 +134,45 @@ class _Waves:
     def _terms(
         self,
     ) -> Iterator[tuple[Rational, tuple[int, ...], tuple[int, dict[int, int]], fmpq]]:
+        """The monomials: power of omega, exponents of tangents that turn, exponents of pi and of
+        the constant tangents, coefficient."""
         axis, angles = self.axis, len(self.axis.angles)
         for exponents, value in monomials(self.polynomial):
-            own = [int(n) for n in exponents]
-            turns, powers = own[axis.size : axis.size + angles], own[axis.size + angles :]
-            power = sum(
-                (n * order for n, order in zip(powers, axis.orders, strict=False)), Integer(own[0])
-            )
+            degrees = [int(n) for n in exponents]
+            turns = degrees[axis.size : axis.size + angles]
+            powers = degrees[axis.size + angles :]
+            broken = (n * order for n, order in zip(powers, axis.orders, strict=False))
+            power = sum(broken, Integer(degrees[0]))
             constants = {i: n for i, n in enumerate(turns) if n and i not in self.turning}
-            yield power, tuple(turns[i] for i in self.turning), (own[1], constants), value
+            turning = tuple(turns[i] for i in self.turning)
+            of_pi = degrees[1]
+            yield power, turning, (of_pi, constants), value
 
     def _value(self, group: _Group, angles: Sequence[Ball]) -> Ball:
-        rows = [
-            {wave: _wave(wave, angle) for wave in {waves[i] for waves in group}}
-            for i, angle in enumerate(angles)
-        ]
-        return sum(
-            (
-                prod((row[x] for row, x in zip(rows, waves, strict=True)), start=c)
-                for waves, c in group.items()
-            ),
-            arb(0),
-        )
+        """A ball around a sum of products of harmonics at these angles."""
+        # Each harmonic is computed once, though it occurs in many products.
+        rows: list[dict[int, Ball]] = []
+        for i, angle in enumerate(angles):
+            used = {waves[i] for waves in group}
+            rows.append({wave: _wave(wave, angle) for wave in used})
+        total = arb(0)
+        for waves, coefficient in group.items():
+            factors = (row[wave] for row, wave in zip(rows, waves, strict=True))
+            total = total + prod(factors, start=coefficient)
+        return total
 
     def dominated(self, power: Rational) -> tuple[int, Ball]:
-        """Of the waves before a power of omega: the sign of what does not turn, and by how much it
-        outweighs all that does."""
-        group, own = self.groups[power], (CONSTANT,) * len(self.turning)
-        still = group.get(own, arb(0))
-        return sign_of(still), (
-            abs(still) - sum((abs(c) for x, c in group.items() if x != own), arb(0))
-        ).lower()
+        """For the waves of a power of omega: the sign of their constant part, and a lower bound of
+        the amount by which it outweighs all harmonics; not > 0 where it does not."""
+        group, constant = self.groups[power], (CONSTANT,) * len(self.turning)
+        still = group.get(constant, arb(0))
+        turning = sum((abs(c) for x, c in group.items() if x != constant), arb(0))
+        return sign_of(still), (abs(still) - turning).lower()
 
     def takes_both_signs(self, power: Rational) -> bool:
-        """Whether these waves are seen to, at some frequencies: then they do again and again."""
+        """Whether the waves of a power of omega are seen to take both signs. False proves
+        nothing."""
+        # One sample is enough for a number, which no angle changes.
         signs = set[int]()
         for k in range(_SAMPLES if any(self.degrees) else 1):
             signs |= {sign_of(self._along(self.groups[power], k))} - {0}
@@ -170,31 +181,34 @@ class _Waves:
         return False
 
     def _along(self, group: _Group, k: int) -> Ball:
-        """The waves at one of some frequencies, which turn the fastest angle by about 0.23 each."""
+        """The value of the waves at the k-th of some frequencies."""
+        # The fastest angle turns by 0.458 rad from one to the next, no rational part of a turn, so
+        # that samples fall everywhere on the circle.
         rates = [expression_ball(self.axis.angles[i].rate) for i in self.turning]
         step = arb(fmpq(229, 500)) / max(rates, key=float, default=arb(1))
         return self._value(group, [rate * step * (k + 1) for rate in rates])
 
     def prevails(self, power: Rational, least: Ball) -> Rational | None:
-        """From where on ``least`` omega^power exceeds all lower powers together."""
+        """A frequency from which on ``least`` omega^power exceeds all lower powers together; None
+        where none is found."""
         weights = {
             p: sum(map(abs, group.values()), arb(0))
             for p, group in self.groups.items()
             if p < power
         }
+        # Over omega^power the lower powers fall with omega: what holds at a radius holds above it.
         radius = _FIRST
         for _ in range(_MOST_DOUBLINGS):
             base = expression_ball(radius)
-            if least > sum(
-                (w * base ** expression_ball(p - power) for p, w in weights.items()), arb(0)
-            ):
+            lower = (w * base ** expression_ball(p - power) for p, w in weights.items())
+            if least > sum(lower, arb(0)):
                 return radius
             radius *= 2
         return None
 
 
 def _wave(wave: int, angle: Ball) -> Ball:
-    """A harmonic of an angle, as `harmonics` numbers them."""
+    """The value of a harmonic of an angle, by its number in `harmonics`."""
     if wave == CONSTANT:
         return arb(1)
     turned = angle * (wave // 2 + 1)

@@ -1,5 +1,5 @@
-"""Real functions on ``s = j omega``: a delay is an all-pass of the real variable t = tan(omega
-tau/2).
+"""Real functions on ``s = j omega`` as quotients of polynomials: a delay is an all-pass in the real
+variable t = tan(omega tau/2).
 
 exp(-j omega tau) = (1 - j t)/(1 + j t), and s^alpha is omega^alpha times a constant of the same
 kind: both become quotients of polynomials, exact, with exact cancellation. Cosines and sines come
@@ -28,9 +28,9 @@ from haptisym.kernel.rings import (
 )
 
 ComplexPolynomial: TypeAlias = tuple[Polynomial, Polynomial]
-"""Real and imaginary part."""
+"""Real and imaginary part of a polynomial on ``s = j omega``."""
 CONSTANT = -1
-"""Among the harmonics of an angle, 1."""
+"""The number of the constant 1 among the ``harmonics`` of an angle."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Axis(PolynomialRing):
             *(Angle(pi * x / 2, constant=True) for x in orders),
         )
         self.lags, self.orders = tuple(lags), tuple(orders)
-        # a name, not tan(...) itself, which SymPy would evaluate at a known angle
+        # A name, not tan(...) itself, which SymPy would evaluate at a known angle.
         tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
         super().__init__(omega, symbols, [*tangents, *(omega**order for order in orders)])
         self.delays, self.complex = len(lags), j
@@ -87,14 +87,12 @@ class Axis(PolynomialRing):
             for angle, tangent in zip(self.angles, self.functions, strict=False):
                 n = expression.args[0] / angle.value
                 if n.is_Integer and n > 0:
-                    cosine, sine = (
-                        (1 - tangent**2) / (1 + tangent**2),
-                        2 * tangent / (1 + tangent**2),
-                    )
-                    is_even = isinstance(expression, cos)
-                    return super().convert(
-                        chebyshevt(n, cosine) if is_even else chebyshevu(n - 1, cosine) * sine
-                    )
+                    # cos n a = T_n(cos a), sin n a = U_(n-1)(cos a) sin a.
+                    cosine = (1 - tangent**2) / (1 + tangent**2)
+                    sine = 2 * tangent / (1 + tangent**2)
+                    if isinstance(expression, cos):
+                        return super().convert(chebyshevt(n, cosine))
+                    return super().convert(chebyshevu(n - 1, cosine) * sine)
         if expression.is_Pow and expression.base == omega:
             for order in self.orders:
                 if (n := expression.exp / order).is_Integer and not expression.exp.is_Integer:
@@ -106,10 +104,12 @@ class Axis(PolynomialRing):
         factor that is not zero."""
         if not self.functions and not self.complex:
             return [self._even_and_odd(p) for p in polynomials]
+        # One common degree for all polynomials, so that quotients of them keep their values.
         highest = [degree_in(polynomials, self.size + i) for i in range(len(self.angles))]
         return [self._turned(p, highest) for p in polynomials]
 
     def _even_and_odd(self, polynomial: Polynomial) -> ComplexPolynomial:
+        """Real and imaginary part of a polynomial in s: j^n is 1, j, -1, -j in turn."""
         split: tuple[dict[object, object], dict[object, object]] = ({}, {})
         for exponents, coefficient in monomials(polynomial):
             power = int(exponents[0])
@@ -117,13 +117,18 @@ class Axis(PolynomialRing):
         return self.context.from_dict(split[0]), self.context.from_dict(split[1])
 
     def _turned(self, polynomial: Polynomial, highest: Sequence[int]) -> ComplexPolynomial:
-        """Each monomial s^n E^k A^l j^i is j^(n+i) times all-passes in the half-angle tangents."""
+        """Real and imaginary part of a polynomial: each monomial s^n E^k A^l j^i is j^(n + i) times
+        all-passes in the half-angle tangents.
+
+        ``highest`` : the degree in each delay and power, in all polynomials that share the factor
+        (1 + j t)^highest by which they are multiplied.
+        """
         real, imag = self.constant(0), self.constant(0)
         gens, first = self.context.gens(), self.size + len(self.angles)
         groups = self._alike(polynomial)
-        terms = sum(len(x) + len(y) for x, y in groups.values()) * prod(
-            most + 1 for most in highest
-        )
+        # How many terms there will be, asked for before memory and time are spent on them.
+        before = sum(len(x) + len(y) for x, y in groups.values())
+        terms = before * prod(most + 1 for most in highest)
         room(terms)
         afford(terms)
         for turns, (x, y) in groups.items():
@@ -137,14 +142,17 @@ class Axis(PolynomialRing):
         return real, imag
 
     def _alike(self, polynomial: Polynomial) -> dict[tuple[int, ...], ComplexPolynomial]:
-        """By the exponents of the delays and powers, what stands before them, at s = j omega."""
+        """The cofactor at s = j omega of each product of delays and powers, by their exponents."""
         groups: dict[tuple[int, ...], tuple[dict[object, object], dict[object, object]]] = {}
         rest = (0,) * (len(self.meanings) - self.size)
+        end = self.size + len(self.angles)
         for exponents, coefficient in monomials(polynomial):
-            own = tuple(map(int, exponents))
-            quarter = own[0] + (own[-1] if self.complex else 0)
-            sides = groups.setdefault(own[self.size : self.size + len(self.angles)], ({}, {}))
-            side, place = sides[quarter % 2], own[: self.size] + rest
+            degrees = tuple(map(int, exponents))
+            # The power of j, of s = j omega and of the imaginary unit among the numbers.
+            quarter = degrees[0] + (degrees[-1] if self.complex else 0)
+            sides = groups.setdefault(degrees[self.size : end], ({}, {}))
+            side = sides[quarter % 2]
+            place = degrees[: self.size] + rest
             turned = -coefficient if quarter % 4 >= 2 else coefficient
             side[place] = side.get(place, 0) + turned
         return {turns: tuple(map(self.context.from_dict, sides)) for turns, sides in groups.items()}
@@ -154,9 +162,10 @@ class Axis(PolynomialRing):
         """exp(-j k angle) (1 + j t)^most = (1 - j t)^k (1 + j t)^(most - k); the angle of s^alpha
         turns the other way."""
         t = self.context.gens()[self.size + index]
-        sense = -1 if index < self.delays else 1
+        forward = t if index >= self.delays else -t
         x, y = self.constant(1), self.constant(0)
-        for factor in [sense * t] * turn + [-sense * t] * (most - turn):
+        # Times 1 + j t, or 1 - j t, once for each factor.
+        for factor in [forward] * turn + [-forward] * (most - turn):
             x, y = x - y * factor, y + x * factor
         return x, y
 
@@ -180,6 +189,7 @@ class Axis(PolynomialRing):
             degree_in([function.numerator, function.denominator], self.size + i)
             for i in range(len(self.angles))
         ]
+        # An even degree in cosine and sine of the half angle makes harmonics of the angle itself.
         even = [n + n % 2 for n in degrees]
         waves = [
             (cos(n * a.value), sin(n * a.value))
@@ -197,21 +207,25 @@ class Axis(PolynomialRing):
     def _waves(
         self, polynomial: Polynomial, even: Sequence[int], target: PolynomialRing
     ) -> Polynomial:
-        rows: dict[
-            tuple[int, ...], dict[tuple[int, ...], fmpq]
-        ] = {}  # by the powers of tangents, then by the waves
+        """A polynomial in half-angle tangents, times cosines of half angles to the ``even`` powers,
+        in harmonics of the angles."""
+        # By the exponents of tangents, which one angle after the other become numbers of harmonics.
+        rows: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
         for exponents, coefficient in monomials(polynomial):
-            own = [int(n) for n in exponents]
-            turns, powers = own[self.size : self.size + len(even)], own[self.size + len(even) :]
-            rows.setdefault(tuple(turns), {})[*own[: self.size], *powers] = coefficient
+            degrees = [int(n) for n in exponents]
+            turns, powers = (
+                degrees[self.size : self.size + len(even)],
+                degrees[self.size + len(even) :],
+            )
+            rows.setdefault(tuple(turns), {})[*degrees[: self.size], *powers] = coefficient
         for i, top in enumerate(even):
-            told: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
+            spread: dict[tuple[int, ...], dict[tuple[int, ...], fmpq]] = {}
             for turned, row in rows.items():
                 for wave, share in harmonics(turned[i], top).items():
-                    into = told.setdefault((*turned[:i], wave, *turned[i + 1 :]), {})
+                    into = spread.setdefault((*turned[:i], wave, *turned[i + 1 :]), {})
                     for rest, value in row.items():
                         into[rest] = into.get(rest, 0) + share * value
-            rows = told
+            rows = spread
         terms = {
             (*rest, *_places(waves, even)): x
             for waves, row in rows.items()
@@ -248,6 +262,8 @@ class Axis(PolynomialRing):
         tried alone, which is fast."""
         top, bottom = function.numerator, function.denominator
         afford(len(top), len(bottom))
+        # Factors 1 + tan^2 come from every delay: divided out one by one, they leave a much shorter
+        # denominator for the search for a common divisor.
         core, counts = self.without_circles(bottom)
         for circle, count in zip(self._circles, counts, strict=True):
             for _ in range(count):
@@ -290,22 +306,20 @@ class Axis(PolynomialRing):
     def _homogeneous(
         self, polynomial: Polynomial, degrees: Sequence[int], target: PolynomialRing, *, over: int
     ) -> Polynomial:
-        """Of these degrees in cosine and sine of each half angle, the sines over that power of
-        omega."""
+        """A polynomial made homogeneous of these degrees in cosine and sine of each half angle;
+        sines of angles that turn stand for sine over omega^``over``."""
+        # A factor 1 + tan^2 is 1/cos^2: it lowers the degree by 2 instead.
         polynomial, circles = self.without_circles(polynomial)
         tops = [n - 2 * circle for n, circle in zip(degrees, circles, strict=True)]
         terms = {}
         for exponents, coefficient in monomials(polynomial):
-            own = [int(n) for n in exponents]
-            turns, powers = (
-                own[self.size : self.size + len(degrees)],
-                own[self.size + len(degrees) :],
-            )
-            own[0] += over * sum(
-                k for k, angle in zip(turns, self.angles, strict=True) if not angle.constant
-            )
+            all_powers = [int(n) for n in exponents]
+            turns = all_powers[self.size : self.size + len(degrees)]
+            powers = all_powers[self.size + len(degrees) :]
+            turning = zip(turns, self.angles, strict=True)
+            all_powers[0] += over * sum(k for k, angle in turning if not angle.constant)
             halves = [n for k, top in zip(turns, tops, strict=True) for n in (top - k, k)]
-            terms[(*own[: self.size], *powers, *halves)] = coefficient
+            terms[(*all_powers[: self.size], *powers, *halves)] = coefficient
         return target.context.from_dict(terms)
 
 
@@ -315,27 +329,28 @@ def _places(waves: Sequence[int], tops: Sequence[int]) -> list[int]:
 
 
 def _half_waves(angle: Angle) -> tuple[Expr, Expr]:
+    """Cosine of a half angle, and its sine over omega; of a constant angle the sine itself."""
     half = angle.value / 2
     return cos(half), sin(half) if angle.constant else angle.rate / 2 * sinc(half)
 
 
 @lru_cache(maxsize=1024)
 def harmonics(k: int, top: int) -> dict[int, fmpq]:
-    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of waves: `CONSTANT`, 2 (n - 1) is cos n x,
-    2 n - 1 is sin n x."""
-    # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result
+    """sin(x/2)^k cos(x/2)^(top - k), top even, as a sum of harmonics with these coefficients:
+    `CONSTANT` stands for 1, 2 (n - 1) for cos n x, 2 n - 1 for sin n x."""
+    # z = exp(j x/2): sin = (z - 1/z)/(2 j), cos = (z + 1/z)/2, and j^k only turns the result.
     coefficients: dict[int, int] = {}
     for a in range(k + 1):
         for b in range(top - k + 1):
             n = top - 2 * (a + b)
             coefficients[n] = coefficients.get(n, 0) + (-1) ** a * comb(k, a) * comb(top - k, b)
     sign = (-1) ** (k // 2)
-    found = {}
+    shares = {}
     for n, c in coefficients.items():
         if c == 0 or n < 0:
             continue
         if n == 0:
-            found[CONSTANT] = fmpq(sign * c, 2**top)
+            shares[CONSTANT] = fmpq(sign * c, 2**top)
         else:  # even k pairs up to 2 cos, odd k to 2 j sin, over j^k
-            found[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
-    return found
+            shares[n - 2 if k % 2 == 0 else n - 1] = fmpq(2 * sign * c, 2**top)
+    return shares

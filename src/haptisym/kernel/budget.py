@@ -1,12 +1,12 @@
-"""A limit in time for a question, and the queue of what is cut and waits.
+"""A limit in time for a question, and the queue of cells of a branch and bound.
 
-Whatever may take long ticks the limit, and whoever asked is told how far it is. It is scoped:
-``limited`` sets it for what is called inside and puts back what was there before. Nothing else
-reads the clock, and a question that is asked without a limit is cut short only by ``Budget.stop``.
-The clock counts the processor time of this process, all of its threads together, so that an answer
-does not depend on what else the machine does; ``timed_by`` sets another one. In a browser, which
-does not tell processor time, it is the wall clock. What other processes compute for this one, such
-as the workers of a sweep, is not counted.
+Whatever may take long calls ``tick``, which ends it when the time is over, and reports the progress
+to a callback. The limit is scoped: ``limited`` sets it for what is called inside and puts back what
+was there before. Nothing else reads the clock, and a question that is asked without a limit is cut
+short only by ``Budget.stop``. The clock counts the processor time of this process, all of its
+threads together, so that an answer does not depend on what else the machine does; ``timed_by`` sets
+another one. In a browser, which does not tell processor time, it is the wall clock. What other
+processes compute for this one, such as the workers of a sweep, is not counted.
 
 Branch and bound: cells are examined until each is settled; what is not is cut, and its pieces wait
 their turn. Every loop of that kind runs on ``Waiting``, so that each has a limit in number and in
@@ -30,12 +30,12 @@ from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 
 Told: TypeAlias = Callable[[float, float | None, str], None]
-"""Is called with what is done, of how much (None: nobody knows), and with what it is that is
-done."""
+"""A callback for progress: called with how much is done, of how much (None: unknown), and a name
+for the work."""
 
 SECONDS = 60.0
 """The limit of a question that is asked without one."""
-_PAUSE = 0.1  # s, on the wall clock, between two words to whoever is told
+_PAUSE = 0.1  # s, on the wall clock, between two calls of the callback
 
 _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_time)
 
@@ -43,7 +43,7 @@ _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_ti
 @contextmanager
 def timed_by(clock: Callable[[], float]) -> Iterator[None]:
     """Limits that are set inside are measured by that clock, in s, and so is the pause between two
-    words.
+    reports.
 
     A clock that counts its readings is the same on every machine.
 
@@ -61,11 +61,11 @@ def timed_by(clock: Callable[[], float]) -> Iterator[None]:
 
 @dataclass(eq=False)
 class Budget:
-    """What a question may take: ``seconds`` of processor time, None without a limit, and who is
-    told.
+    """The time that a question may take: ``seconds`` of processor time, None without a limit; and
+    the callback ``told`` for its progress.
 
-    ``began``, ``deadline`` : when the limit was set, and when the time is over: for a share of it,
-    before the limit is reached.
+    ``began``, ``deadline`` : when the limit was set, and when the time is over, by the clock. Of a
+    ``share`` of the time the deadline comes before the limit is reached.
     """
 
     seconds: float | None
@@ -98,8 +98,8 @@ class Budget:
         self.outermost.stopped = True
 
     def tick(self, done: float | None, total: float | None, what: str) -> None:
-        """LimitError when the time is over, or the work was stopped; else now and then a word to
-        whoever is told."""
+        """Raise LimitError when the time is over or the work was stopped; else report the progress
+        now and then."""
         now = self.clock()
         if self.outermost.stopped:
             self.end("stopped at the limit (interrupted)")
@@ -108,31 +108,32 @@ class Budget:
                 f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it",
                 self.seconds,
             )
-        if done is not None and (
-            what or not self._last[2]
-        ):  # an inner loop without a name leaves the outer one's word
+        # An inner loop without a name leaves the report of the outer one as it is.
+        if done is not None and (what or not self._last[2]):
             self._last = done, total, what
         self._tell_now_and_then(now)
 
     def end(self, why: str, cut: float | None = None) -> NoReturn:
-        """LimitError, which is remembered."""
+        """Raise a LimitError, and remember why."""
         self.why, self.cut = why, cut
         raise LimitError(why)
 
     def say(self, done: float, total: float | None, what: str) -> None:
-        """How far the work is; never a LimitError."""
+        """Report how far the work is; never a LimitError."""
         self._last = done, total, what
         self._tell_now_and_then(self.clock())
 
     def _tell_now_and_then(self, now: float) -> None:
+        # Reports are for a person: their pause is on the wall clock, even while workers compute and
+        # this process uses no time. A clock that was set is used as it is, to be reproducible.
         now = monotonic() if self.clock is process_time else now
         if now >= self._next:
             self._next = now + _PAUSE
             self._tell(*self._last)
 
     def _tell(self, *word: Any) -> None:
-        """Pass a word on; the last one outside, if there is any, is said again in place of one from
-        inside."""
+        """Pass a report to the nearest callback. A budget around this one repeats its own last
+        report, if it has one, in place of one from inside."""
         if self.told is not None:
             self.told(*word)
         elif self.outer is not None:
@@ -144,10 +145,10 @@ _budget: ContextVar[Budget | None] = ContextVar("budget", default=None)
 
 @contextmanager
 def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[Budget]:
-    """What is called inside may take that many seconds of processor time, and no longer than what
-    is around it may.
+    """Limit what is called inside to that many seconds of processor time, or to what is left of a
+    limit around it, if that is less.
 
-    ``seconds`` : None for as long as it likes.
+    ``seconds`` : None for no limit of its own.
 
     >>> with limited(3600) as outer, limited(None) as inner:
     ...     inner.deadline == outer.deadline
@@ -159,21 +160,21 @@ def limited(seconds: float | None = None, told: Told | None = None) -> Iterator[
         raise SceneError(f"limit: {seconds}: give a number of seconds > 0, or None for no limit")
     outer, clock = _budget.get(), _clock.get()
     now = clock()
-    own = None if seconds is None else now + seconds
-    same = (
-        outer
-        if own is None or (outer and outer.deadline is not None and outer.deadline < own)
-        else None
-    )
-    limit = (same.seconds, same.began, same.deadline) if same else (seconds, now, own)
+    deadline = None if seconds is None else now + seconds
+    # ``same`` is the outer budget where its deadline comes first: messages then name its limit, and
+    # it counts as cut short as well.
+    bound = None if outer is None else outer.deadline
+    ends_first = deadline is not None and bound is not None and bound < deadline
+    same = outer if deadline is None or ends_first else None
+    limit = (same.seconds, same.began, same.deadline) if same else (seconds, now, deadline)
     with _inside(Budget(*limit, told, outer, clock), same) as budget:
         yield budget
 
 
 @contextmanager
 def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
-    """``same`` : of which it is the limit, or a share: it is cut short by what cuts this one
-    short."""
+    """Make a budget the current one. ``same`` : the budget whose limit, or a share of it, this one
+    has; it counts as cut short where this one was."""
     mark = _budget.set(budget)
     try:
         yield budget
@@ -186,38 +187,35 @@ def _inside(budget: Budget, same: Budget | None = None) -> Iterator[Budget]:
 def left() -> float | None:
     """Seconds until the time is over, None without a limit."""
     budget = _budget.get()
-    return (
-        None
-        if budget is None or budget.deadline is None
-        else max(budget.deadline - budget.clock(), 0.0)
-    )
+    if budget is None or budget.deadline is None:
+        return None
+    return max(budget.deadline - budget.clock(), 0.0)
 
 
 def spent() -> tuple[float, float] | None:
     """Processor time since the outermost limit was set, and that limit, s; None without one."""
     budget = _budget.get()
     outer = None if budget is None else budget.outermost
-    return (
-        None
-        if outer is None or outer.seconds is None
-        else (outer.clock() - outer.began, outer.seconds)
-    )
+    if outer is None or outer.seconds is None:
+        return None
+    return outer.clock() - outer.began, outer.seconds
 
 
 def tick(done: float | None = None, total: float | None = None, what: str = "") -> None:
-    """Say that the work goes on, and how far it is; LimitError where the time for it is over."""
+    """Report that the work goes on, and how far it is; LimitError where the time for it is over."""
     budget = _budget.get()
     if budget is not None:
         budget.tick(done, total, what)
 
 
 def afford(terms: int, others: int = 1) -> None:
-    """LimitError if work on that many products of terms, which nothing can interrupt, would most
-    likely outlast the limit.
+    """LimitError if a multiplication of ``terms`` by ``others`` terms, which nothing can interrupt,
+    would most likely outlast the limit.
 
-    Dense polynomials are multiplied at about twice ``_PRODUCTS`` terms a second, sparse ones
-    slower.
+    Dense polynomials are multiplied at about twice ``_PRODUCTS`` products of terms a second, sparse
+    ones slower.
     """
+    # One call into FLINT cannot be ended by a tick, so that it is better not begun.
     budget = _budget.get()
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
@@ -230,10 +228,10 @@ def afford(terms: int, others: int = 1) -> None:
 
 
 def room(terms: int) -> None:
-    """LimitError for a polynomial of so many terms, known before it is there, that memory would not
-    hold it and what follows.
+    """LimitError for a polynomial of more than ``MOST_TERMS`` terms, to be called before it is
+    computed: memory would not hold it and what follows.
 
-    Memory is bounded without a limit in time, too.
+    This holds without a limit in time, too.
     """
     if terms > MOST_TERMS:
         why = (
@@ -243,9 +241,10 @@ def room(terms: int) -> None:
         (_budget.get() or Budget(None, 0, None)).end(why)
 
 
-_PRODUCTS = 5e7
+_PRODUCTS = 5e7  # products of two terms, in a second of processor time
 MOST_TERMS = 1_000_000
-"""Of one polynomial, some hundred bytes each; a quotient needs several."""
+"""Terms of one polynomial at most. Each takes some hundred bytes, and a quotient needs several such
+polynomials."""
 
 
 T = TypeVar("T")
@@ -271,7 +270,8 @@ def in_time(part: Callable[[], T], name: str, left: Left) -> T | None:
 
 @contextmanager
 def spared() -> Iterator[None]:
-    """What is called inside is short, and is done even when the time is over.
+    """Suspend the limit for what is called inside, which must be short: it is done even when the
+    time is over.
 
     >>> with limited(1e-9), spared():
     ...     tick()
@@ -285,42 +285,40 @@ def spared() -> Iterator[None]:
 
 @contextmanager
 def share(part: float) -> Iterator[None]:
-    """What is called inside may take that share of the time that is left, so that another way can
-    be tried after it."""
+    """Limit what is called inside to a share of the time that is left, so that another way can be
+    tried after it."""
     budget = _budget.get()
     if budget is None or budget.deadline is None:
         yield
         return
     now = budget.clock()
-    own = now + part * (budget.deadline - now)
+    deadline = now + part * (budget.deadline - now)
     with _inside(
-        Budget(budget.seconds, budget.began, own, budget.told, budget, budget.clock), budget
+        Budget(budget.seconds, budget.began, deadline, budget.told, budget, budget.clock), budget
     ):
         yield
 
 
 class _OneThread:
-    """How many calls want one thread now.
+    """A context in which every BLAS has one thread; it counts the calls that are in it now.
 
     A BLAS has one number of threads for the whole process, and simulations in two threads of a
-    program overlap in any order: the first notes the user's number, the last gives it back.
+    program overlap in any order: the first call notes the user's number, the last one restores it.
     """
 
     def __init__(self) -> None:
         self.lock, self.callers, self.limit = Lock(), 0, ExitStack()
 
     def __enter__(self) -> None:
-        with (
-            self.lock,
-            suppress(ImportError),
-        ):  # of the extra "simulate", but nothing fails without it
+        # The extra "simulate" brings threadpoolctl, but nothing fails without it: it is only
+        # slower.
+        with self.lock, suppress(ImportError):
             self.callers += 1
             if self.callers == 1:
                 from threadpoolctl import ThreadpoolController
 
-                import_module(
-                    "scipy.linalg"
-                )  # brings a BLAS of its own, which can be limited only once it is there
+                # SciPy brings a BLAS of its own, which can be limited only once it is loaded.
+                import_module("scipy.linalg")
                 self.limit.enter_context(
                     ThreadpoolController().select(user_api="blas").limit(limits=1)
                 )
@@ -339,7 +337,8 @@ what one takes; results do not depend on it."""
 
 
 def forget() -> None:
-    """Empty the caches of the kernel, so that what is timed does all of the work."""
+    """Empty all caches of the kernel's functions, so that a measurement of time covers all of the
+    work."""
     for name, module in list(sys.modules.items()):
         for found in vars(module).values() if name.startswith(f"{__package__}.") else ():
             if hasattr(found, "cache_clear"):
@@ -350,16 +349,17 @@ C = TypeVar("C")
 
 
 class Waiting(Generic[C]):
-    """Cells that wait to be examined: the best one first, or, without a ``rank``, in the order of
-    the domain.
+    """The queue of cells that wait to be examined: the best one first, or, without a ``rank``, in
+    the order of the domain.
 
     Iterating gives one after the other, ticks the budget for each, and ends when none waits or
-    ``most`` were given. A loop that goes on has settled the cell, unless it put its pieces back
-    with ``add``, in the order of the domain. LimitError out of the iteration when the time is over.
-    ``rest`` holds all that is not settled, also the cell in which a loop was left.
+    ``most`` were given. A loop that goes on to the next cell has settled the last one, unless it
+    put its pieces back with ``add``, in the order of the domain. The iteration raises LimitError
+    when the time is over. ``rest`` holds all that is not settled, also the cell in which a loop was
+    left.
 
-    ``rank`` : of a cell, what is least for the one to be examined first. ``what`` : is done, for a
-    progress bar.
+    ``rank`` : a key of cells, the least one to be examined first. ``what`` : a name of the work,
+    for a progress bar.
 
     >>> waiting, settled = Waiting([(0, 8)]), []
     >>> for low, high in waiting:
@@ -387,9 +387,11 @@ class Waiting(Generic[C]):
         self.add(*cells)
 
     def add(self, *cells: C) -> None:
-        """Let cells wait, in place of the one that was given last; of equal ranks the first comes
-        first."""
+        """Put cells into the queue in place of the one that was given last; of equal ranks the
+        first one added comes first."""
         self._given = []
+        # Without a rank the heap is a stack: pieces, added in reverse, come before all that waits,
+        # so that cells are examined from the low end of the domain to the high one.
         for cell in cells if self._rank else reversed(cells):
             self._number += 1
             order = self._number if self._rank else -self._number
@@ -406,5 +408,5 @@ class Waiting(Generic[C]):
 
     @property
     def rest(self) -> list[C]:
-        """All that are not settled, in no order."""
+        """All cells that are not settled, in no order."""
         return [*self._given, *(cell for _, _, cell in self._heap)]

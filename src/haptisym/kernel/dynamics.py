@@ -30,7 +30,9 @@ from haptisym.kernel.rings import (
     times,
 )
 
-_MOST_MULTIPLE = 32  # of a common unit delay; beyond it commensurable delays are treated as independent of each other
+# Commensurable delays are powers of a common unit delay, up to this one; beyond it they are treated
+# as independent of each other. The degree in the unit is what polynomials grow with.
+_MOST_MULTIPLE = 32
 
 
 class Ring(PolynomialRing):
@@ -62,24 +64,26 @@ class Ring(PolynomialRing):
     @classmethod
     def of(cls, expressions: Iterable[Expr]) -> Ring:
         """The smallest ring that holds the given expressions."""
-        found = set(_named(expressions))
-        orders = {_order(x)[1] for x in found if _is_fractional(x)}
-        roots = [x for x in found if _is_root(x)]
+        # Fractional powers of a parameter, or of a number, are powers of one root: all exponents
+        # have a common denominator. That root then is the symbol, in place of the parameter.
+        atoms = set(_named(expressions))
+        orders = {_order(x)[1] for x in atoms if _is_fractional(x)}
+        roots = [x for x in atoms if _is_root(x)]
         order = Rational(1, lcm(*(x.exp.q for x in roots)))
-        bases = _independent({x.base for x in roots if x.base.is_Integer}) | {
-            x.base for x in roots if x.base.is_Symbol
-        }
-        symbols = {x for x in found if x.is_Symbol} - {s} - bases | {x**order for x in bases}
-        lags = {lag for x in found if x.func is exp for lag in _lags(x)}
-        return cls(symbols, _units(lags), sorted(orders, key=str), j=I in found)
+        numbers = {x.base for x in roots if x.base.is_Integer}
+        parameters = {x.base for x in roots if x.base.is_Symbol}
+        bases = _independent(numbers) | parameters
+        plain = {x for x in atoms if x.is_Symbol} - {s} - bases
+        symbols = plain | {x**order for x in bases}
+        lags = {lag for x in atoms if x.func is exp for lag in _lags(x)}
+        return cls(symbols, _units(lags), sorted(orders, key=str), j=I in atoms)
 
     def convert(self, expression: Expr) -> RationalFunction:
         if expression.func in (cosh, sinh):
             return self.convert(_exponentials(expression))
         if expression.func is exp:
-            return reduce(
-                lambda x, y: x * y, (self._delayed(lag, n) for lag, n in _lags(expression).items())
-            )
+            delays = (self._delayed(lag, n) for lag, n in _lags(expression).items())
+            return reduce(lambda x, y: x * y, delays)
         if _is_fractional(expression):
             whole, order, sign = _order(expression)
             return (
@@ -90,9 +94,8 @@ class Ring(PolynomialRing):
 
     def _delayed(self, lag: Expr, sign: int) -> RationalFunction:
         """exp(-s lag) as a power of the unit delay that it is a multiple of."""
-        for unit in reversed(
-            self.lags
-        ):  # the longest first: a delay of its own before a thousand of another one
+        # The longest first: a delay that has a variable of its own, before a power of another one.
+        for unit in reversed(self.lags):
             multiple = lag / unit
             if multiple.is_Integer:
                 return self.function(self.generators[exp(-s * unit)]) ** (sign * int(multiple))
@@ -107,6 +110,8 @@ class Ring(PolynomialRing):
         >>> [ring.order_at_0(ring.convert(x).numerator) for x in (s**3, 1 - exp(-s), s - 1 + exp(-s), s - s)]
         [3, 1, 2, inf]
         """
+        # The order is the number of derivatives that vanish at s = 0; delays are 1 there, so that
+        # each value is a polynomial, exactly zero or not.
         order = 0
         while self.at_0(polynomial).is_zero():
             if polynomial.is_zero():
@@ -140,8 +145,8 @@ class Ring(PolynomialRing):
 
 
 def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
-    """What a ring needs names for: symbols, j, exponentials and the powers of s that are not
-    whole."""
+    """The parts of expressions that a ring needs variables for: symbols, j, exponentials,
+    fractional powers of s, and roots of parameters and numbers."""
     waiting = [*expressions]
     while waiting:
         x = waiting.pop()
@@ -156,12 +161,13 @@ def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
 
 
 def _is_fractional(x: Expr) -> bool:
-    """Whether it is a power of s that is not whole."""
+    """Whether an expression is a power of s with an exponent that is no whole number."""
     return bool(x.is_Pow and x.base == s and not x.exp.is_Integer)
 
 
 def _is_root(x: Expr) -> bool:
-    """Whether it is a fractional power of a parameter or of a number."""
+    """Whether an expression is a fractional power of a parameter or of a whole number, not
+    negative."""
     is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
     return bool(is_known and x.exp.is_Rational and not x.exp.is_Integer)
 
@@ -173,11 +179,12 @@ def _independent(numbers: set[Integer]) -> set[Integer]:
     >>> sorted(_independent({Integer(6), Integer(10), Integer(7)}))
     [2, 3, 5, 7]
     """
-    found = {Integer(power[0]) if (power := perfect_power(x)) else x for x in numbers} - {1}
-    for x, y in combinations(found, 2):
+    factors = {Integer(power[0]) if (power := perfect_power(x)) else x for x in numbers} - {1}
+    # A common factor of two numbers takes its part out of both, so that this ends.
+    for x, y in combinations(factors, 2):
         if (common := gcd(x, y)) != 1:
-            return _independent(found - {x, y} | {common, x / common, y / common})
-    return found
+            return _independent(factors - {x, y} | {common, x / common, y / common})
+    return factors
 
 
 def _exponentials(expression: Expr) -> Expr:
@@ -195,16 +202,16 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
     rate = argument.coeff(s)
     if rate.has(s) or (argument - rate * s).expand() != 0:
         raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
-    found = {}
+    signs = {}
     for term in Add.make_args(-rate):
         number, rest = term.as_coeff_Mul()
-        found[abs(number) * rest] = 1 if number > 0 else -1
-    return found
+        signs[abs(number) * rest] = 1 if number > 0 else -1
+    return signs
 
 
 def _units(lags: set[Expr]) -> list[Expr]:
-    """Unit delays: of the rational multiples of one time, their greatest common divisor where that
-    is not too fine."""
+    """Unit delays: for the rational multiples of one time their greatest common divisor, where that
+    is not too fine; else these delays themselves."""
     classes: dict[Expr, list[Rational]] = {}
     for lag in lags:
         number, rest = lag.as_coeff_Mul()
@@ -219,6 +226,7 @@ def _units(lags: set[Expr]) -> list[Expr]:
 
 def _order(power: Expr) -> tuple[int, Expr, int]:
     """s^p as s^whole (s^order)^sign, with 0 < order < 1 where it is a number."""
+    # The whole part is rounded down, so that one variable s^(1/2) serves s^(1/2) and s^(-1/2).
     whole, order = power.exp.as_coeff_Add()
     if power.exp.is_Rational:
         whole = Integer(power.exp.p // power.exp.q)
@@ -262,6 +270,7 @@ def on_axis(dynamics: RationalFunction) -> Response:
     >>> response.real.expression(), response.imag.expression()
     (k - m*omega**2, 0)
     """
+    # (a + j b)/(c + j d), extended by the conjugate of the denominator.
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
     modulus = times(c, c) + times(d, d)
@@ -279,21 +288,25 @@ def squared_modulus(dynamics: RationalFunction) -> RealFunction:
 
 
 def _axis(dynamics: RationalFunction) -> Axis:
+    """The ring of real functions that a dynamics becomes on the imaginary axis."""
     ring = dynamics.ring
     assert isinstance(ring, Ring)
     return ring.axis
 
 
 def _lowest(function: RationalFunction) -> RationalFunction:
+    """A function of an axis in lowest terms."""
     axis = function.ring
     assert isinstance(axis, Axis)
+    # Circles 1 + tan^2 of several angles make a common divisor slow to find: they are tried first.
     return axis.reduced(function) if len(axis.angles) > 1 else function.reduced()
 
 
 def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial, Polynomial]:
-    """f^2/g in lowest terms, the two factors above the line and what stands below.
+    """f^2/g in lowest terms: two factors of the numerator, and the denominator.
 
-    A factor that f and g have is one of f, and perhaps once more of what is left of g.
+    Two greatest common divisors with f are enough, each much cheaper than one with f^2: a factor
+    that g shares with f^2 divides f, and what is left of it in g can divide only the other f.
     """
     one, other = f, f
     common = f.gcd(g)
@@ -309,8 +322,8 @@ def _square_over(f: Polynomial, g: Polynomial) -> tuple[Polynomial, Polynomial, 
 class RealFunction:
     """A real function of omega, in lowest terms as a quotient of polynomials of an ``Axis``.
 
-    ``above``, ``below`` : polynomials of which numerator and denominator are known to be products,
-    up to a number: to take these apart one by one is quicker.
+    ``above``, ``below`` : polynomials whose products numerator and denominator are known to be, up
+    to a number; empty where none are known. To factor them one by one is quicker.
     """
 
     function: RationalFunction
@@ -339,10 +352,10 @@ class RealFunction:
         f, g = self.function, other.function
         if g.is_zero:
             raise SceneError("division by zero")
+        # As f and g are in lowest terms, numerators cancel only with numerators, and denominators
+        # with denominators.
         *above, below = _square_over(f.numerator, g.numerator)
-        *right, left = _square_over(
-            f.denominator, g.denominator
-        )  # both are in lowest terms: no more can cancel
+        *right, left = _square_over(f.denominator, g.denominator)
         parts = (*above, left), (*right, below)
         return RealFunction(f.ring.function(*(reduce(mul, x) for x in parts)).monic(), *parts)
 
@@ -364,6 +377,7 @@ class RealFunction:
             _Derived.of(axis, f.numerator, self.above),
             _Derived.of(axis, f.denominator, self.below),
         )
+        # The quotient rule, but for all that is known to cancel (``_Derived``).
         core = top.change * axis.function(bottom.own) - bottom.change * axis.function(top.own)
         if core.is_zero:
             return RealFunction(axis.function(core.numerator))
@@ -376,10 +390,8 @@ class RealFunction:
         )
 
     def ball(self, x: Ball) -> Ball:
-        """A ball around the values at a ball of frequencies, at the current working precision; no
-        symbol may be left.
-
-        At omega = 0 around the limit.
+        """A ball around the values at a ball of frequencies, at the current working precision; at
+        omega = 0 exactly, around the limit. The function must hold no parameters.
         """
         ring = self.half_angled.ring
         values = {
@@ -387,16 +399,15 @@ class RealFunction:
             for g in ring.meanings
             if not g.is_Symbol or g == omega
         }
-        above, below = (self.axis.orders and x.is_zero() and self._beginning) or (
-            self.half_angled.numerator,
-            self.half_angled.denominator,
-        )
+        # With fractional powers of omega numerator and denominator may both vanish at 0.
+        beginning = self._beginning if self.axis.orders and x.is_zero() else None
+        above, below = beginning or (self.half_angled.numerator, self.half_angled.denominator)
         return ring.ball(above, values) / ring.ball(below, values)
 
     @cached_property
     def _beginning(self) -> tuple[Polynomial, Polynomial] | None:
-        """Both parts over the lowest power of omega in them, broken or not, at omega = 0; None
-        where orders are open."""
+        """Numerator and denominator, both divided by the lowest power of omega in either of them,
+        at omega = 0; None where an order alpha is a parameter."""
         ring = self.half_angled.ring
         weights = [
             x.as_base_exp()[1] if x.as_base_exp()[0] == omega else Integer(0) for x in ring.meanings
@@ -408,16 +419,16 @@ class RealFunction:
             for p in (self.half_angled.numerator, self.half_angled.denominator)
         ]
         least = min(x[0] for part in parts for x in part)
-        above, below = (
-            ring.context.from_dict(
-                {
-                    tuple(0 if w else n for n, w in zip(row, weights, strict=True)): c
-                    for x, row, c in part
-                    if x == least
-                }
-            )
-            for part in parts
-        )
+
+        def leading(part: list[tuple[Expr, tuple[int, ...], object]]) -> Polynomial:
+            # The terms of the lowest power, without their powers of omega.
+            terms = {}
+            for power, row, c in part:
+                if power == least:
+                    terms[tuple(0 if w else n for n, w in zip(row, weights, strict=True))] = c
+            return ring.context.from_dict(terms)
+
+        above, below = map(leading, parts)
         return above, below
 
     @cached_property

@@ -1,12 +1,13 @@
-"""Enclosures over an interval: Bernstein coefficients of polynomials, interpolation on circles of
-anything, in balls.
+"""Narrow enclosures of a function over an interval, in balls: by Bernstein coefficients of a
+polynomial, or by interpolation on a circle.
 
-A ball grows with each number that occurs twice in a formula; two forms stay as narrow as the
-function is smooth.
+Evaluated in ball arithmetic, a formula widens with each number that occurs twice in it (the
+dependency problem). Two forms stay as narrow as the function is smooth. Both are proven enclosures
+at any working precision, and not finite where the function cannot be bounded.
 
 *Bernstein.* A polynomial of degree n on [-r, r] lies between its least and its greatest coefficient
-in the basis of Bernstein's polynomials. A ``FunctionPiece`` is a function between two frequencies as such
-a polynomial: by Taylor's theorem its last coefficient is one over the whole piece.
+in the basis of Bernstein's polynomials. A ``FunctionPiece`` is a function between two frequencies
+as such a polynomial: by Taylor's theorem its last coefficient is one over the whole piece.
 
 *Circles.* A function f that is analytic for |q - m| <= R, and there differs by at most M from some
 number, has Taylor coefficients of at most M/R^k (Cauchy). The polynomial of degree < N that has its
@@ -38,9 +39,9 @@ def range_of(row: Sequence[Ball], reach: Sequence[Ball]) -> Ball:
     >>> range_of(balls, [arb(1), arb(2), arb(4)])     # 3 + h^2 for -2 <= h <= 2: by Bernstein not below -1
     [+/- 7.01]
     """
-    return reduce(
-        arb.union, _converted([c * power for c, power in zip(row, reach, strict=False)]).entries()
-    )
+    scaled = [c * power for c, power in zip(row, reach, strict=False)]
+    # Bernstein polynomials are >= 0 and add up to 1: the values are means of the coefficients.
+    return reduce(arb.union, _converted(scaled).entries())
 
 
 def bernstein_coefficients(row: Sequence[Ball], reach: Ball) -> arb_mat:
@@ -57,6 +58,7 @@ def bernstein_coefficients(row: Sequence[Ball], reach: Ball) -> arb_mat:
 
 
 def _converted(row: Sequence[Ball]) -> arb_mat:
+    """The Bernstein coefficients on [-1, 1] of a polynomial with these coefficients, ascending."""
     degree = len(row) - 1
     return _conversion(degree, flint.ctx.prec) * arb_mat(degree + 1, 1, row)
 
@@ -78,20 +80,22 @@ def _weight(degree: int, j: int, k: int) -> fmpq:
 
 
 Series: TypeAlias = Callable[[Ball, int, int], Sequence[Ball]]
-"""Balls around the Taylor coefficients of a function, of orders from one to before another, about
-every point of a ball."""
+"""series(x, start, stop) gives balls around the Taylor coefficients of a function about every point
+of the ball x, of orders start to stop - 1."""
 
-_ORDER = 8  # of the polynomial
+# Degree of a piece's polynomial: its remainder falls as the eighth power of the length of the
+# piece.
+_ORDER = 8
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class FunctionPiece:
-    """A function between ``low`` and ``high``: at each x in there it, and its slopes, are those of
-    one of the polynomials.
+    """A function between ``low`` and ``high``, enclosed in a family of polynomials.
 
-    Taylor's theorem: the last coefficient is one of those over the whole piece; which one may
-    change with x. ``row``: the coefficients between the exact numbers ``ends``, which enclose low
-    and high.
+    By Taylor's theorem value and slopes at each x are those of a polynomial whose last coefficient
+    is the function's Taylor coefficient at some place in the piece, which depends on x; its ball
+    covers all of them. ``row``: the Bernstein coefficients of the family between the exact numbers
+    ``ends``, which enclose low and high.
     """
 
     low: Ball
@@ -103,56 +107,61 @@ class FunctionPiece:
     def of(cls, series: Series, low: Ball, high: Ball) -> FunctionPiece:
         """A function with those Taylor coefficients between two exact numbers, at the current
         working precision."""
-        with flint.ctx.workprec(
-            flint.ctx.prec - 60
-        ):  # so that the ends of its parts are exact numbers too
+        # Middle and reach have so few bits that their sum and difference are exact at the working
+        # precision: the ends are numbers without radius, and pieces leave no gap between them.
+        with flint.ctx.workprec(flint.ctx.prec - 60):
             middle = ((low + high) / 2).mid()
         with flint.ctx.workprec(30):
             reach = (high - middle).max(middle - low).upper()
         ends = middle - reach, middle + reach
-        row = [*series(middle, 0, _ORDER), *series(ends[0].union(ends[1]), _ORDER, _ORDER + 1)]
+        whole = ends[0].union(ends[1])
+        row = [*series(middle, 0, _ORDER), *series(whole, _ORDER, _ORDER + 1)]
         return cls(low, high, ends, bernstein_coefficients(row, reach).entries())
 
     def sign(self, order: int = 0) -> int:
-        """The sign all over the piece, or that of the slope or the curvature; 0 where it does not
-        show."""
+        """The sign all over the piece of the function (order 0), its slope (1) or curvature (2): 1,
+        -1, or 0 where the enclosure does not show one."""
         row = self._differences(order)
         if row[0] > 0:
             return int(all(x > 0 for x in row))
         return -int(row[0] < 0 and all(x < 0 for x in row))
 
     def _differences(self, order: int) -> Sequence[Ball]:
-        """The coefficients of the slope, the curvature, ... up to numbers > 0."""
+        """The Bernstein coefficients of a derivative, up to a factor > 0: repeated differences."""
         row = self.row
         for _ in range(order):
             row = [b - a for a, b in pairwise(row)]
         return row
 
     def sign_at(self, end: int, order: int = 0) -> int:
-        """That at one of the ends, 0 for the low one and -1 for the high one; 0 where it does not
-        show."""
+        """The sign of the function or of a derivative at ``low`` (end 0) or ``high`` (end -1); 0
+        where it does not show."""
         row = self._differences(order)
-        found, beyond = row[end], self.ends[end] - (self.low, self.high)[end]
-        if not beyond.is_zero() and len(row) > 1:  # by the mean value theorem
-            steepest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row))) * (
-                len(row) - 1
-            )
-            found = found + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
-        return int(found > 0) - int(found < 0)
+        # The first and the last Bernstein coefficient are values at ``ends``. From there to low or
+        # high, a little further in, the value changes by at most the steepest slope times the way
+        # (mean value theorem); the slope is the degree times a difference over the length.
+        value, beyond = row[end], self.ends[end] - (self.low, self.high)[end]
+        if not beyond.is_zero() and len(row) > 1:
+            largest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row)))
+            steepest = largest * (len(row) - 1)
+            value = value + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
+        return int(value > 0) - int(value < 0)
 
 
-_EITHER = arb(0, 1)
+# The ranges over -1 <= x <= 1 of odd and of even powers of x.
+_EITHER, _EVEN = arb(0, 1), arb(0.5, 0.5)
 
-
-_POINTS, _WIDER = 10, 6  # on the circle, and R/r
+# Points on the circle, and R/r: what the polynomial is off by is (1/6)^10 < 2e-8 of the width of
+# the wide ball, for six evaluations, as half of the points are conjugate to the others.
+_POINTS, _WIDER = 10, 6
 _UNKNOWN = arb("nan")
 
 
 class LinearEnclosure(NamedTuple):
-    """All over a piece a function is at + slope x, -1 <= x <= 1: of ``at`` anything, of the slope
-    one number all over it.
+    """A function over -1 <= x <= 1, enclosed by a line: f(x) = a + slope x, with a anywhere in the
+    ball ``at``, which may differ from x to x, and with one slope for all x.
 
-    ``rate`` : all values of its derivative in x, where that is known.
+    ``rate`` : a ball around all values of df/dx; not a number where that is unknown.
     """
 
     at: Ball
@@ -161,17 +170,17 @@ class LinearEnclosure(NamedTuple):
 
     @property
     def ball(self) -> Ball:
-        """All of its values."""
+        """A ball around all values of the function."""
         return self.at + self.slope * _EITHER
 
 
 def over_circle(
     functions: Callable[[acb], Sequence[acb]], middle: Ball, radius: Ball
 ) -> list[LinearEnclosure]:
-    """The values for real q, |q - middle| <= radius, of functions that are real there and analytic
-    up to six times as far.
+    """Enclose functions over real q, |q - middle| <= radius, by lines in x = (q - middle)/radius.
 
-    Balls that are not finite where they are not.
+    The functions must be real for real q. Where one is not analytic within six times the radius,
+    its balls over the wide disc, and so the enclosure, are not finite.
 
     >>> [square] = over_circle(lambda q: [q * q - q], arb(1), arb("0.25"))  # from 3/4 - 3/16 to 5/4 + 5/16 by balls
     >>> round(float(square.ball.lower()), 4), round(float(square.ball.upper()), 4)
@@ -182,20 +191,30 @@ def over_circle(
     half = [
         functions(middle + radius * w) for w in _turns(_POINTS, flint.ctx.prec)[: _POINTS // 2 + 1]
     ]
-    rows = _interpolation(_POINTS, flint.ctx.prec) * acb_mat(half)
+    coefficients = _interpolation(_POINTS, flint.ctx.prec) * acb_mat(half)
     return [
-        _line(acb(own), [rows[k, j].real for k in range(_POINTS)]) for j, own in enumerate(around)
+        _line(acb(wide_ball), [coefficients[k, j].real for k in range(_POINTS)])
+        for j, wide_ball in enumerate(around)
     ]
 
 
 def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
-    """By the coefficients of the polynomial, and what the function is all around it."""
-    off = 2 * around.rad().upper() * (arb(1) / _WIDER) ** _POINTS * _WIDER / (_WIDER - 1)
-    bent = sum((x * (_EITHER if k % 2 else arb(0.5, 0.5)) for k, x in enumerate(row[2:])), row[0])
-    rate = sum((k * x * (_EITHER if k > 1 else 1) for k, x in enumerate(row[1:], 1)), arb(0))
-    # of f = sum a_m x^m, |a_m| <= M/R^m, m < n has a_m + a_(m + n) + ...: off by 2 sum_(m >= n) m
-    # M/R^m < (n + 1) off
-    return LinearEnclosure(bent + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
+    """The enclosure of one function, from the coefficients in x of its interpolating polynomial and
+    from a ball around all of its values in the wide disc."""
+    # The bound of the module's docstring: 2 M (r/R)^n/(1 - r/R), with M the radius of the wide
+    # ball.
+    wide = 2 * around.rad().upper()
+    off = wide * (arb(1) / _WIDER) ** _POINTS * _WIDER / (_WIDER - 1)
+    # The line keeps the linear term; all higher ones widen the place where it stands.
+    at = row[0]
+    for k, c in enumerate(row[2:]):
+        at = at + c * (_EITHER if k % 2 else _EVEN)
+    rate = arb(0)
+    for k, c in enumerate(row[1:], 1):
+        rate = rate + k * c * (_EITHER if k > 1 else 1)
+    # Of f = sum a_m x^m the polynomial has a_m + a_(m + n) + ... in place of a_m, m < n, and by
+    # Cauchy |a_m| <= M/R^m in units of r: slopes are off by 2 sum_(m >= n) m M/R^m < (n + 1) off.
+    return LinearEnclosure(at + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
 
 
 @lru_cache(maxsize=8)
@@ -207,9 +226,13 @@ def _turns(n: int, bits: int) -> list[acb]:
 
 @lru_cache(maxsize=8)
 def _interpolation(n: int, bits: int) -> acb_mat:
-    """From values on half of the circle, those on the other half being conjugate, to coefficients,
-    their real parts."""
+    """The matrix from values on the upper half of the circle to coefficients of the interpolating
+    polynomial, which are the real parts of the product.
+
+    The values on the lower half are conjugate to them, since the function is real for real q.
+    """
     turns, half = _turns(n, bits), n // 2
+    # A discrete Fourier transform; the points at 1 and -1 are their own conjugates and count once.
     with flint.ctx.workprec(bits):
         weights = [(1 if j in (0, half) else 2) / arb(n) for j in range(half + 1)]
         return acb_mat([[x * turns[-j * k % n] for j, x in enumerate(weights)] for k in range(n)])

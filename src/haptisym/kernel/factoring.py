@@ -1,9 +1,11 @@
-"""From real functions to irreducible factors.
+"""Real functions of omega taken apart into irreducible factors, whose zeros then are the zeros and
+poles of the functions.
 
-A function is factored over Q; denominators are mostly alike, so that factors known from before are
-tried first. In a ring the half-angle tangents of delays and the angle of a power of s are free of
-each other; where they are not, and a factor vanishes everywhere or is a multiple of another one,
-that is looked at here.
+A function is a quotient of polynomials over Q in omega, pi, half-angle tangents and powers of
+omega, and these are factored over Q. Denominators of one chart have most factors in common, so that
+factors known from before are tried first. To the ring all of its variables are independent of each
+other. The constant angles and the powers omega^alpha that s^alpha brings are not: with them a
+factor may vanish everywhere, which is decided here, too (``_factored``).
 """
 
 from __future__ import annotations
@@ -41,34 +43,31 @@ def pieces(
     longest: float,
     in_square: bool,
 ) -> tuple[int, Pieces]:
-    """The sign of a number and the irreducible factors of a product of polynomials, but for circles
-    1 + tan^2.
+    """The sign of the constant and the irreducible factors of a product of polynomials, without
+    factors 1 + tan^2, which are positive.
 
     ``known`` : irreducible polynomials that are tried first on parts of at most ``longest`` terms.
     """
-    sign, found = 1, Pieces()
+    sign, factors_found = 1, Pieces()
     for part in parts:
         apart, rest = axis.without_circles(part)[0], Pieces()
         if len(apart) <= longest:
             rest, apart = _divided(apart, known)
         number, factors = axis.factors(apart, in_square=in_square)
         sign *= 1 if number.p > 0 else -1
-        found += [*rest, *factors]
-    return sign, found
+        factors_found += [*rest, *factors]
+    return sign, factors_found
 
 
 def sign_between(polynomial: Polynomial, parts: Sequence[Polynomial]) -> int:
-    """The sign of the number by which a polynomial is the product of others."""
-    return (
-        1
-        if polynomial.leading_coefficient() * prod(x.leading_coefficient() for x in parts) > 0
-        else -1
-    )
+    """The sign of the constant c where a polynomial is c times the product of others."""
+    leading = polynomial.leading_coefficient() * prod(x.leading_coefficient() for x in parts)
+    return 1 if leading > 0 else -1
 
 
 def _divided(polynomial: Polynomial, known: Sequence[Polynomial]) -> tuple[Pieces, Polynomial]:
-    """The known factors of a polynomial, how often each is in it, and what is left."""
-    found, degrees = Pieces(), polynomial.degrees()
+    """The known factors that divide a polynomial, with their multiplicities, and the quotient."""
+    divisors, degrees = Pieces(), polynomial.degrees()
     for factor in known:
         if len(factor) > 1 and all(map(ge, degrees, factor.degrees())):
             often = 0
@@ -77,11 +76,12 @@ def _divided(polynomial: Polynomial, known: Sequence[Polynomial]) -> tuple[Piece
                 polynomial, often = quotient, often + 1
                 quotient, rest = divmod(polynomial, factor)
             if often:
-                found.append((factor, often))
-    return found, polynomial
+                divisors.append((factor, often))
+    return divisors, polynomial
 
 
-_SHORT = 16  # terms of a polynomial above the line for which known factors are tried first
+# Known factors are tried on numerators of at most so many terms; on denominators always.
+_SHORT = 16
 
 Factored: TypeAlias = tuple[int, Expr, list[tuple[Factor, int]]]
 
@@ -97,8 +97,8 @@ class Product:
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """What has been taken apart for one chart: denominators are mostly alike, or products of
-    others' factors."""
+    """The polynomials and factors that were found for one chart, to be tried again: denominators
+    are mostly equal, or products of the same factors."""
 
     polynomials: list[tuple[Polynomial, Factored]] = field(default_factory=list)
     factors: list[tuple[Polynomial, Factor]] = field(default_factory=list)
@@ -116,9 +116,9 @@ def factored_function(function: RealFunction, known: Known, *, in_square: bool =
         return Product(0, Integer(0), {})
     sign, power, exponents = 1, Integer(0), Counter[Factor]()
     for polynomial, parts, direction in ((top, function.above, 1), (bottom, function.below, -1)):
-        found = next((taken for other, taken in known.polynomials if other == polynomial), None)
-        if found is None:
-            found = _factored(
+        factored = next((taken for other, taken in known.polynomials if other == polynomial), None)
+        if factored is None:
+            factored = _factored(
                 polynomial,
                 parts or (polynomial,),
                 function.axis,
@@ -126,8 +126,9 @@ def factored_function(function: RealFunction, known: Known, *, in_square: bool =
                 in_square=in_square,
                 is_below=direction < 0,
             )
-            known.polynomials.append((polynomial, found))
-        own_sign, own_power, factors = found
+            known.polynomials.append((polynomial, factored))
+        own_sign, own_power, factors = factored
+        # Zero at every frequency, although it is no zero polynomial.
         if own_sign == 0 and direction < 0:
             raise SceneError("division by zero")
         sign *= own_sign
@@ -139,7 +140,7 @@ def factored_function(function: RealFunction, known: Known, *, in_square: bool =
 
 
 def is_even_or_odd(function: RealFunction) -> bool:
-    """Whether above and below the line there are even powers of omega alone, or odd ones alone."""
+    """Whether numerator and denominator each hold only even, or only odd powers of omega."""
     f = function.function
     return all(int(p.deflation_index()[0][0]) % 2 == 0 for p in (f.numerator, f.denominator))
 
@@ -164,38 +165,43 @@ def _factored(
     if plain is not None and not axis.functions:
         own_sign, lowest, simple = polynomial_factors(plain, in_square=in_square)
         return own_sign, Integer(lowest), [*simple]
-    # where sines meet odd powers of omega not all functions are even
+    # Where sines meet odd powers of omega not all functions are even.
     in_square = in_square and not axis.functions
     tried = [factor for factor, _ in known.factors] if axis.functions else []
-    sign, own = pieces(parts, axis, tried, longest=inf if is_below else _SHORT, in_square=in_square)
+    sign, irreducible = pieces(
+        parts, axis, tried, longest=inf if is_below else _SHORT, in_square=in_square
+    )
     sign *= sign_between(polynomial, parts)
-    power, found = Integer(0), list[tuple[Factor, int]]()
-    for factor, exponent in own:
+    power, kept_factors = Integer(0), list[tuple[Factor, int]]()
+    for factor, exponent in irreducible:
         exponents = _power_of_omega(factor, axis)
         if exponents is not None:
             power += exponent * exponents
             continue
         made = next((made for other, made in known.factors if other == factor), None)
         if made is None:
-            made = (_analytic_factor if any(factor.degrees()[axis.size :]) else _polynomial_factor)(
-                factor, axis
-            )
+            is_analytic = any(factor.degrees()[axis.size :])
+            made = (_analytic_factor if is_analytic else _polynomial_factor)(factor, axis)
             if _seems_to_vanish(made, axis) and vanishes(factor, axis):
                 return 0, Integer(0), []
             known.factors.append((factor, made))
+        # A number, of pi and constant angles: it has a sign, and no zero.
         if not _changes(factor, axis):
             sign *= made.sign_at(lambda _: arb(1)) ** exponent
         else:
-            found.append((made, exponent))
+            kept_factors.append((made, exponent))
+    # Factors are homogeneous in cosine and sine: a polynomial of degree n in tan(a/2) is such a
+    # form over cos(a/2)^n.
     cosines = [(_cosine(axis, i), -n) for i, n in enumerate(_turning(polynomial, axis)) if n]
-    return sign, power, [*found, *cosines]
+    return sign, power, [*kept_factors, *cosines]
 
 
 def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
-    """Whether it may be zero at every frequency, as far as one of them tells: rational powers of
-    omega may cancel."""
+    """Whether a factor may be zero at every frequency, as rational powers of omega and constant
+    angles may cancel: a quick test before ``vanishes``, which is dear. True proves nothing."""
     if not axis.orders or not all(x.is_Rational for x in axis.orders):
         return False
+    # Any frequency would do for a sign that is not 0.
     with flint.ctx.workprec(128):
         shown = isinstance(factor, AnalyticFactor) and factor.shows_itself
         return not shown and not is_clear(factor.value(arb(1.25)))
@@ -227,12 +233,13 @@ def _changes(factor: Polynomial, axis: Axis) -> bool:
 
 
 def _turning(polynomial: Polynomial, axis: Axis) -> list[int]:
-    """The degree in the half-angle tangent of each angle, 0 for the constant ones."""
+    """The degree of a polynomial in the half-angle tangent of each angle; 0 for constant angles."""
     degrees = [int(n) for n in polynomial.degrees()[axis.size :]]
     return [0 if angle.constant else n for angle, n in zip(axis.angles, degrees, strict=False)]
 
 
 def _polynomial_factor(factor: Polynomial, _: Axis) -> PolynomialFactor:
+    """A polynomial in omega and pi as a factor, in omega^2 where it is even."""
     rows = _rows([(index(e[0]), index(e[1]), index(c.p)) for e, c in monomials(factor)])
     even = not any(any(row) for row in rows[1::2])
     return PolynomialFactor(rows[::2] if even else rows, 2 if even else 1)
@@ -240,7 +247,8 @@ def _polynomial_factor(factor: Polynomial, _: Axis) -> PolynomialFactor:
 
 def _rows(terms: Sequence[tuple[int, int, int]]) -> tuple[tuple[int, ...], ...]:
     """Coefficients of ascending powers of omega, each as the coefficients of ascending powers of
-    pi; given are both powers."""
+    pi, from terms (power of omega, power of pi, coefficient)."""
+    # Mostly there is no pi, and one term for each power of omega: that is done without lists.
     rows: list[tuple[int, ...]] = [_NONE] * (max(terms)[0] + 1)
     for power, of_pi, value in terms:
         if of_pi or rows[power] is not _NONE:
@@ -255,28 +263,31 @@ _NONE = (0,)
 
 
 def _analytic_factor(factor: Polynomial, axis: Axis) -> AnalyticFactor:
+    """A polynomial in omega, pi, half-angle tangents and powers of omega as a factor, homogeneous
+    in cosine and sine of each half angle."""
     angles, first = len(axis.angles), axis.size
     groups: dict[tuple[int, ...], list[tuple[int, int, int]]] = {}
     tick()
+    # FLINT's irreducible factors have whole coefficients: ``value.q`` is 1.
     for exponents, value in monomials(factor):
-        groups.setdefault(exponents[first:], []).append(
-            (index(exponents[0]), index(exponents[1]), index(value.p))
-        )
-    sums = sorted([(tuple(map(index, waves)), _rows(found)) for waves, found in groups.items()])
+        term = index(exponents[0]), index(exponents[1]), index(value.p)
+        groups.setdefault(exponents[first:], []).append(term)
+    # Sorted, so that equal factors are equal values, whatever way they were found.
+    sums = sorted([(tuple(map(index, waves)), _rows(group)) for waves, group in groups.items()])
     terms = tuple([WaveTerm(waves[:angles], waves[angles:], rows) for waves, rows in sums])
-    return _made(terms, tuple(map(int, factor.degrees()[first : first + angles])), axis)
+    degrees = tuple(map(int, factor.degrees()[first : first + angles]))
+    return _made(terms, degrees, axis)
 
 
 def _cosine(axis: Axis, index: int) -> AnalyticFactor:
     """The cosine of a half angle, which homogeneous forms of different degrees leave behind."""
     degrees = tuple(int(i == index) for i in range(len(axis.angles)))
-    return _made(
-        (WaveTerm((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),)),), degrees, axis
-    )
+    one = WaveTerm((0,) * len(axis.angles), (0,) * len(axis.orders), ((1,),))
+    return _made((one,), degrees, axis)
 
 
 def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> AnalyticFactor:
-    """The factor; angles that it does not hold are none of its."""
+    """The factor with these terms, without the angles in which its degree is 0."""
     angles = list(compress(axis.angles, degrees))
     shorter = terms
     if len(angles) < len(degrees):

@@ -1,9 +1,10 @@
-"""The irreducible factors of real functions of omega: polynomials, and what delays and powers of
-omega bring.
+"""The two kinds of irreducible factors of real functions of omega: polynomials, and sums with
+sines, cosines and powers of omega, as delays and powers s^alpha bring them.
 
 A ``PolynomialFactor`` in omega^2 (or omega) has coefficients in Z[pi]; Descartes' rule isolates its
 roots. An ``AnalyticFactor`` holds sines, cosines or powers of omega: its zeros are found by
-subdivision, as it has all Taylor coefficients.
+subdivision, as it has all Taylor coefficients. Zeros of a polynomial are always all found; an
+analytic factor may have tangencies that stay undecided, and gives them as such.
 """
 
 from __future__ import annotations
@@ -79,29 +80,31 @@ class PolynomialFactor(SmoothFactor):
 
     @property
     def degree(self) -> int:
-        """That of the factor itself, without its multiplicity."""
+        """The degree in omega^step."""
         return len(self.coefficients) - 1
 
     def value(self, x: Ball) -> Ball:
         return _at_precision(self, flint.ctx.prec)[0](x**self.step)
 
     def series(self, x: Ball, start: int, stop: int) -> list[Ball]:
-        return [
-            (self.value, self._slope)[n](x) for n in range(start, stop)
-        ]  # all that a simple zero asks for
+        # Value and slope, orders 0 and 1, are all that Newton's method for a simple zero asks for.
+        return [(self.value, self._slope)[n](x) for n in range(start, stop)]
 
     def _slope(self, x: Ball) -> Ball:
-        return (
-            _at_precision(self, flint.ctx.prec)[1](x**self.step) * self.step * x ** (self.step - 1)
-        )
+        """A ball around df/d omega, by the chain rule."""
+        derivative = _at_precision(self, flint.ctx.prec)[1]
+        return derivative(x**self.step) * self.step * x ** (self.step - 1)
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         if not self.is_rational:
             return 0
+        # Descartes' rule: without a change of sign there is no zero between the ends. The first
+        # coefficient is the value at the high end, the last one that at the low end.
         moved = self._moved(*(x.fmpq() for x in around(low, high)))
         signs = {c > 0 for c in moved if c}
-        # the first coefficient belongs to the high end, the last to the low end
-        return 0 if len(signs) > 1 or not moved[0] or not moved[-1] else 1 if signs.pop() else -1
+        if len(signs) > 1 or not moved[0] or not moved[-1]:
+            return 0
+        return 1 if signs.pop() else -1
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         if self.is_rational and self.degree > 1:
@@ -112,11 +115,11 @@ class PolynomialFactor(SmoothFactor):
         return list(self.positive_roots())
 
     def _apart(self, low: Ball, high: Ball) -> Iterator[tuple[fmpq, fmpq]]:
-        """Intervals with dyadic ends in ascending order, each with one zero in it: Descartes' bound
-        tells, or half of it does.
+        """Intervals with dyadic ends, ascending, each with exactly one zero in it: bisection until
+        Descartes' rule gives 0 or 1 (the method of Vincent, Collins and Akritas).
 
-        As an irreducible polynomial has none but simple roots, and none that is rational unless it
-        is linear, this ends.
+        As an irreducible polynomial has only simple roots, and no rational ones unless it is
+        linear, this ends, and no zero is ever at a cut.
         """
         waiting = Waiting([(low.fmpq(), high.fmpq())])
         for a, b in waiting:
@@ -133,16 +136,16 @@ class PolynomialFactor(SmoothFactor):
         return [Root(self, i) for i in range(len(_roots(self, 128)))]
 
     def _moved(self, low: fmpq, high: fmpq) -> list[fmpz]:
-        """Coefficients of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), times a number > 0; t >
-        0 is what is in between."""
+        """The coefficients in t of p(x) (1 + t)^n at x = low + (high - low)/(1 + t), times a number
+        > 0: t > 0 are the values between low and high."""
         start, end = low**self.step, high**self.step
         moved = fmpq_poly([c for (c,) in self.coefficients])(fmpq_poly([start, end - start]))
         turned: fmpz_poly = fmpz_poly(moved.numer().coeffs()[::-1])(_ONE_MORE)
         return [turned[n] for n in range(self.degree + 1)]
 
     def order_at(self, place: Expr) -> int:
-        # only a linear factor vanishes at a number rational in pi, and none does at 0: powers of
-        # omega are apart
+        # Only a linear factor vanishes at a number rational in pi; and none does at 0, as powers of
+        # omega are kept apart.
         if self.degree > 1 or place == 0:
             return 0
         if self.is_rational and place.is_Rational:
@@ -156,14 +159,15 @@ class PolynomialFactor(SmoothFactor):
         return int((low * square.denominator + high * square.numerator).is_zero())
 
     def isolated(self, bits: int) -> tuple[Ball, ...] | None:
-        """Balls around all positive roots, ascending; None if that takes more precision than the
-        current one."""
+        """Balls around all positive roots in omega^step, ascending; None if the current precision
+        is not enough to isolate them."""
         if self.degree == 1:
             low, high = (fmpz_poly(list(c))(arb.pi()) for c in self.coefficients)
             return _positive([-low / high])
         if self.is_rational:
             if len({c[0] > 0 for c in self.coefficients if c[0]}) == 1:
                 return ()  # Descartes: without a change of sign there is no positive root
+            # Of whole coefficients FLINT knows which roots are real, exactly.
             every = fmpz_poly([c[0] for c in self.coefficients]).complex_roots()
             return _positive([root.real for root, _ in every if root.imag.is_zero()])
         try:
@@ -195,18 +199,19 @@ class Root(RealNumber):
 def polynomial_factors(
     coefficients: list[fmpq], *, in_square: bool = True
 ) -> tuple[int, int, list[tuple[PolynomialFactor, int]]]:
-    """Sign, power of omega and irreducible factors of a polynomial in omega, given ascending: in
-    omega^2 where it is even."""
+    """Sign, power of omega and irreducible factors, each with its multiplicity, of a polynomial in
+    omega with these coefficients, ascending: factors in omega^2 where it is even and ``in_square``.
+    """
     lowest = next(n for n, c in enumerate(coefficients) if c)
     rest, step = coefficients[lowest:], 1
     if in_square and not any(rest[1::2]):
         rest, step = rest[::2], 2
     number, factors = fmpq_poly(rest).factor()
-    found = [
+    multiplicities = [
         (PolynomialFactor(tuple((int(c),) for c in f.numer().coeffs()), step), n)
         for f, n in factors
     ]
-    return (1 if number > 0 else -1), lowest, found
+    return (1 if number > 0 else -1), lowest, multiplicities
 
 
 @lru_cache(maxsize=1024)
@@ -228,15 +233,16 @@ def _roots(factor: PolynomialFactor, bits: int) -> tuple[Ball, ...]:
     """Balls around all positive roots in omega^step, ascending, computed with at least that many
     bits."""
     tick()
-    found = at_rising_precision(factor.isolated, bits, SURE_BITS)
-    if found is None:
+    roots = at_rising_precision(factor.isolated, bits, SURE_BITS)
+    if roots is None:
         raise UndecidedError("whether two roots of a polynomial are equal")
-    return found
+    return roots
 
 
 def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
-    """Of isolated roots of a real polynomial, the real ones: those whose mirror image meets no
-    other root."""
+    """The real ones among isolated roots of a real polynomial."""
+    # Roots come in conjugate pairs. A ball whose mirror image meets no other ball holds a root that
+    # is its own conjugate.
     roots = list(isolated)
     alone = [
         z
@@ -251,12 +257,11 @@ def _real_ones(isolated: Iterable[Ball]) -> list[Ball]:
 
 
 def _positive(roots: Iterable[Ball]) -> tuple[Ball, ...] | None:
-    """The positive ones in order; None if two of them, or one and zero, cannot be told apart at
-    this precision."""
+    """The positive roots in order; None if two balls overlap, or one holds zero."""
     ordered = sorted(roots, key=lambda ball: ball.mid())
-    if not all(is_clear(ball) for ball in ordered) or any(
-        a.overlaps(b) for a, b in pairwise(ordered)
-    ):
+    if not all(is_clear(ball) for ball in ordered):
+        return None
+    if any(a.overlaps(b) for a, b in pairwise(ordered)):
         return None
     return tuple(ball for ball in ordered if ball > 0)
 
@@ -270,8 +275,12 @@ class AnalyticFactor(WaveSum, SeriesFactor):
             box = arb.union(*ends)
             if not self.orders:
                 return 0 if low == 0 and self.begins_with_zero else sign_of(self.value(box))
+            # With a power of omega in every term it vanishes at omega = 0.
             if low == 0 and not any(not any(term.powers) for term in self.terms):
-                return 0  # at omega = 0
+                return 0
+            # Powers of omega are positive: where the cofactors of all of them have one sign, the
+            # sum has it. Two signs of cofactors at any place end the search before ``ranges``,
+            # which is dear.
             seen = set[int]()
             for place in (((ends[0] + ends[1]) / 2).mid(), box, *ends):
                 signs = set(map(sign_of, self.parts(place)))
@@ -279,7 +288,7 @@ class AnalyticFactor(WaveSum, SeriesFactor):
                     return signs.pop()
                 seen |= signs
                 if {1, -1} <= seen:
-                    return 0  # there is none all over
+                    return 0
             every = {sign_of(x) for x in self.ranges(box).values()}
             return every.pop() if len(every) == 1 else 0
 
@@ -296,12 +305,13 @@ class AnalyticFactor(WaveSum, SeriesFactor):
         )
 
     def _edge(self, place: Expr, first: Ball, *, above: bool) -> Ball:
-        """A dyadic number where a search may start or stop, with no zero between it and the place
-        but at the place itself."""
+        """A dyadic number where a search may start or stop, such that there is no zero between it
+        and an end of the band, other than at the end itself."""
         if place == 0 and self.orders:
             return clear_of_zero(self, first)
+        # Even functions have slope 0 at omega = 0, where no piece would be monotone.
         order = self.order_at(place)
-        if order or place == 0:  # even functions have slope 0 at 0: keep away from it
+        if order or place == 0:
             return clear_of(self, place, order, first, above=above)
         with flint.ctx.workprec(128):
             ball = expression_ball(place)
@@ -316,12 +326,15 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
 @lru_cache(maxsize=1024)
 def _shown_sign(factor: AnalyticFactor, place: Expr) -> int:
+    """The sign at an exact number if 128 bits show it, else 0."""
     with flint.ctx.workprec(128):
         return sign_of(factor.value(expression_ball(place)))
 
 
 @lru_cache(maxsize=1024)
 def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
+    """The order of the zero at an exact number, by the quickest way that decides it; UndecidedError
+    where none does."""
     if place == 0 and factor.orders:
         return leading_term(factor).exponent
     if place == 0 and not any(constant for _, constant in factor.rates):
@@ -334,6 +347,7 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if factor.orders:
         return _order_with_powers(factor, place)
     exact = exact_waves(factor, place)
+    # Where no exact value is known only a sign can decide, which proves that there is no zero.
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
         return 0
@@ -341,8 +355,10 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
 
 
 def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
-    """Away from 0: all Taylor coefficients vanish that vanish in every part; the next one must
-    not."""
+    """The order of a zero away from omega = 0 of a factor with powers of omega; UndecidedError
+    where cofactors that are not zero may cancel."""
+    # Taylor coefficients vanish below the least order of all cofactors. If the next one is clear of
+    # 0, that is the order.
     parts = by_powers(factor).values()
     least = min(AnalyticFactor(p.terms, p.rates, p.degrees, ()).order_at(place) for p in parts)
     with flint.ctx.workprec(MOST_BITS):
@@ -354,12 +370,13 @@ def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
 def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
     """The order of the zero at a place where the waves are known exactly: the first derivative that
     is not zero there."""
-    for order, found in zip(
+    for order, coefficient in zip(
         range(_HIGHEST_ORDER), taylor_coefficients(factor, place, waves), strict=False
     ):
-        if not found.is_zero:
+        if not coefficient.is_zero:
             return order
     raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
 
 
+# Taylor coefficients that are tried before the order of a zero is given up.
 _HIGHEST_ORDER = 200

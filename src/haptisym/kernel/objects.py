@@ -1,5 +1,5 @@
-"""What every value can do: show itself in a line, as a formula or as a table, and be copied
-exactly.
+"""The base of all values: they show themselves in a line, as a formula or as a table, and can be
+copied exactly, also to another process.
 
 In a session a value is one short line; in a notebook it is the formula, table or sentence that it
 is. FLINT's numbers have no pickles of their own: balls, polynomials and their contexts are packed
@@ -45,7 +45,7 @@ class Viewed:
         return self._view("html")
 
     def _view(self, language: str) -> str | None:
-        """None where that language has nothing for such a value."""
+        """The text of the value in a language of notebooks; None where its kind has none."""
         from pkgutil import resolve_name
 
         found: str | None = resolve_name(f"{_NOTEBOOK}:as_{language}")(self)
@@ -100,13 +100,13 @@ def packed(thing: object) -> bytes:
 
 
 def unpacked(found: bytes) -> Any:
-    """What was packed."""
+    """A copy of the object that was packed."""
     return pickle.loads(found)
 
 
 def copied(thing: Any) -> tuple[Any, ...]:
-    """As ``__reduce__`` of a class: pools of processes and files on disk take its values, and a
-    copy asks nothing again."""
+    """The ``__reduce__`` of a class whose values go to other processes and files: a copy has the
+    same attributes, and its ``__init__`` is not run again."""
     if not hasattr(thing, "__dict__"):  # as of a dataclass with slots
         return object.__new__, (type(thing),), thing.__getstate__()
     items = tuple(thing) if isinstance(thing, tuple) else None
@@ -121,7 +121,7 @@ def _restored(kind: type, content: bytes) -> Any:
 
 
 def state(thing: object) -> dict[str, Any]:
-    """The attributes of an object, but for what it keeps of what was computed from them."""
+    """The attributes of an object, without cached properties, which can be computed from them."""
     kept = {
         k for c in type(thing).__mro__ for k, v in vars(c).items() if isinstance(v, cached_property)
     }
@@ -136,12 +136,15 @@ def made(kind: type, items: tuple[Any, ...] | None) -> Any:
 class _Pickler(pickle.Pickler):
     def reducer_override(self, thing: Any) -> Any:
         kind = type(thing)
+        # FLINT's values have no pickles; values of this package are made again from their
+        # attributes, in the same stream, in place of ``copied``, which would pack each of them by
+        # itself. Classes that define another way keep it.
         if kind in _PARTS:
             return _again, (kind, _PARTS[kind](thing))
-        own = (
+        reducers = (
             vars(c).get(name) for c in kind.__mro__[:-1] for name in ("__reduce__", "__reduce_ex__")
         )
-        is_special = any(x not in (None, copied) for x in own)
+        is_special = any(x not in (None, copied) for x in reducers)
         if (
             not is_special
             and kind.__module__.startswith("haptisym.")
@@ -152,7 +155,7 @@ class _Pickler(pickle.Pickler):
 
 
 def _exact(x: arb) -> Any:
-    """The middle of a ball: mantissa and power of 2, or a word."""
+    """A number without radius: mantissa and power of 2, or the name of one that is not finite."""
     if x.is_finite():
         return x.man_exp()
     return "nan" if x.is_nan() else "inf" if x > 0 else "-inf"
@@ -168,7 +171,7 @@ _PARTS: dict[type, Any] = {
     fmpq_mpoly_ctx: lambda c: (c.names(), c.ordering().name),
     fmpq_mpoly: lambda p: (p.context(), p.to_dict()),
 }
-"""From what they are made again."""
+"""For each kind of FLINT's values the parts from which ``_again`` makes an equal one."""
 
 
 def _again(kind: type, parts: tuple[Any, ...]) -> Any:

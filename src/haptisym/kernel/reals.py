@@ -1,8 +1,8 @@
-"""Real numbers that know themselves to any precision, and the digits that are known of them.
+"""Real numbers that can be enclosed in balls of any precision, and their proven digits.
 
-A question about a number is asked in balls of twice as many bits until it has an answer, up to a
-limit of bits. From a ball come the nearest float, digits of which each is proven, ends that are
-rounded outward, and the simplest rational number in between.
+A question about a number is asked in balls of twice as many bits until it is decided, up to a limit
+of bits (``at_rising_precision``). From a ball come the nearest float, digits each of which is
+proven, ends that are rounded outward, and the simplest rational number between two numbers.
 """
 
 from __future__ import annotations
@@ -42,6 +42,7 @@ def whole(
       ...
     haptisym.kernel.errors.SceneError: every: 0 must be a whole number from 1 to 100
     """
+    # To Python True is the number 1; here it is no count.
     try:
         number = None if isinstance(given, bool) else index(given)
     except TypeError:
@@ -58,8 +59,8 @@ def bits_for(count: int) -> int:
 
 
 def rounded(low: Fraction, high: Fraction, count: int) -> str | None:
-    """What all numbers between two bounds are, rounded to ``count`` significant decimal digits;
-    None if that differs.
+    """The text to which all numbers between two bounds round, with ``count`` significant decimal
+    digits; None if they do not round to the same.
 
     >>> rounded(Fraction(1, 8), Fraction(129, 1024), 2), rounded(Fraction(1, 8), Fraction(1, 7), 2)
     (None, None)
@@ -94,11 +95,11 @@ def _plain(x: Decimal, count: int | None = None) -> str:
 T = TypeVar("T")
 
 MOST_BITS = 1 << 13
-"""Where a question that may have no answer is given up as undecided: whether a number or an
-analytic function is 0."""
+"""The precision at which a question is given up as undecided that balls may never decide: whether a
+number, or an analytic function, is 0."""
 SURE_BITS = 1 << 20
-"""Where a question that has an answer for certain is: algebraic numbers always show that they
-differ; it bounds our mistakes."""
+"""The same for a question that balls do decide at some precision, as algebraic numbers that differ
+show it at last. It is never reached but by a mistake in the program."""
 
 
 def at_rising_precision(
@@ -110,6 +111,7 @@ def at_rising_precision(
     >>> at_rising_precision(lambda bits: None if bits < 1000 else bits)
     1024
     """
+    # Doubled, the rounds in vain take together no longer than the last one.
     bits = first
     while bits <= most:
         with flint.ctx.workprec(bits):
@@ -122,11 +124,11 @@ def at_rising_precision(
 
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
-_FEW_BITS = 128  # with which a number is shown to lie between others, or is not
+_FEW_BITS = 128  # in ``_is_between``, which may miss a number that lies very near to an end
 
 
 class RealNumber(Viewed, ABC):
-    """A real number that can be enclosed as tightly as asked for.
+    """A real number that can be enclosed to any precision.
 
     ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is
     a proven interval.
@@ -140,7 +142,7 @@ class RealNumber(Viewed, ABC):
         """A ball (flint ``arb``) that contains the number, computed with about that many bits."""
 
     def rough(self) -> Ball:
-        """A ball that contains the number, as tight as is had for nothing."""
+        """A ball that contains the number, as tight as is known without further work."""
         return self.ball(64)
 
     def __repr__(self) -> str:
@@ -151,8 +153,8 @@ class RealNumber(Viewed, ABC):
             return "[{}, {}]".format(*self.enclosure(5))
 
     def tight_ball(self, bits: int) -> Ball:
-        """A ball that contains the number, with that relative accuracy in bits (or exact, as for
-        zero)."""
+        """A ball that contains the number, with that relative accuracy in bits, or exact, as for
+        zero."""
 
         def tight(working: int) -> Ball | None:
             ball = self.ball(working)
@@ -170,17 +172,18 @@ class RealNumber(Viewed, ABC):
         return bounds(self.tight_ball(bits))
 
     def __float__(self) -> float:
+        """The nearest double: both ends of a ball round to it."""
         with flint.ctx.workprec(128):
             ball = self.tight_ball(60)
             ends = float(ball.lower()), float(ball.upper())
         if ends[0] == ends[1] and isfinite(ends[0]):
             return ends[0]
+        # Fractions round correctly everywhere, also near the ends of the range of doubles. Beyond
+        # 2000 bits it is a tie between two doubles, both of which are nearest.
         bits = 240
         while True:
             low, high = self.bounds(bits)
-            if (
-                float(low) == float(high) or bits > 2000
-            ):  # beyond that a tie between two doubles: any is nearest
+            if float(low) == float(high) or bits > 2000:
                 return float(low)
             bits *= 4
 
@@ -193,7 +196,8 @@ class RealNumber(Viewed, ABC):
         bits = bits_for(count := whole("digits", count))
         while True:
             low, high = self.bounds(bits)
-            # beyond that many digits more it is a tie
+            # Where so many digits more do not decide, the number is a tie: half way between two
+            # texts.
             text = rounded(low, low if bits > 4 * (count + 200) else high, count)
             if text is not None:
                 return text
@@ -250,7 +254,7 @@ _FUNCTIONS: dict[Any, Callable[[Ball], Ball]] = {
 
 
 def is_in_pi(value: Expr) -> bool:
-    """Whether it is made of rational numbers and pi by + - * / and whole powers."""
+    """Whether an expression is made of rational numbers and pi by + - * / and whole powers."""
     if value.is_Pow:
         return bool(value.exp.is_Integer) and is_in_pi(value.base)
     if value.is_Add or value.is_Mul:
@@ -272,11 +276,13 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
         return arb.pi()
     if value.is_Add or value.is_Mul:
         return reduce(add if value.is_Add else mul, (expression_ball(x, known) for x in value.args))
+    # A whole power is a product, and allows a negative base; any other one needs a logarithm, which
+    # 0 has not.
     if isinstance(value, Pow) and isinstance(value.exp, Integer):
         return expression_ball(value.base, known) ** int(value.exp)
     if isinstance(value, Pow):
         base = expression_ball(value.base, known)
-        if base.is_zero() and value.exp.is_positive:  # where the logarithm ends
+        if base.is_zero() and value.exp.is_positive:
             return base
         return (base.log() * expression_ball(value.exp, known)).exp()
     if value.func in _FUNCTIONS:
@@ -288,7 +294,7 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
 
 
 def short(x: RealNumber, digits: int = 5) -> str:
-    """So many digits, without zeros at their end: as a sentence takes them.
+    """A number with so many digits, without zeros at their end, for use in a sentence.
 
     >>> short(ExactNumber(Rational(5, 2))), short(ExactNumber(pi))
     ('2.5', '3.1416')
@@ -310,11 +316,11 @@ Printable: TypeAlias = "RealNumber | Fraction | Expr | float"
 
 
 def printed(x: Printable, digits: int, way: Way) -> str:
-    """A number as it is printed: so many significant digits, rounded once, from all that is known
-    of it.
+    """A number as it is printed: with so many significant digits, rounded once, from the full
+    number.
 
-    What needs no more digits is printed as it is. ``DOWN``: not larger than the number, ``UP``: not
-    less; proven.
+    A number that needs no more digits is printed exactly. ``DOWN``: not larger than the number,
+    ``UP``: not less; proven.
 
     >>> printed(ExactNumber(pi), 4, Way.DOWN), printed(ExactNumber(pi), 4, Way.UP), printed(2.5, 4, Way.UP)
     ('3.141', '3.142', '2.5')
@@ -325,7 +331,8 @@ def printed(x: Printable, digits: int, way: Way) -> str:
         return "undefined" if isnan(x) else "-infinity" if x < 0 else "infinity"
     if isinstance(x, Expr):
         x = ExactNumber(x)
-    if isinstance(x, float | int):  # a float stands for its shortest decimal text
+    # A float stands for its shortest decimal text: 0.1 is one tenth.
+    if isinstance(x, float | int):
         x = Fraction(repr(float(x)) if isinstance(x, float) else x)
     if isinstance(x, ExactNumber) and x.value.is_Rational:
         x = Fraction(int(x.value.p), int(x.value.q))
@@ -333,6 +340,8 @@ def printed(x: Printable, digits: int, way: Way) -> str:
         return _readable(_decimal(x, Context(prec=digits, rounding=way.value)), digits, x)
     if way is Way.NEAREST:
         return _readable(Decimal(x.digits(digits)), digits)
+    # A number at a short decimal (a maximum at 3.6) may not be known to be exactly that. If its
+    # enclosure is still around the decimal with ``_SAME`` bits, it is printed so, not rounded away.
     low, high = x.bounds(bits_for(digits + 3))
     nearest = _decimal(low, Context(prec=digits))
     if low <= Fraction(nearest) <= high:
@@ -345,7 +354,8 @@ def printed(x: Printable, digits: int, way: Way) -> str:
 
 
 def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
-    """Positional where that is readable; zeros at the end only where digits were cut off."""
+    """Positional notation where that is readable, else with an exponent; zeros at the end only
+    where digits were cut off, that is, where ``exact`` is another number."""
     if x.is_zero():
         return "0"
     if exact == Fraction(x) and _SMALLEST <= x.adjusted() < max(_LARGEST, digits):
@@ -360,8 +370,8 @@ def _readable(x: Decimal, digits: int, exact: Fraction | None = None) -> str:
 
 
 _SAME = 200
-"""Bits to which a number that lies on a short decimal is taken for it: a maximum at 3.6 is not
-printed as "above 3.601"."""
+"""Bits of agreement with a short decimal, from which on a number is printed as that decimal: a
+maximum at 3.6 is not printed as "above 3.601"."""
 _SMALLEST, _LARGEST = -4, 7  # powers of ten of numbers that are printed without an exponent
 
 
@@ -375,7 +385,7 @@ class Scaled(RealNumber):
 
     number: RealNumber
     unit: Expr
-    """Its size."""
+    """The size of the unit, in SI units."""
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
@@ -383,7 +393,8 @@ class Scaled(RealNumber):
 
 
 def in_unit(x: Printable, unit: Expr) -> Printable:
-    """A number of SI in a unit of that size: a float stays one, what is exact stays exact."""
+    """A number in SI units, converted to a unit of that size: a float stays a float, an exact
+    number stays exact."""
     if unit == 1:
         return x
     if isinstance(x, ExactNumber | Expr):
@@ -407,6 +418,7 @@ def bounds(ball: Ball) -> tuple[Fraction, Fraction]:
 
 
 def _dyadic(exact: Ball) -> Fraction:
+    """The number that a ball without radius is."""
     mantissa, exponent = map(int, exact.man_exp())
     return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
 
@@ -446,6 +458,8 @@ def rational_between(
     if high is None:
         return Integer(floor(low.bounds(16)[1]) + 1)
 
+    # Between the upper bound of the one and the lower bound of the other: strictly between the
+    # numbers.
     def ends(bits: int) -> tuple[Fraction, Fraction] | None:
         below, above = low.bounds(bits)[1], high.bounds(bits)[0]
         return (below, above) if below < above else None
@@ -453,12 +467,12 @@ def rational_between(
     apart = at_rising_precision(ends, 16, SURE_BITS)
     if apart is None:
         raise UndecidedError("whether two numbers are different")
-    found = _simplest(*apart)
-    return Rational(found.numerator, found.denominator)
+    simplest = _simplest(*apart)
+    return Rational(simplest.numerator, simplest.denominator)
 
 
 def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) -> bool:
-    """Whether a number is shown to lie strictly between."""
+    """Whether a number is shown to lie strictly between two others; False proves nothing."""
     with flint.ctx.workprec(_FEW_BITS):
         here = arb(fmpq(int(own.p), int(own.q)))
         return bool(
@@ -468,13 +482,14 @@ def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) 
 
 
 def _simplest(low: Fraction, high: Fraction) -> Fraction:
-    """The fraction with the smallest denominator strictly between two others: their continued
-    fractions up to where they part."""
+    """The fraction with the smallest denominator strictly between two others: their common
+    continued fraction, up to where they part."""
     if low < 0:
         return Fraction(0) if high > 0 else -_simplest(-high, -low)
     whole = floor(low)
     if whole + 1 < high:
         return Fraction(whole + 1)
+    # No whole number in between. With a whole ``low``, its fraction has no further term to share.
     if low == whole:
         return whole + Fraction(1, floor(1 / (high - whole)) + 1)
     return whole + 1 / _simplest(1 / (high - whole), 1 / (low - whole))
@@ -496,7 +511,7 @@ def dyadic(x: Fraction) -> Ball:
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Sliver(RealNumber):
-    """Some number between two others, of which no more is known."""
+    """A number of which no more is known than two dyadic fractions between which it lies."""
 
     low: Fraction
     high: Fraction

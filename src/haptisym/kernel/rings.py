@@ -1,5 +1,5 @@
-"""The symbols that every formula shares, and exact quotients of polynomials: the arithmetic under
-every closed form.
+"""The symbols that every formula shares, and exact arithmetic of quotients of polynomials, on which
+all closed forms rest.
 
 A ring holds polynomials over the rational numbers in a frequency variable, ``pi``, the parameters
 and whatever else a formula is made of (``exp(-s tau)``, ``s^alpha``, ``cos(omega tau)``): each is
@@ -93,20 +93,22 @@ class PolynomialRing:
     def __init__(
         self, variable: Symbol, symbols: Iterable[Symbol] = (), functions: Iterable[Expr] = ()
     ) -> None:
-        own = sorted(set(symbols) - {variable}, key=str)
-        clash = conflicting([*own])
+        in_order = sorted(set(symbols) - {variable}, key=str)
+        clash = conflicting([*in_order])
         if clash is not None:
             raise SceneError(
                 f"two different symbols are both named {clash}: give one of them another name"
             )
-        self.symbols = tuple(own)  # a parameter, or a root of one or of a number
+        self.symbols = tuple(in_order)  # a parameter, or a root of one or of a number
         self.functions = tuple(functions)
         self.meanings: tuple[Expr, ...] = (variable, pi, *self.symbols, *self.functions)
         self.context = fmpq_mpoly_ctx.get(
             tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex
         )
         self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
-        self.roots = {x.base: x for x in own if x.is_Pow}
+        # A root of a number, x = p^(1/q), is a variable with the relation x^q = p; a root of a
+        # parameter takes the parameter's place, and needs none.
+        self.roots = {x.base: x for x in in_order if x.is_Pow}
         self._relations = [
             self.generators[x] ** x.exp.q - int(p) for p, x in self.roots.items() if p.is_Integer
         ]
@@ -136,15 +138,15 @@ class PolynomialRing:
         return RationalFunction(self, self.short(numerator), below)
 
     def short(self, polynomial: Polynomial) -> Polynomial:
-        """The same with powers of roots of numbers as numbers: 0 exactly where it is 0, as these
-        roots are independent."""
+        """A polynomial reduced by the relations of roots of numbers. It represents 0 exactly where
+        the result is the zero polynomial, as the roots are independent."""
         for relation in self._relations:
             polynomial = divmod(polynomial, relation)[1]
         return polynomial
 
     def root_in(self, *polynomials: Polynomial) -> Expr | None:
-        """A root of a number in some polynomials: factors over Q do not tell their zeros apart, as
-        of x^2 - 2 sqrt(2) x + 2."""
+        """A root of a number that occurs in some polynomials, None if none does. With one, factors
+        that are irreducible over Q may have multiple zeros, as x^2 - 2 sqrt(2) x + 2."""
         roots = (x for p, x in self.roots.items() if p.is_Integer)
         return next((x for x in roots if degree_in(polynomials, self.meanings.index(x))), None)
 
@@ -178,13 +180,14 @@ class PolynomialRing:
             return self.function(self.generators[self.roots[base]]) ** int(
                 power * self.roots[base].exp.q
             )
+        # A root of a number that is a product of those whose roots are variables.
         if base.is_Integer and power.is_Rational and not power.is_Integer and base > 1:
-            found, left = self.one, base
+            product, left = self.one, base
             for p in (p for p in self.roots if p.is_Integer):
                 while left % p == 0:
-                    found, left = found * self.convert(p**power), left / p
+                    product, left = product * self.convert(p**power), left / p
             if left == 1:
-                return found
+                return product
         if expression.is_Pow and power.is_Integer:
             return self.convert(base) ** int(power)
         raise SceneError(
@@ -208,8 +211,9 @@ class PolynomialRing:
         return [powers.get(n, Integer(0)) for n in range(max(powers, default=0) + 1)]
 
     def ball(self, polynomial: Polynomial, values: Mapping[Expr, Any]) -> Any:
-        """A ball around a polynomial's value where its variables are worth these balls, at the
+        """A ball around a polynomial's value where its variables have these balls as values, at the
         current working precision."""
+        # Each power of a variable is computed once: the same ones occur in many terms.
         known: list[Any] = [values.get(x) for x in self.meanings]
         powers: dict[tuple[int, int], Any] = {}
         total = arb(0)
@@ -224,8 +228,8 @@ class PolynomialRing:
         return total
 
     def univariate(self, polynomial: Polynomial) -> list[fmpq] | None:
-        """The coefficients of a polynomial that is not 0, ascending, if they are rational numbers;
-        None if they hold more."""
+        """The coefficients, ascending, of a polynomial that is not 0 and holds the first variable
+        alone; None for any other one."""
         if any(polynomial.degrees()[1:]):
             return None
         row = [fmpq(0)] * (int(polynomial.degrees()[0]) + 1)
@@ -234,6 +238,7 @@ class PolynomialRing:
         return row
 
     def _powers(self, polynomial: Polynomial) -> dict[int, Expr]:
+        """The coefficients of a polynomial as expressions, by powers of the variable."""
         powers: dict[int, list[Expr]] = {}
         for (power, *rest), coefficient in monomials(polynomial):
             factors = [x ** int(n) for x, n in zip(self.meanings[1:], rest, strict=True) if n]
@@ -260,23 +265,28 @@ class PolynomialRing:
         """
         if polynomial.is_constant():
             return Rational(str(polynomial)), []
+        # In the square of the variable a factor is irreducible as a polynomial in that square;
+        # powers that all terms share are split off first, which makes omega p(omega^2) even.
         strides, shifts = polynomial.deflation_index()
         step = 2 if in_square and int(strides[0]) % 2 == 0 else 1
         squares = [step, *[1] * (len(self.meanings) - 1)]
         shared = [int(n) for n in shifts]
-        own = [(x, n) for x, n in zip(self.context.gens(), shared, strict=True) if n]
-        rest = polynomial / self.context.from_dict({tuple(shared): 1}) if own else polynomial
+        shared_powers = [(x, n) for x, n in zip(self.context.gens(), shared, strict=True) if n]
+        rest = (
+            polynomial / self.context.from_dict({tuple(shared): 1}) if shared_powers else polynomial
+        )
         unit, factors = self._split(rest.deflate(squares) if step > 1 else rest)
         inflated = [
             (factor.inflate(squares) if step > 1 else factor, int(n)) for factor, n in factors
         ]
-        return Rational(int(unit.p), int(unit.q)), own + inflated
+        return Rational(int(unit.p), int(unit.q)), shared_powers + inflated
 
     def _split(self, polynomial: Polynomial) -> tuple[fmpq, list[tuple[Polynomial, int]]]:
         """A number and the irreducible factors; those of a polynomial in one variable found as
         such, which is much faster."""
         degrees = [int(n) for n in polynomial.degrees()]
         used = [i for i, n in enumerate(degrees) if n]
+        # Nothing interrupts FLINT's factoring of many variables; its time is guessed beforehand.
         if len(used) != 1:
             afford(len(polynomial), len(polynomial))
             return polynomial.factor()  # type: ignore[no-any-return]
@@ -292,8 +302,8 @@ class PolynomialRing:
         ]
 
     def without_common_functions(self, polynomial: Polynomial) -> tuple[Expr, Polynomial]:
-        """A polynomial without the further functions that all its terms share, and those in
-        front."""
+        """The product of powers of the further functions that all terms share, and the polynomial
+        divided by it."""
         terms = list(monomials(polynomial))
         columns = zip(*(e for e, _ in terms), strict=True)
         shared = [
@@ -317,6 +327,7 @@ class RationalFunction:
     denominator: Polynomial
 
     def __add__(self, other: RationalFunction) -> RationalFunction:
+        # An equal denominator is kept: multiplied, it would be squared, as nothing cancels here.
         if self.denominator == other.denominator:
             return self._new(self.numerator + other.numerator, self.denominator)
         top = times(self.numerator, other.denominator) + times(other.numerator, self.denominator)
@@ -336,9 +347,8 @@ class RationalFunction:
     def __truediv__(self, other: RationalFunction) -> RationalFunction:
         if other.is_zero:
             raise SceneError("division by zero")
-        if (
-            other.numerator.is_constant()
-        ):  # the denominator stays what it was, so that sums have it in common
+        # Divided by a number the denominator stays what it was, so that sums have it in common.
+        if other.numerator.is_constant():
             number = other.numerator.leading_coefficient()
             return self._new(times(self.numerator, other.denominator) / number, self.denominator)
         return self._new(
@@ -374,11 +384,9 @@ class RationalFunction:
     def monic(self) -> RationalFunction:
         """The same function, the denominator with leading coefficient 1."""
         leading = self.denominator.leading_coefficient()
-        return (
-            self
-            if leading == 1
-            else self._new(self.numerator / leading, self.denominator / leading)
-        )
+        if leading == 1:
+            return self
+        return self._new(self.numerator / leading, self.denominator / leading)
 
     def cleared(self) -> RationalFunction:
         """The same function with whole coefficients, as small as they can be, in numerator and
@@ -405,24 +413,23 @@ class RationalFunction:
 
 
 def times(x: Polynomial, y: Polynomial) -> Polynomial:
-    """The product, where there is time for it."""
+    """The product of two polynomials; LimitError where time or memory do not allow it."""
     if x.is_one():
         return y
     if y.is_one():
         return x
     afford(len(x), len(y))
+    # A product has no more terms than there are pairs of terms, or monomials of its degrees.
     if len(x) * len(y) > MOST_TERMS:
-        room(
-            min(
-                len(x) * len(y),
-                prod(int(n) + int(m) + 1 for n, m in zip(x.degrees(), y.degrees(), strict=True)),
-            )
-        )
+        degrees = zip(x.degrees(), y.degrees(), strict=True)
+        monomials_at_most = prod(int(n) + int(m) + 1 for n, m in degrees)
+        room(min(len(x) * len(y), monomials_at_most))
     return x * y
 
 
 def cleared(matrix: Sequence[RationalFunction]) -> list[Any]:
-    """The entries times their least common denominator, which a Moebius map does not see."""
+    """The entries of a matrix times their least common denominator, as polynomials: a Moebius map
+    is the same for a matrix and its multiples."""
     common = matrix[0].denominator
     for entry in matrix[1:]:
         common = common * (entry.denominator / common.gcd(entry.denominator))

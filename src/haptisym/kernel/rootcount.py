@@ -1,12 +1,17 @@
 """How many roots a characteristic function has in the closed right half plane: the argument
-principle, counted on a chart.
+principle, counted exactly on a chart.
 
-D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. As omega goes from 0 to a reach R
-beyond which one power of s prevails, the turns of D(j omega) are read off the signs of its real and
-imaginary part; what is left of the contour is known from that power alone. Of A + B exp(-s tau) it
-is known from A, a polynomial, from where on |A| > |B|. Roots on the axis are passed on their left,
-so that they count. Whether all poles lie in the open left half plane is asked of rational dynamics
-by Routh's array.
+D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. By the argument principle the
+number of roots inside of a contour is the number of turns of D along it. The contour goes up the
+imaginary axis to j R and back on a large half circle; D is real for real s, so that half of it is
+enough. As omega goes from 0 to R, the quarter turns of D(j omega) are read off the exact signs of
+its real and imaginary part. R is chosen such that beyond it one power of s prevails, and the turn
+on the half circle is that of this power. With D = A + B exp(-s tau) it is enough that |A| > |B|
+from R on: D then turns with A, a polynomial. Roots on the axis are passed on their left, so that
+they count.
+
+The count is exact, or there is an UndecidedError. Whether all poles of rational dynamics lie in the
+open left half plane is decided by Routh's array. Begin reading at ``count_roots``.
 """
 
 from __future__ import annotations
@@ -35,29 +40,33 @@ from haptisym.kernel.reals import (
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, s
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 
-_MOST_TERMS = 64  # of the expansion at s = 0 that are tried
+_MOST_TERMS = 64  # terms of the expansion at s = 0 that are tried
 
 Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
-"""By the power of s, and by how often each unit delay is in them."""
+"""The coefficients of a characteristic function by the power of s, and then by the exponent of each
+unit delay."""
 
 
 def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
-    """A polynomial by its powers of s, each with a number for every product of unit delays; none of
-    them 0."""
-    found: Terms = {}
+    """The coefficients of a polynomial of the ring, which must hold no parameters; none of them is
+    0."""
+    table: Terms = {}
     lags = len(ring.lags)
     for exponents, value in monomials(polynomial):
-        own = [int(n) for n in exponents]
-        turns, powers = tuple(own[ring.size : ring.size + lags]), own[ring.size + lags :]
-        power = sum(
-            (n * order for n, order in zip(powers, ring.orders, strict=False)), Integer(own[0])
-        )
-        group = found.setdefault(power, {})
+        degrees = [int(n) for n in exponents]
+        turns, powers = tuple(degrees[ring.size : ring.size + lags]), degrees[ring.size + lags :]
+        # s^n times powers s^alpha are one power of s; terms that differ as monomials may meet in
+        # it.
+        broken = (n * order for n, order in zip(powers, ring.orders, strict=False))
+        power = sum(broken, Integer(degrees[0]))
+        group = table.setdefault(power, {})
         number = Rational(int(value.p), int(value.q))
-        group[turns] = group.get(turns, Integer(0)) + (number * pi ** own[1] if own[1] else number)
+        group[turns] = group.get(turns, Integer(0)) + (
+            number * pi ** degrees[1] if degrees[1] else number
+        )
     exact = {
         p: {turns: c for turns, c in group.items() if sign_of_number(c)}
-        for p, group in found.items()
+        for p, group in table.items()
     }
     return {p: group for p, group in exact.items() if group}
 
@@ -68,21 +77,23 @@ def size(number: Expr) -> Expr:
 
 
 def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
-    """The order of a zero at s = 0, where 1 - exp(-s tau) has one too, and s^alpha one of order
-    alpha."""
+    """The order of the zero at s = 0, exact: 1 - exp(-s tau) has one of order 1, s^alpha one of
+    order alpha."""
     if not ring.functions:  # powers of s with numbers before them, none of which is 0
         return Integer(min(int(exponents[0]) for exponents in polynomial.monoms()))
     return beginning_at_0(terms_of(polynomial, ring), ring)[0]
 
 
 def at_least(order: Rational) -> int:
-    """How often a zero of that order counts: a fractional one, of s^alpha, as the next whole
-    number."""
+    """The number of roots that a zero of that order counts as: a fractional order, of s^alpha,
+    counts as the next whole number."""
     return -int(-order.p // order.q)
 
 
 def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
-    """Exponent and sign of the first term of the expansion at s = 0."""
+    """Exponent and sign of the first term of the expansion at s = 0; UndecidedError where too many
+    terms vanish."""
+    # A term of power p has, with its delays expanded, the exponents p, p + 1, p + 2, ...
     rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
     for exponent, _ in groupby(rising):
         meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
@@ -95,7 +106,7 @@ def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
 
 
 def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
-    """Of s^k in the sum of c exp(-s lag)."""
+    """The coefficient of s^k in the expansion of the sum of c exp(-s lag) at s = 0."""
     if not k:
         return sum(group.values(), Integer(0))
     lags = {
@@ -111,7 +122,7 @@ BITS = 128
 
 
 def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
-    """D(j omega) times a factor > 0: exact real and imaginary part."""
+    """The exact real and imaginary part of D(j omega), times a factor > 0."""
     axis = ring.axis
     (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
     modulus = c * c + d * d
@@ -122,15 +133,15 @@ def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunc
 
 
 def times(point: Point) -> int:
-    """How often D vanishes at a point: real and imaginary part at once."""
+    """The order of the zero of D at a point: that of real and imaginary part at once."""
     return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
 
 
 def turned(
     parts: Sequence[RealFunction], terms: Terms, start: Expr, reach: Expr, ring: Ring
 ) -> tuple[Chart, Ball]:
-    """The chart up to j R, and the angle there in quarters, counted on from the direction ``start``
-    just above 0."""
+    """The chart up to j R, and the angle of D at j R in quarter turns, counted on continuously from
+    the direction ``start`` just above omega = 0."""
     curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
     return curve, _lifted(_last_quadrant(curve, start), terms, reach, ring)
 
@@ -139,13 +150,18 @@ _QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
 
 
 def _last_quadrant(curve: Chart, start: Expr) -> int:
-    """Quarter turns, counted on from the direction ``start`` of D just above omega = 0, at which
-    the last quadrant begins."""
+    """The quarter turn at which the last quadrant of D begins, counted on from the direction
+    ``start`` of D just above omega = 0."""
+    # An undecided point may be a zero of D, past which the number of turns is not known.
     if curve.undecided:
         raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
     quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
+    # D starts within its first quadrant or on an edge of it, so that one of two is the first.
     now = next(n for n in (int(start // 1), int(-(-start // 1)) - 1) if n % 4 == quadrants[0])
     for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
+        # A root on the axis that is passed on its left turns D back by half a turn. What is left is
+        # a quarter turn or none, as one part changes its sign at a time; two quarters could be
+        # either way round.
         passed = -2 * times(point)
         step = (after - before - passed) % 4
         if step == 2:
@@ -155,18 +171,18 @@ def _last_quadrant(curve: Chart, start: Expr) -> int:
 
 
 def _lifted(quarter: int, terms: Terms, reach: Expr, ring: Ring) -> Ball:
-    """The whole turn of D up to j R, in quarters: its angle there, which lies in the quadrant that
-    begins at ``quarter``."""
+    """The angle of D at j R in quarter turns, which lies in the quadrant that begins at
+    ``quarter``."""
     with flint.ctx.workprec(BITS):
         value = value_at(terms, reach, ring)
-        middle = acb(0, -1) ** (quarter % 4) * acb(
-            1, -1
-        )  # turns the quadrant's middle onto the positive real axis
+        # Turns the quadrant's middle onto the positive real axis, as far as can be from the cut of
+        # the argument.
+        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)
         return quarter + arb(1) / 2 + (value * middle).arg() * 2 / arb.pi()
 
 
 def value_at(terms: Terms, reach: Expr, ring: Ring) -> acb:
-    """The value at j R."""
+    """A ball around the value of D at j R."""
     at = expression_ball(reach)
     return sum(
         (_power(at, p) * factor_at(group, reach, ring) for p, group in terms.items()), acb(0)
@@ -180,36 +196,39 @@ def _power(omega: Ball, exponent: Expr) -> acb:
 
 
 def factor_at(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> acb:
-    """The value at j R of what a power of s is multiplied by."""
+    """A ball around the value at j R of the coefficient of a power of s, a sum of delays."""
     angles = [expression_ball(lag) * expression_ball(reach) for lag in ring.lags]
     total = acb(0)
     for turns, c in group.items():
-        total += (
-            expression_ball(c)
-            * acb(0, -sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))).exp()
-        )
+        angle = sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))
+        total += expression_ball(c) * acb(0, -angle).exp()
     return total
 
 
 def whole(lacking: Ball) -> int:
-    """The whole number that is less than 1/2 away, as this is known to be but for 1/6."""
-    found = round(float(lacking))
-    if not abs(lacking - found) < arb(1) / 3:
+    """The whole number next to a ball that is known to lie within 1/6 of one; UndecidedError where
+    that does not show."""
+    # 1/3 leaves the ball a radius of 1/6 on top of the deviation, and still tells one number from
+    # the next.
+    nearest = round(float(lacking))
+    if not abs(lacking - nearest) < arb(1) / 3:
         raise UndecidedError("a turn of a characteristic function")
-    return found
+    return nearest
 
 
 Row: TypeAlias = list[Expr]
-"""The coefficients of a polynomial in one number that is open, ascending; one alone where none
-is."""
+"""The coefficients, ascending, of a polynomial in one free parameter; a single one where there is
+no parameter."""
 
 _BITS = 128
+# From about 1e-6 to 1e18 rad/s.
 _FIRST, _MOST_DOUBLINGS = Rational(1, 1 << 20), 80
 
 
 def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple[int, ...] | None:
-    """The one product of unit delays that comes late; None where there are more or none, or powers
-    of s are broken."""
+    """The one product of unit delays that occurs, by their exponents; None where none or several
+    occur, or a power of s is fractional: then D is not A + B exp(-s tau) with polynomials A and B.
+    """
     late = [x for x in turns if any(x)]
     return late[0] if len(late) == 1 and all(p.is_Integer for p in powers) else None
 
@@ -217,12 +236,13 @@ def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple
 def squares(
     table: Mapping[Rational, Mapping[tuple[int, ...], Row]], late: tuple[int, ...]
 ) -> list[Row]:
-    """By falling powers of omega^2, from a table by the power of s and by how often each unit delay
-    is in it."""
+    """The coefficients of |A|^2 - |B|^2 at s = j omega, by falling powers of omega^2, for D = A + B
+    exp(-s tau) given as a table like ``Terms``."""
     none = (0,) * len(late)
     degree = int(max(table))
     longest = max(len(row) for group in table.values() for row in group.values())
     rows = [[Integer(0)] * (2 * longest - 1) for _ in range(degree + 1)]
+    # The products a_p a_r j^p (-j)^r omega^(p + r): those of odd p - r cancel in pairs.
     for p, r in product(table, repeat=2):
         if (p - r) % 2:
             continue
@@ -236,10 +256,12 @@ def squares(
 
 def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
     """A frequency beyond which |A|^2 - |B|^2 > 0; None where none is found. |A| must not be the
-    less at infinity."""
+    smaller one at infinity."""
     table = {p: {turns: [c] for turns, c in group.items()} for p, group in terms.items()}
     with flint.ctx.workprec(_BITS):
         first, *others = (expression_ball(row[0]).lower() for row in squares(table, late))
+        # Over omega^(2 n - 2): c_0 omega^2 + c_1 + c_2/omega^2 + ..., with c_0 >= 0 and what
+        # follows c_1 not above 0, grows with omega. Once positive, it stays so.
         weights = [first.max(arb(0)), *others[:1], *(x.min(arb(0)) for x in others[1:])]
         at = _FIRST
         for _ in range(_MOST_DOUBLINGS):
@@ -251,8 +273,8 @@ def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
 
 
 def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
-    """Whether L(1/z) is L(z) or -L(z) but for powers of z: with each zero in s, -s is one too,
-    however long the delays are.
+    """Whether L(1/z) is L(z) or -L(z) up to powers of z: then with each zero s of L(exp(-s tau)),
+    -s is one too, however long the delays are, and a chain of zeros cannot lie on the left alone.
 
     >>> from sympy import Integer
     >>> of = [{(0, 0): 3, (1, 0): 1, (0, 1): 1, (1, 1): 3}, {(0, 0): 3, (1, 0): 1, (0, 1): 2, (1, 1): 3}, {(0, 0): 3}]
@@ -269,11 +291,10 @@ def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     )
 
 
-_MOST_BITS = 512  # of Routh's array
-_MOST_TURNING = (
-    2000  # radians that the delays turn up to the reach: thousands of zeros take minutes
-)
-_ARCS = 1 << 8, 1 << 13  # of the unit circle
+_MOST_BITS = 512  # of working precision for Routh's array
+# Radians by which a delay may turn up to the reach: thousands of zeros on a chart take minutes.
+_MOST_TURNING = 2000
+_ARCS = 1 << 8, 1 << 13  # into so many the unit circle is cut: few at first, then many
 
 
 class RootChain(Enum):
@@ -286,10 +307,11 @@ class RootChain(Enum):
 
 @dataclass(frozen=True)
 class Roots:
-    """The roots in Re s >= 0, each as often as it counts; None where a ``chain`` makes them
-    infinitely many or hides them.
+    """The roots in Re s >= 0.
 
-    ``right`` : those with Re s > 0. ``on_axis``: the frequencies of the others, rad/s, ascending.
+    ``number`` : how many there are, with their multiplicities. ``right`` : how many of them have Re
+    s > 0. Both are None where a ``chain`` makes them infinitely many, or hides them.
+    ``on_axis``: the frequencies >= 0 of those on the axis, rad/s, ascending, each once.
     """
 
     number: int | None
@@ -299,11 +321,11 @@ class Roots:
 
 
 def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
-    """The roots of a polynomial of a ring in Re s >= 0, certified. UndecidedError where that stays
+    """The roots of a polynomial of a ring in Re s >= 0, proven. UndecidedError where that stays
     open.
 
-    ``rests`` : whether it is known that there is none but one at 0, unless a chain comes as near to
-    the axis as one likes.
+    ``rests`` : whether it is known beforehand (of a passive system) that there is no such root but
+    at 0, unless a chain of roots comes as near to the axis as one likes.
 
     Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own
     delayed terms (else the chain of roots that these make is recognised exactly for one unit
@@ -334,37 +356,39 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     if rests:
         order = beginning_at_0(terms, ring)[0]
         return Roots(at_least(order), 0, (ExactNumber(Integer(0)),) if order else ())
-    reach, own = _reach(polynomial, terms, floor, ring)
+    reach, undelayed = _reach(polynomial, terms, floor, ring)
     parts = parts_of(polynomial, ring)
-    if any(part.is_zero for part in (*parts, *(() if own is None else parts_of(own, ring)))):
-        return count_roots(
-            polynomial * (ring.variable + 1), ring
-        )  # as of s^2 + 1: another root on the left turns it off both axes
+    every_part = (*parts, *(() if undelayed is None else parts_of(undelayed, ring)))
+    if any(part.is_zero for part in every_part):
+        # As of s^2 + 1, which is real on the axis, so that no quadrant shows where it is. A further
+        # root at -1 turns it off both axes and does not count.
+        return count_roots(polynomial * (ring.variable + 1), ring)
     order, sign = beginning_at_0(terms, ring)
     start = 0 if sign > 0 else 2
     curve, angle = turned(parts, terms, order + start, reach, ring)
+    # Without roots on the right D would turn by ``settled`` quarters up to j R; each root takes
+    # half a turn away, its share of the upper half of the contour.
     with flint.ctx.workprec(BITS):
-        settled = (
-            expression_ball(degree) + _own_turn(terms[degree], reach, ring)
-            if own is None
-            else _turn_of_own(own, terms, reach, ring)
-        )
+        if undelayed is None:
+            settled = expression_ball(degree) + _own_turn(terms[degree], reach, ring)
+        else:
+            settled = _turn_of_own(undelayed, terms, reach, ring)
         lacking = (start + settled - angle) / 2
     passed = [p for p in curve.points[1:] if times(p)]
-    left_of_it = whole(
-        lacking
-    )  # the contour passes roots on the axis on their left, but that at 0 on its right
+    # The contour passes roots on the axis on their left, but that at 0 on its right: those on the
+    # axis count twice (at +-j omega), and those at 0 are added.
+    left_of_it = whole(lacking)
     at_0 = [curve.points[0].omega] if order else []
     right = left_of_it - 2 * sum(map(times, passed))
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
 
 
 def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:
-    """The angle of A + B exp(-s tau) at j R, in quarters, that it would have from there on with no
-    root on the right.
+    """The angle of A + B exp(-s tau) at j R, in quarter turns, if it had no root on the right: its
+    turn on the half circle is known from A = ``own``.
 
-    That of A, by twice its roots there more, and the angle from A on, less than a quarter turn: |A|
-    > |B| there.
+    It is the angle of A itself, half a turn more for each of A's roots on the right, and the angle
+    between A and D, which is less than a quarter turn as |A| > |B| there.
     """
     alone = terms_of(own, ring)
     order, sign = beginning_at_0(alone, ring)
@@ -377,7 +401,7 @@ def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball
 
 
 def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """Without the delays that all terms share, which are nowhere 0."""
+    """The polynomial without the delays that all of its terms share: exp(-s tau) is nowhere 0."""
     for i in range(ring.size, ring.size + len(ring.lags)):
         shared = min(int(exponents[i]) for exponents in polynomial.monoms())
         if shared:
@@ -385,16 +409,18 @@ def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
     return polynomial
 
 
-# What the highest power of s is multiplied by, L(exp(-s tau_1), ...)
+# The coefficient of the highest power of s, L(exp(-s tau_1), ...). Where it holds delays (the
+# neutral type), its zeros are the limits of a chain of infinitely many roots of D.
 
 
 def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootChain:
-    """A number > 0 that |L| is nowhere less than where all |exp(-s tau)| <= 1; or where the chain
-    of its zeros lies."""
-    own = next((c for turns, c in group.items() if not any(turns)), Integer(0))
+    """A lower bound > 0 of |L| for all s with Re s >= 0; or, where there is none, where the chain
+    of roots lies. UndecidedError for several delays that outweigh the undelayed term."""
+    undelayed = next((c for turns, c in group.items() if not any(turns)), Integer(0))
     delayed = {turns: c for turns, c in group.items() if any(turns)}
-    margin = size(own) - sum(map(size, delayed.values()), Integer(0))
-    if sign_of_number(own) == 0:
+    margin = size(undelayed) - sum(map(size, delayed.values()), Integer(0))
+    # A highest power with delays alone (the advanced type): roots run off to the right.
+    if sign_of_number(undelayed) == 0:
         return RootChain.RIGHT
     if sign_of_number(margin) > 0:
         return margin
@@ -405,8 +431,11 @@ def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootCh
 
 
 def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
-    """With one unit delay z = (1 - w)/(1 + w): |z| <= 1 where Re w >= 0, and z = -1 where w is
-    infinite."""
+    """The same for an L with one unit delay z = exp(-s tau), a polynomial in z.
+
+    With z = (1 - w)/(1 + w) the disc |z| <= 1 is the half plane Re w >= 0, in which zeros are
+    counted; z = -1 is w = infinity, and shows as a lower degree in w.
+    """
     ring = Ring()
     n = max(turns[place] for turns in group)
     powers = [
@@ -418,6 +447,8 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
     inside = count_roots(w, ring)
     if inside.number or int(w.degrees()[0]) < n:
         return RootChain.RIGHT if inside.right else RootChain.NEAR
+    # No zero in the disc: by the minimum principle |L| is least on the circle, which is covered by
+    # balls of short arcs.
     with flint.ctx.workprec(BITS):
         row = [expression_ball(c) for c in powers]
         for arcs in _ARCS:
@@ -430,6 +461,7 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
             )
             least = float(min(x.lower() for x in on_arcs))
             if least > 0:
+                # A float is rounded by much less than a thousandth.
                 return Rational(least) * Rational(999, 1000)
     raise UndecidedError("how near the chain of a neutral function comes to the axis")
 
@@ -440,13 +472,15 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
 def _reach(
     polynomial: Polynomial, terms: Terms, floor: Expr, ring: Ring
 ) -> tuple[Expr, Polynomial | None]:
-    """R such that for |s| >= R, Re s >= 0 all lower powers are at most half the highest, L at its
-    least, and None.
+    """The reach R, and A where the turn beyond R is that of A.
 
-    Or a much smaller R from which on |A| > |B| on the axis, of A + B exp(-s tau), and A: it turns
-    with A then, and never about 0.
+    Either R is such that for |s| >= R, Re s >= 0 all lower powers together are at most half of the
+    highest one with |L| at its lower bound, and the second value is None. Or, for A + B exp(-s
+    tau), R is a much smaller frequency from which on |A| > |B| on the axis: there D turns with A.
     """
     degree = max(terms)
+    # Doubled: at most half leaves the direction of D within 1/6 of a half turn of that of its
+    # highest power, by which ``whole`` knows the number of turns.
     weights = {
         p: 2 * sum(map(size, group.values()), Integer(0))
         for p, group in terms.items()
@@ -459,34 +493,37 @@ def _reach(
         _need_few_turns(nearer, terms, ring)
         return nearer, _undelayed(polynomial, ring)
     _need_few_turns(radius, terms, ring)
-    [*own] = _delays_of(terms[degree], ring)
-    if len(own) != 1:
+    [*leading_delays] = _delays_of(terms[degree], ring)
+    if len(leading_delays) != 1:
         return radius, None
-    turns = ceil(
-        float(radius * own[0]) / 6.28
-    )  # whole ones of the one delay in L, which is real there
-    return 2 * pi * turns / own[0], None
+    # Up to a whole number of turns of the one delay in L, where L is real again and has not turned
+    # on balance. 6.28 is less than 2 pi: the reach is no less than the radius.
+    turns = ceil(float(radius * leading_delays[0]) / 6.28)
+    return 2 * pi * turns / leading_delays[0], None
 
 
 def _need_few_turns(radius: Rational, terms: Terms, ring: Ring) -> None:
+    """UndecidedError where a delay turns too often up to the reach for a chart."""
     late = {i for group in terms.values() for turns in group for i, n in enumerate(turns) if n}
     if any(sign_of_number(radius * ring.lags[i] - _MOST_TURNING) > 0 for i in late):
         raise UndecidedError("the roots of a function that its delays turn thousands of times")
 
 
 def _undelayed(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """The terms that no delay is in."""
+    """A of A + B exp(-s tau): the terms without delays."""
     lags = range(ring.size, ring.size + len(ring.lags))
     kept = {x: c for x, c in polynomial.to_dict().items() if not any(int(x[i]) for i in lags)}
     return polynomial.context().from_dict(kept)
 
 
 def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
+    """The unit delays that occur in the coefficient of a power of s."""
     return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
 
 
 def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> Rational:
     """A radius from which on floor radius^degree exceeds the weighted lower powers."""
+    # A power of 2, so that it is exact and short; once lower powers are exceeded, they stay so.
     with flint.ctx.workprec(BITS):
         least = expression_ball(floor)
         lower = [
@@ -499,25 +536,26 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
 
 
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
-    """The angle of L at j R, in quarters, beyond that of its undelayed term: 0 where one delay has
-    made whole turns.
+    """The angle of L at j R, in quarter turns, from that of its undelayed term on: 0 where the one
+    delay in it has made whole turns (``_reach``).
 
-    Of several that term outweighs all others.
+    Of several delays the undelayed term outweighs all others, so that the angle is less than a
+    quarter turn.
     """
     if len(_delays_of(group, ring)) <= 1:
         return arb(0)
-    own = next(c for turns, c in group.items() if not any(turns))
+    undelayed = next(c for turns, c in group.items() if not any(turns))
     with flint.ctx.workprec(BITS):
-        return (factor_at(group, reach, ring) / expression_ball(own)).arg() * 2 / arb.pi()
+        return (factor_at(group, reach, ring) / expression_ball(undelayed)).arg() * 2 / arb.pi()
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:
     """Whether all finite poles of a dynamics in lowest terms lie in the open left half plane; None
-    where not decided.
+    where that is not decided.
 
-    Rational dynamics: Routh's array in balls. With delays and powers of s, and where that does not
-    tell: by ``count_roots`` of the denominator, and None where that stays open, or a chain of poles
-    comes as near to the axis as one likes.
+    For rational dynamics by Routh's array in balls. With delays and powers of s, and where the
+    array does not decide, by ``count_roots`` of the denominator; None where that stays open, or a
+    chain of poles comes as near to the axis as one likes.
 
     >>> from haptisym.kernel.rings import s
     >>> from sympy import exp
@@ -536,33 +574,35 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         if not any(
             degree_in([dynamics.denominator], i) for i in range(ring.size, len(ring.meanings))
         ):
+            # A zero at 0 that the numerator shares is no pole.
             row = ring.coefficients(dynamics.denominator / ring.variable ** int(order))
             right = at_rising_precision(
                 lambda _: routh([expression_ball(c) for c in row]), 128, _MOST_BITS
             )
             if right is not None:
                 return right == 0
-        found = count_roots(dynamics.denominator, ring)
+        roots = count_roots(dynamics.denominator, ring)
     except UndecidedError:
         return None
-    if found.number is None:
-        return False if found.chain is RootChain.RIGHT else None
-    return bool(found.number == ceil(order))
+    if roots.number is None:
+        return False if roots.chain is RootChain.RIGHT else None
+    return bool(roots.number == ceil(order))
 
 
 def routh(c: Sequence[Ball]) -> int | None:
-    """How many roots a polynomial with ascending coefficients has in Re s > 0, none being on the
-    axis: Routh's array.
+    """How many roots a polynomial with ascending coefficients has in Re s > 0: the changes of sign
+    in the first column of Routh's array.
 
-    None where balls do not tell, as where two roots add up to 0.
+    A number proves that no root is on the axis. None where a ball in that column holds 0, as where
+    two roots add up to 0.
     """
-    above, own, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
-    while own and not signs[-1].contains(0):
-        signs.append(own[0])
-        ratio = above[0] / own[0]
-        above, own = (
-            own,
-            [x - ratio * y for x, y in zip(above[1:], [*own[1:], arb(0)], strict=False)],
+    above, row, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
+    while row and not signs[-1].contains(0):
+        signs.append(row[0])
+        ratio = above[0] / row[0]
+        above, row = (
+            row,
+            [x - ratio * y for x, y in zip(above[1:], [*row[1:], arb(0)], strict=False)],
         )
     if any(x.contains(0) or not x.is_finite() for x in signs):
         return None

@@ -1,13 +1,15 @@
-"""Where real functions vanish and which signs they have in between: proven, none missed, none
-invented.
+"""Where real functions of omega vanish on a band, and which signs they have in between: all zeros
+and poles, proven.
 
 The result is a ``Chart``: all zeros and poles of all functions on a band in order, and the sign of
 every function before, at and after each. Every question about a band (crossings, percepts,
 activity, stability) is read off a chart. What is decided by several signs at once is a ``Lattice``,
 the largest of the smallest of functions, and is read off the same chart.
 
-Zeros are ordered by enclosures as tight as it takes: those of different irreducible polynomials
-always differ; others count as one, or are undecided, where so many bits do not tell them apart.
+Functions are taken apart into irreducible factors, and each factor finds its own zeros. These are
+put in order by enclosures as tight as it takes: zeros of different irreducible polynomials always
+differ, so that this ends; whether zeros of other functions differ may stay undecided. Begin reading
+at ``chart``.
 """
 
 from __future__ import annotations
@@ -45,14 +47,16 @@ from haptisym.kernel.zeros import Factor, Undecided, Zero, sign_of
 T = TypeVar("T")
 
 ALIKE_BITS = 600
-"""With how many."""
-_BITS = (128, ALIKE_BITS)  # most numbers are apart at first sight
+"""Bits to which two numbers must agree to count as equal in ``ordered``."""
+_BITS = (128, ALIKE_BITS)  # most numbers are distinguished by the first
 
 
 def ordered(x: RealNumber, y: RealNumber) -> int:
-    """1 where y is beyond x, -1 where it is before it, 0 where they are alike as far as bits go."""
+    """1 where y is larger than x, -1 where it is smaller, 0 where ``ALIKE_BITS`` do not distinguish
+    them."""
     if x is y:
         return 0
+    # Rough balls first, which cost nothing, then finer ones.
     for bits in (0, *_BITS):
         with flint.ctx.workprec(bits or _BITS[0]):
             change = y.ball(bits) - x.ball(bits) if bits else y.rough() - x.rough()
@@ -62,12 +66,12 @@ def ordered(x: RealNumber, y: RealNumber) -> int:
 
 
 def is_told(x: RealNumber) -> bool:
-    """Whether balls tell about where a number is."""
+    """Whether a number is enclosed in a finite ball at the precisions that ``ordered`` uses."""
     return any(x.ball(bits).is_finite() for bits in _BITS)
 
 
 def ascending(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
-    """Things by their numbers, ascending; those that are alike as they were."""
+    """Things sorted by their numbers, ascending; those with equal numbers keep their order."""
 
     def before(x: T, y: T) -> int:
         return -ordered(number(x), number(y))
@@ -76,14 +80,16 @@ def ascending(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
 
 
 def each_once(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
-    """The same with the first of those that are alike alone."""
-    found = ascending(items, number)
-    return [x for i, x in enumerate(found) if not i or ordered(number(found[i - 1]), number(x))]
+    """Things sorted by their numbers, ascending; of those with equal numbers only the first."""
+    row = ascending(items, number)
+    return [x for i, x in enumerate(row) if not i or ordered(number(row[i - 1]), number(x))]
 
 
 def in_order(numbers: Sequence[RealNumber]) -> list[RealNumber]:
-    """Different numbers in ascending order, told apart by enclosures as tight as it takes."""
+    """Different numbers in ascending order, by enclosures as tight as it takes; UndecidedError
+    where two cannot be shown to differ."""
     tick()
+    # Only numbers whose balls overlap with a neighbour's are refined, each once.
     balls, tight = [x.rough() for x in numbers], set[int]()
     while True:
         order = sorted(range(len(numbers)), key=lambda i: balls[i].mid())
@@ -99,7 +105,7 @@ def in_order(numbers: Sequence[RealNumber]) -> list[RealNumber]:
 
 
 def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
-    """The same of numbers that are nearly alike."""
+    """``in_order`` for numbers of which some are nearly equal: all are refined together."""
     close: list[Ball] = []
 
     def told_apart(bits: int) -> list[RealNumber] | None:
@@ -107,21 +113,22 @@ def _told_apart(numbers: Sequence[RealNumber]) -> list[RealNumber]:
         close[:] = [a for (a, _), (b, _) in pairwise(enclosed) if not a < b]
         return None if close else [number for _, number in enclosed]
 
-    # zeros of different irreducible polynomials differ
+    # Zeros of different irreducible polynomials differ, and with enough bits show it. Zeros of
+    # analytic functions may coincide: then no number of bits would be enough.
     analytic = (isinstance(x, Zero) and not isinstance(x.factor, PolynomialFactor) for x in numbers)
-    most = (
-        MOST_BITS if any(analytic) or any(isinstance(x, Undecided) for x in numbers) else SURE_BITS
-    )
-    found = at_rising_precision(told_apart, 128, most)
-    if found is None:
+    may_coincide = any(analytic) or any(isinstance(x, Undecided) for x in numbers)
+    most = MOST_BITS if may_coincide else SURE_BITS
+    in_sequence = at_rising_precision(told_apart, 128, most)
+    if in_sequence is None:
         raise UndecidedError(
             f"whether two frequencies near {float(close[0].mid()):.17g} rad/s are the same"
         )
-    return found
+    return in_sequence
 
 
 class LatticePiece(NamedTuple):
-    """What a function of a lattice is called on a chart: that of this term and place."""
+    """The name on a chart of one function of a lattice: the lattice's name, the term, and the place
+    in the term."""
 
     name: Hashable
     term: int
@@ -141,7 +148,7 @@ class Lattice:
         return cls(tuple((f,) for f in functions))
 
     def pieces(self, name: Hashable) -> dict[LatticePiece, RealFunction]:
-        """Its functions, by what a chart calls them."""
+        """The functions of the lattice by their names on a chart."""
         return {
             LatticePiece(name, i, j): f
             for i, term in enumerate(self.terms)
@@ -149,7 +156,7 @@ class Lattice:
         }
 
     def sign(self, name: Hashable, of: Callable[[LatticePiece], int]) -> int:
-        """max of min of the signs of the pieces."""
+        """The sign of the lattice, from those of its functions: max and min keep signs."""
         return max(
             min(of(LatticePiece(name, i, j)) for j in range(len(term)))
             for i, term in enumerate(self.terms)
@@ -161,8 +168,8 @@ Signed: TypeAlias = RealFunction | Lattice
 
 
 class Met(NamedTuple):
-    """What happens to a lattice at a point of a chart: its order, its signs to both sides, whether
-    that is undecided."""
+    """A lattice at a point of a chart: its order, its signs just below and just above, and whether
+    its sign at the point is undecided."""
 
     order: int
     before: int
@@ -177,28 +184,36 @@ def met(
     sides: tuple[Mapping[Hashable, int], Mapping[Hashable, int]],
     doubtful: frozenset[Hashable],
 ) -> Met:
-    """A lattice at a point, from the orders and the signs of its pieces there."""
+    """A lattice at a point, from the orders and the signs of its functions there.
+
+    ``sides`` : the signs just below and just above. ``doubtful`` : the functions of which it is not
+    known whether they vanish at the point.
+    """
     before, after = (lattice.sign(name, lambda piece, side=side: side[piece]) for side in sides)  # type: ignore[misc]
     low, high = (_at(lattice, name, orders, side, {}) for side in sides)
+    # A doubtful function may have any sign right at the point. Only where these give the lattice
+    # different signs is the lattice undecided.
     unknown = [x for x in lattice.pieces(name) if x in doubtful]
-    found = (
-        {_at(lattice, name, orders, sides[1], guess) for guess in _guesses(unknown)}
-        if unknown
-        else set()
-    )
+    possible = set[int]()
+    if unknown:
+        possible = {_at(lattice, name, orders, sides[1], guess) for guess in _guesses(unknown)}
+    # A pole of the lattice, not only of a function: odd or even as its sign changes or not. A zero
+    # counts where the lattice is positive beside it, or negative on both sides, and touches 0.
     if _INFINITE in (abs(low), abs(high)):
         order = -1 if before != after else -2
     elif low == 0 and (before > 0 or after > 0 or (before, after) == (-1, -1)):
         order = _order(lattice, name, orders, sides, odd=before != after)
     else:
         order = 0
-    return Met(order, before, after, len(found) > 1)
+    return Met(order, before, after, len(possible) > 1)
 
 
+# The size of the sign of a pole: larger than that of any finite value, so that it wins max and min.
 _INFINITE = 2
 
 
 def _guesses(unknown: list[LatticePiece]) -> Iterator[dict[LatticePiece, int]]:
+    """All combinations of signs that functions of unknown sign may have."""
     return (
         dict(zip(unknown, guess, strict=True)) for guess in product((-1, 0, 1), repeat=len(unknown))
     )
@@ -211,17 +226,16 @@ def _at(
     side: Mapping[Hashable, int],
     guess: Mapping[LatticePiece, int],
 ) -> int:
-    """The sign right at a point, seen from one side; twice that where it is infinite."""
+    """The sign of a lattice right at a point, as a limit from one side; twice that where it is
+    infinite."""
 
     def sign(piece: LatticePiece) -> int:
         order = orders.get(piece, 0)
-        return (
-            guess[piece]
-            if piece in guess
-            else 0
-            if order > 0
-            else side[piece] * (_INFINITE if order < 0 else 1)
-        )
+        if piece in guess:
+            return guess[piece]
+        if order > 0:
+            return 0
+        return side[piece] * (_INFINITE if order < 0 else 1)
 
     return lattice.sign(name, sign)
 
@@ -234,24 +248,26 @@ def _order(
     *,
     odd: bool,
 ) -> int:
-    """The least order of a piece that makes the lattice vanish, odd exactly where the sign changes.
+    """The least order of a function that makes the lattice vanish, raised by one where needed so
+    that it is odd exactly where the sign changes.
 
-    Seen from the side after the point; from that before it where another piece jumps there over a
-    pole.
+    Seen from the side above the point, or from that below it where, because another function jumps
+    over a pole, none is found above.
     """
 
     def seen(side: Mapping[Hashable, int]) -> Iterator[int]:
+        # A term is 0 at the point if one of its functions is and no other one is negative.
         for i, term in enumerate(lattice.terms):
-            own = [LatticePiece(name, i, j) for j in range(len(term))]
-            if all(orders.get(x, 0) > 0 or side[x] >= 0 for x in own):
-                yield from (orders[x] for x in own if orders.get(x, 0) > 0)
+            names = [LatticePiece(name, i, j) for j in range(len(term))]
+            if all(orders.get(x, 0) > 0 or side[x] >= 0 for x in names):
+                yield from (orders[x] for x in names if orders.get(x, 0) > 0)
 
-    least = next(min(found) for side in sides[::-1] if (found := [*seen(side)]))
+    least = next(min(orders_seen) for side in sides[::-1] if (orders_seen := [*seen(side)]))
     return least if least % 2 == odd else least + 1
 
 
 Key: TypeAlias = Hashable
-"""What a function of a chart is called."""
+"""The name of a function of a chart."""
 Signs: TypeAlias = Mapping[Key, int]
 
 
@@ -284,11 +300,11 @@ class Point(Viewed):
     def at(self) -> Signs:
         """The sign of each function right here: 0 at a zero; at a pole, the sign on both sides or
         0."""
-        found = dict(self.after)
+        signs = dict(self.after)
         for name, sign in self.before.items():
-            if self.orders.get(name, 0) > 0 or sign != found[name]:
-                found[name] = 0
-        return found
+            if self.orders.get(name, 0) > 0 or sign != signs[name]:
+                signs[name] = 0
+        return signs
 
 
 @dataclass(frozen=True)
@@ -323,23 +339,25 @@ class Chart:
     def where(self, test: Callable[[Signs], bool]) -> tuple[Interval, ...]:
         """The set of frequencies whose signs pass the test, as intervals in order, as few as
         possible."""
-        found: list[Interval] = []
+        # ``start`` is the low end of the interval that reaches up to here, None where none does. A
+        # point and the open interval above it are tested in turn.
+        intervals: list[Interval] = []
         start: Point | None = None
         for point, following in zip(self.points, [*self.points[1:], None], strict=True):
             if not test(point.at):
                 start = None
             elif start is None:
                 start = point
-                found.append(Interval(point, point))
+                intervals.append(Interval(point, point))
             if following is not None and test(point.after):
                 if start is None:
                     start = point
-                    found.append(Interval(point, following))
+                    intervals.append(Interval(point, following))
                 else:
-                    found[-1] = Interval(found[-1].low, following)
+                    intervals[-1] = Interval(intervals[-1].low, following)
             else:
                 start = None
-        return tuple(found)
+        return tuple(intervals)
 
     def sign_changes(self, name: Key) -> tuple[Point, ...]:
         """The points at which a function changes its sign: odd zeros and odd poles."""
@@ -375,43 +393,49 @@ def chart(functions: Mapping[Any, Signed], low: Expr, high: Expr) -> Chart:
     single = {name: f for name, f in functions.items() if not isinstance(f, Lattice)}
     for name, lattice in lattices.items():
         single |= lattice.pieces(name)
-    found = _charted(single, low, high)
+    points = _charted(single, low, high)
     return (
-        Chart(tuple(_joined(functions, lattices, point) for point in found))
+        Chart(tuple(_joined(functions, lattices, point) for point in points))
         if lattices
-        else Chart(found)
+        else Chart(points)
     )
 
 
 def _joined(names: Iterable[Key], lattices: Mapping[Key, Lattice], point: Point) -> Point:
-    """A point with what happens to lattices in place of what happens to their pieces."""
+    """A point in the names of functions and lattices, in place of the functions that lattices are
+    made of."""
     sides = point.before, point.after
-    found = {
+    lattices_met = {
         name: met(x, name, point.orders, sides, point.undecided) for name, x in lattices.items()
     }
     listed = list(names)
-    orders = {x: found[x].order if x in found else point.orders.get(x, 0) for x in listed}
-    doubtful = {name for name, x in found.items() if x.undecided} | point.undecided.intersection(
-        listed
-    )
-    before = {x: found[x].before if x in found else point.before[x] for x in listed}
-    after = {x: found[x].after if x in found else point.after[x] for x in listed}
+    orders = {
+        x: lattices_met[x].order if x in lattices_met else point.orders.get(x, 0) for x in listed
+    }
+    doubtful = {
+        name for name, x in lattices_met.items() if x.undecided
+    } | point.undecided.intersection(listed)
+    before = {x: lattices_met[x].before if x in lattices_met else point.before[x] for x in listed}
+    after = {x: lattices_met[x].after if x in lattices_met else point.after[x] for x in listed}
     return Point(
         point.omega, {x: n for x, n in orders.items() if n}, before, after, frozenset(doubtful)
     )
 
 
 def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tuple[Point, ...]:
-    """The points of a chart of single functions."""
+    """The points of a chart of single functions, without lattices."""
     for f in functions.values():
         if root := f.axis.root_in(f.function.numerator, f.function.denominator):
             raise SceneError(
                 f"{root}: zeros are found of functions with rational numbers: give it as a decimal"
             )
+    # Factors in omega^2 are only allowed if all functions have them: else one frequency could be a
+    # zero of two different factors, which are taken to differ.
     even = all(is_even_or_odd(function) for function in functions.values())
     products = _products(functions, in_square=even)
     factors = {factor for product in products.values() for factor in product.exponents}
     _refuse_endless(factors, low, high)
+    # A factor that shows one sign all over the band at a quick look has no zero to search for.
     steady = {f: sign for f in factors if (sign := f.steady_sign(low, high))}
     places = _places(factors - steady.keys(), low, high)
     signs = _first_signs(products, places, steady)
@@ -429,8 +453,8 @@ def _charted(functions: Mapping[Key, RealFunction], low: Expr, high: Expr) -> tu
 
 
 _MOST_TURNS = 10**5
-"""Of a delay's phase on a band: each may bring some crossings, and nobody reads a million of
-them."""
+"""How often a delay's phase may turn on a band: each turn may bring some crossings, and nobody
+reads a million of them."""
 
 
 def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
@@ -461,23 +485,23 @@ def _refuse_endless(factors: Iterable[Factor], low: Expr, high: Expr) -> None:
 
 
 def _products(functions: Mapping[Key, RealFunction], *, in_square: bool) -> dict[Key, Product]:
-    """The functions taken apart, short ones first: their factors are those of others'
-    denominators."""
-    known, found = Known(), dict[Key, Product]()
+    """The functions taken apart into factors, short ones first, whose factors occur in the
+    denominators of others and are tried there."""
+    known, products = Known(), dict[Key, Product]()
 
     def length(name: Key) -> int:
         return len(functions[name].function.denominator)
 
     for name in sorted(functions, key=length):
-        found[name] = factored_function(functions[name], known, in_square=in_square)
-    return {name: found[name] for name in functions}
+        products[name] = factored_function(functions[name], known, in_square=in_square)
+    return {name: products[name] for name in functions}
 
 
 def _turned(
     signs: Signs, products: Mapping[Key, Product], orders: Mapping[Key, int], place: _Place
 ) -> dict[Key, int]:
-    """The signs of the functions on the other side of a place; below omega = 0 functions are
-    mirrored."""
+    """The signs of the functions on the other side of a place: those change that have an odd order
+    there, but for even functions at omega = 0, which are mirrored."""
     odd = [
         name
         for name, n in orders.items()
@@ -487,14 +511,15 @@ def _turned(
 
 
 def _is_even(product: Product) -> bool:
-    """Whether a function counts as even though its order at 0 is odd: powers omega^alpha have no
-    other side."""
+    """Whether a function counts as even although its order at 0 is odd: one with powers omega^alpha
+    is not defined below 0, and keeps its sign."""
     return not product.power.is_Integer or any(
         isinstance(f, AnalyticFactor) and f.orders for f in product.exponents
     )
 
 
 def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]:
+    """The functions that have a factor of which it is undecided whether it vanishes at a place."""
     if not place.undecided:
         return frozenset()
     return frozenset(
@@ -503,6 +528,7 @@ def _undecided(products: Mapping[Key, Product], place: _Place) -> frozenset[Key]
 
 
 def _order_at(product: Product, place: _Place) -> int:
+    """The order of a function at a place: positive at a zero, negative at a pole."""
     order = sum(
         product.exponents[factor] * n
         for factor, n in place.orders.items()
@@ -534,17 +560,20 @@ class _Place:
 
 def _places(factors: set[Factor], low: Expr, high: Expr) -> list[_Place]:
     """Both ends of the band and all zeros of all factors between them, in order."""
+    # Whether a function vanishes at an end is decided exactly; zeros inside are enclosed.
     ends = [ExactNumber(low), ExactNumber(high)]
     at_ends = [{f: n for f in factors if (n := f.order_at(end.value))} for end in ends]
-    # a polynomial factor that vanishes at an end is linear, and that is its one zero
-    done: set[Factor] = {f for found in at_ends for f in found if isinstance(f, PolynomialFactor)}
+    # A polynomial factor that vanishes at an end, rational in pi, is linear: that is its one zero.
+    done: set[Factor] = {f for at_end in at_ends for f in at_end if isinstance(f, PolynomialFactor)}
     zeros: dict[RealNumber, dict[Factor, int]] = {}
     for f in factors - done:
         tick()
         for number in f.zeros(low, high):
             zeros.setdefault(number, {})[f] = f.multiplicity(number)
-    ordered = in_order([*ends, *zeros])
-    inside = ordered[ordered.index(ends[0]) + 1 : ordered.index(ends[1])]
+    # Factors may give zeros outside of the band as well.
+    ascending_places = in_order([*ends, *zeros])
+    first, last = (ascending_places.index(end) for end in ends)
+    inside = ascending_places[first + 1 : last]
     middle = [
         _Place(x, zeros[x], undecided=frozenset(zeros[x] if isinstance(x, Undecided) else ()))
         for x in inside
@@ -560,14 +589,14 @@ def _first_signs(
     ends = first.rough().upper(), second.rough().lower()
 
     def between(bits: int) -> Ball:
-        return (
-            ((ends[0] + ends[1]) / 2).mid()
-            if ends[0] < ends[1]
-            else (first.ball(bits) + second.ball(bits)) / 2
-        )
+        # Any number in between will do: an exact one where rough balls leave room for it.
+        if ends[0] < ends[1]:
+            return ((ends[0] + ends[1]) / 2).mid()
+        return (first.ball(bits) + second.ball(bits)) / 2
 
     signs = dict(steady)
     for factor in {f for p in products.values() for f in p.exponents} - steady.keys():
+        # A sign known at the high end, which costs nothing, counted back over all zeros in between.
         end = places[-1].omega
         known = factor.shown_sign(end.value) if isinstance(end, ExactNumber) else 0
         changes = sum(place.orders.get(factor, 0) for place in places[1:-1])
@@ -593,9 +622,11 @@ def sign_of_number(value: Expr) -> int:
             quick = sign_of(expression_ball(value))
         if quick:
             return quick
+    # Exact zeros never show in balls: pi is transcendental, so that conversion to a quotient of
+    # polynomials in pi decides.
     if PolynomialRing(omega).convert(value).is_zero:
         return 0
-    # a number that is not zero shows it before
+    # A number that is not zero shows it below this many bits.
     if sign := at_rising_precision(
         lambda _: sign_of(expression_ball(value)) or None, most=SURE_BITS
     ):

@@ -1,17 +1,19 @@
-"""A plant between a hold and a sampler, and the loop with a clock that is closed over them: its
-polynomial, and its roots.
+"""The characteristic polynomial of a sampled-data loop, exact in its delays, and its roots outside
+of the unit circle.
 
-The plant G(s) = sum over i of exp(-s tau_i) N_i(s)/Q(s) is proper. It is driven by a force held for
-T at a time, and read the moment before the force changes. In w = 1/z its samples are w^l (w F_1(w)
-+ w^2 F_2(w))/|1 - w exp(A T)|, with A the companion matrix of Q and tau = l T + theta: F_1 belongs
-to the force held last, F_2 to the one before, which a delay that is no whole sample lets in (the
-modified z-transform).
+A plant sits between a zero-order hold and a sampler; a discrete controller closes the loop. The
+plant G(s) = sum over i of exp(-s tau_i) N_i(s)/Q(s) is proper. It is driven by a force held for T
+at a time, and read the moment before the force changes. In w = 1/z its samples are w^l (w F_1(w) +
+w^2 F_2(w))/|1 - w exp(A T)|, with A the companion matrix of Q and tau = l T + theta: F_1 belongs to
+the force held last, F_2 to the one before, which a delay that is no whole sample lets in (the
+modified z-transform). The loop is 1 + D G = 0, a polynomial C(w) (``SampledLoop``).
 
 Fast clocks put all roots of the loop near z = 1. There exp(A T) - 1 = A int_0^T exp(A t) dt has
 balls as narrow, relatively, as those of the numbers that it is made of; the coefficients of z^n
 have not. So polynomials are written in z - 1, and then in v, z = (1 + v)/(1 - v): roots with |z| <
-1 are those with Re v < 0, Routh's array counts the others, and Hurwitz' determinants say where one
-leaves.
+1 are those with Re v < 0, Routh's array counts the others, and Hurwitz' determinants show where one
+leaves. Counts and statements are proven, in balls; where these stay open at a limit of bits the
+answer is None, or an UndecidedError.
 """
 
 from __future__ import annotations
@@ -37,19 +39,19 @@ Numbers: TypeAlias = Sequence[Expr]
 """Coefficients, ascending: rational numbers times powers of pi, and sums of such."""
 
 _MOST_DOUBLINGS = 64
-_MOST_BITS = 2048  # up to where a root is told from the circle
-_MOST_PIECES = 200  # of the axis, that are looked at for one polynomial
+_MOST_BITS = 2048  # of working precision, up to which a root is distinguished from the circle
+_MOST_PIECES = 200  # intervals of the axis examined for one polynomial (``has_no_pair``)
 
 
 def matrix(rows: list[list[Any]], columns: int | None = None) -> Any:
-    """A matrix of real or complex balls, which may be of no size."""
+    """A matrix of real or complex balls, which may have no rows or columns."""
     width = len(rows) if columns is None else columns
     entries = [x for row in rows for x in row] if width else []
     return (acb_mat if _are_complex(entries) else arb_mat)(len(rows), width, entries)
 
 
 def _polynomial(row: Sequence[Any]) -> Any:
-    """By its coefficients, ascending, in real or complex balls."""
+    """A polynomial with these coefficients, ascending, in real or complex balls."""
     return (acb_poly if _are_complex(row) else arb_poly)(row)
 
 
@@ -61,21 +63,23 @@ def _are_complex(numbers: Iterable[Any]) -> bool:
 class States:
     """The companion form of a monic denominator Q(s), coefficients ascending, in balls.
 
-    The i-th state is the i-th derivative times rate^(n - 1 - i): with entries of one size a matrix
-    exponential, whose error is one for all of its entries, stays narrow where the numbers it is
-    made of are.
+    The i-th state is the i-th derivative times rate^(n - 1 - i). That gives the entries of A about
+    one size; the truncation error of a matrix exponential, which is one bound for all of its
+    entries, then is small against each of them.
     """
 
     Q: Sequence[Ball]
 
     @property
     def size(self) -> int:
-        """How many states there are: the degree of Q."""
+        """The number of states: the degree of Q."""
         return len(self.Q) - 1
 
     @cached_property
     def rate(self) -> Ball:
         """About how fast the plant is, 1/s."""
+        # The largest |q_i|^(1/(n - i)) bounds the roots of Q up to a factor 2. Only a scale: its
+        # middle is as good as any number near it, so that it adds no radius.
         n = self.size
         sizes = [float(abs(q).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
         return arb(max([*sizes, 1.0]))
@@ -91,26 +95,28 @@ class States:
         )
 
     def row(self, C: Sequence[Ball]) -> Any:
-        """What reads c_0 y + c_1 y' + ... off the states."""
+        """The row vector that gives c_0 y + c_1 y' + ... from the states."""
         n = self.size
         return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
 
     def integral(self, time: Ball) -> Any:
-        """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: by its series of
-        a small X, which is doubled.
+        """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: the series at
+        X/2^n, then n doublings.
 
-        As S(2 X) = S(X) + X S(X)^2/2, nothing is taken off what is nearly equal to it.
+        As S(2 X) = S(X) + X S(X)^2/2, numbers that are nearly equal are nowhere subtracted. Not a
+        number where the plant is so fast that too many doublings were needed.
         """
         X, total = self.A * time, self._one
+        # frexp gives e with |X| < 2^e.
         doublings = max(0, frexp(float(norm(X).upper()))[1] + 2)  # then |X| <= 1/4
         if doublings > _MOST_DOUBLINGS:
             return total * arb("nan")
         X, (rest, shares) = X * arb(2) ** -doublings, _series(flint.ctx.prec)
+        # Horner's rule for 1 + X/2 (1 + X/3 (1 + ...)).
         for share in shares:
             total = self._one + X * total * share
-        if not all(
-            q.is_zero() for q in self.Q[:-1]
-        ):  # of masses alone nothing is left out, as no higher power is there
+        # With Q = s^n, masses alone, A^n = 0: the series ends, nothing is left out of it.
+        if not all(q.is_zero() for q in self.Q[:-1]):
             total = widened(total, rest)
         for _ in range(doublings):
             total, X = total + X * total * total * arb(0.5), X * 2
@@ -123,25 +129,23 @@ class States:
 
 @lru_cache(maxsize=16)
 def _series(bits: int) -> tuple[Ball, list[Ball]]:
-    """What terms that are left out of the series add up to at most, of |X| <= 1/4, and 1/n from its
-    last term down to 1/2."""
+    """For the series S of ``States.integral`` with |X| <= 1/4: a bound of the sum of all terms that
+    are left out, and 1/n from its last term down to 1/2."""
     with flint.ctx.workprec(bits):
         rest, k = arb(1), 1
         while rest > arb(2) ** -(bits + 8):
-            k, rest = (
-                k + 1,
-                rest / (4 * (k + 1)),
-            )  # 4^(1 - k)/k!, more than the terms from X^k/(k + 1)! on
+            # 4^(1 - k)/k!, more than all terms from X^k/(k + 1)! on; below the rounding in the end.
+            k, rest = k + 1, rest / (4 * (k + 1))
         return rest, [arb(1) / n for n in range(k, 1, -1)]
 
 
 def column(M: Any, j: int) -> Any:
-    """Of a matrix, as one."""
+    """The j-th column of a matrix, as a matrix."""
     return matrix([[M[i, j]] for i in range(M.nrows())], 1)
 
 
 def norm(X: Any) -> Ball:
-    """The largest sum of sizes in a row."""
+    """The infinity norm of a square matrix: the largest sum of absolute values in a row."""
     n = X.nrows()
     return max(
         (sum((abs(X[i, j]).upper() for j in range(n)), arb(0)) for i in range(n)), default=arb(0)
@@ -149,7 +153,7 @@ def norm(X: Any) -> Ball:
 
 
 def widened(M: Any, radius: Ball) -> Any:
-    """With so much more in each entry."""
+    """A matrix with balls wider by ``radius``, in both parts where they are complex."""
     more = arb(0, radius.upper())
     more = acb(more, more) if isinstance(M, acb_mat) else more
     rows = [[M[i, j] + more for j in range(M.ncols())] for i in range(M.nrows())]
@@ -157,30 +161,34 @@ def widened(M: Any, radius: Ball) -> Any:
 
 
 def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
-    """What C reads, just before the force changes, of a force that changes its sign each period: at
-    z = -1.
+    """The output C x just before the force changes, of a force that changes its sign each period:
+    the pulse transfer function at z = -1.
 
     C tanh(X)/A e, X = A T/2, is T/2 C e + T/2 C (tanh(X)/X - 1) e, by Taylor's series: where the
-    plant is slow compared with the clock little of it is left, without a difference of what is
-    nearly equal. None where the series is of no use.
+    plant is slow compared with the clock little of it is left, and numbers that are nearly equal
+    are not subtracted. None where |X| is too large for the series.
     """
     n = states.size
     X = states.A * (period / 2)
+    # The series converges for |X| < pi/2; up to half of that each term is at most 1/4 of the one
+    # before it.
     if not 4 * norm(X) < arb.pi():
         return None
-    column = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
-    found = matrix([[arb(0)] for _ in range(n)], 1)
+    power = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
+    total = matrix([[arb(0)] for _ in range(n)], 1)
     for share in _TANH[1:]:
-        column = X * (X * column)
-        found += column * arb(share)
-    most = max((abs(column[i, 0]).upper() for i in range(n)), default=arb(0))
-    found = widened(found, most * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3)
+        power = X * (X * power)
+        total += power * arb(share)
+    # The last power times a geometric series: coefficients fall by 4/pi^2, X^2 by (pi/4)^2, so that
+    # all terms left out add up to at most 1/4 + 1/16 + ... = 1/3 of that of the last one.
+    largest = max((abs(power[i, 0]).upper() for i in range(n)), default=arb(0))
+    total = widened(total, largest * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3)
     direct = C[0, n - 1] if n else arb(0)
-    return (direct + (C * found)[0, 0] if n else direct) * period / 2
+    return (direct + (C * total)[0, 0] if n else direct) * period / 2
 
 
 def _tanh(count: int) -> list[fmpq]:
-    """The coefficients of tanh(x)/x in x^2: tanh' = 1 - tanh^2."""
+    """The first coefficients of tanh(x)/x in powers of x^2, from tanh' = 1 - tanh^2."""
     row = [fmpq(1)]
     for k in range(1, count):
         row.append(-sum((row[i] * row[k - 1 - i] for i in range(k)), fmpq(0)) / (2 * k + 1))
@@ -193,7 +201,9 @@ _TANH = _tanh(16)
 
 @dataclass(frozen=True)
 class Plant:
-    """G(s), by its denominator and, for each delay (s), a numerator; none of them improper."""
+    """G(s) = sum of exp(-s tau) N(s)/Q(s): the coefficients of Q, ascending, and for each delay (in
+    seconds) those of N; proper, or a SceneError.
+    """
 
     denominator: tuple[Expr, ...]
     terms: tuple[tuple[Expr, tuple[Expr, ...]], ...]
@@ -203,14 +213,14 @@ class Plant:
             raise SceneError("a force that jumps would move the sampled position by an impulse")
 
     def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
-        """Of each delay the whole samples."""
+        """The number of whole sampling periods in each delay."""
         return tuple(_floor(lag / period, known) for lag, _ in self.terms)
 
 
 @dataclass(frozen=True)
 class Timed(Plant):
-    """The same of which each delay is known to have so many ``whole`` samples, and up to one more,
-    whatever the numbers are."""
+    """A plant with open parameters in its delays, each of which is known to hold ``whole`` sampling
+    periods and a part of one more (or all of it), for all values that are asked about."""
 
     whole: tuple[int, ...] = ()
 
@@ -219,26 +229,26 @@ class Timed(Plant):
 
 
 def _floor(ratio: Expr, known: Mapping[Expr, Ball]) -> int:
-    """The whole part of a number."""
+    """The whole part of a number; UndecidedError where balls do not show on which side of a whole
+    number it lies."""
 
     def whole(_: int) -> int | None:
-        found = (
-            acb(expression_ball(ratio, known)).real.floor().unique_fmpz()
-        )  # of a disc, that of all within it
-        return None if found is None else int(found)
+        # A parameter may be a disc (``over_circle``): the real part then covers all within it.
+        part = acb(expression_ball(ratio, known)).real.floor().unique_fmpz()
+        return None if part is None else int(part)
 
     if ratio.is_Rational:
         return int(ratio.p // ratio.q)
-    found = at_rising_precision(whole)
-    if found is None:
+    part = at_rising_precision(whole)
+    if part is None:
         raise UndecidedError("whether a delay is a whole number of samples")
-    return found
+    return part
 
 
 @dataclass(frozen=True)
 class SampledLoop:
-    """The loop of a plant and a controller D(w) = above/below, w = 1/z, with a clock: 1 + D G = 0,
-    as a polynomial C(w).
+    """The loop of a sampled plant G and a controller D(w) = above/below, w = 1/z, with the period
+    T, s: 1 + D G = 0, as a polynomial C(w).
 
     >>> from sympy import Integer, Rational
     >>> half = Rational(1, 2)
@@ -256,9 +266,10 @@ class SampledLoop:
     below: tuple[Expr, ...]
 
     def at(self, values: Mapping[Symbol, Expr]) -> SampledLoop:
-        """With numbers in place of symbols, nothing cancelled."""
+        """The loop with numbers in place of symbols; common factors are not cancelled."""
 
         def put(row: Numbers) -> tuple[Expr, ...]:
+            # A highest coefficient may become 0: degrees must be those of the numbers.
             known = [x.xreplace(values) for x in row]
             while len(known) > 1 and known[-1] == 0:
                 known.pop()
@@ -274,7 +285,7 @@ class SampledLoop:
 
     @cached_property
     def symbols(self) -> frozenset[Symbol]:
-        """That stand in it."""
+        """The symbols that are left in it."""
         every = self.above, self.below, self.plant.denominator, *(N for _, N in self.plant.terms)
         numbers = self.T, *(lag for lag, _ in self.plant.terms), *(x for row in every for x in row)
         return frozenset[Symbol]().union(*(x.free_symbols for x in numbers))
@@ -283,21 +294,22 @@ class SampledLoop:
         """How many roots have |z| > 1, and how many lie at z = 1; UndecidedError where any other
         may lie on the circle."""
         at_1 = self.roots_at_one
-        found = at_rising_precision(lambda _: _count_right(self.in_v({}, at_1)), 128, _MOST_BITS)
-        if found is None:
+        outside = at_rising_precision(lambda _: _count_right(self.in_v({}, at_1)), 128, _MOST_BITS)
+        if outside is None:
             raise UndecidedError("whether a root lies on the unit circle")
-        return found, at_1
+        return outside, at_1
 
     @cached_property
     def roots_at_one(self) -> int:
-        """How many roots of a loop of numbers lie at z = 1: exactly, as long as it is one where the
-        controller does anything."""
+        """How many roots of a loop of numbers lie at z = 1; UndecidedError where that may be more
+        than one in a loop that is closed."""
         if self.at_one != 0:
             return 0
-        if not any(self.above) or not any(
-            x for _, N in self.plant.terms for x in N
-        ):  # the poles of what moves, alone
+        # An open loop has the plant's poles: those at s = 0 go to z = 1, and their number is exact.
+        is_closed = any(self.above) and any(x for _, N in self.plant.terms for x in N)
+        if not is_closed:
             return next(n for n, x in enumerate(self.plant.denominator) if x != 0)
+        # C(1) = 0 exactly; the root is a simple one where the next coefficient is clear of 0.
         with flint.ctx.workprec(256):
             if self.about_one({})[1].contains(0):
                 raise UndecidedError("how many roots of a sampled loop lie at z = 1")
@@ -305,7 +317,8 @@ class SampledLoop:
 
     @cached_property
     def at_one(self) -> Expr:
-        """B(1) Q(0) + A(1) N(0): C(1) times what is nowhere 0."""
+        """B(1) Q(0) + A(1) N(0), with A = above and B = below: C(1) up to a factor that is nowhere
+        0. Exact, so that a root at z = 1 is recognised."""
         above, below = (Add(*row) for row in (self.above, self.below))
         return (
             below * self.plant.denominator[0] + above * Add(*(N[0] for _, N in self.plant.terms))
@@ -313,7 +326,7 @@ class SampledLoop:
 
     @cached_property
     def at_minus_one(self) -> tuple[Expr, Expr]:
-        """A(-1) and B(-1), by which N(-1) and Q(-1) are multiplied there."""
+        """A(-1) and B(-1), exact: the factors of N(-1) and Q(-1) in C at z = -1."""
         size = self._size
         above, below = (
             Add(*(x * (-1) ** (size - k) for k, x in enumerate(row))).expand()
@@ -331,23 +344,26 @@ class SampledLoop:
         n, degree = len(self.plant.denominator) - 1, len(self.below) - 1
         if any(self.above):
             whole = self.plant.samples(self.T, known)
-            more = (
+            shifts = (
                 ell + int(len(N) > n or (lag - ell * self.T).expand() != 0)
                 for (lag, N), ell in zip(self.plant.terms, whole, strict=True)
             )
-            degree = max(degree, len(self.above) - 1 + max(more))
+            degree = max(degree, len(self.above) - 1 + max(shifts))
         row = [*arb_poly(self.about_one(known))(arb_poly([-1, 1])).coeffs()][::-1]
-        return row[: degree + n + 1]  # without roots at z = 0 that were added
+        # Without the roots at z = 0 that ``about_one`` may have added.
+        return row[: degree + n + 1]
 
     def about_one(self, known: Mapping[Expr, Ball]) -> list[Ball]:
         """The coefficients of z^N C(1/z) in z - 1, ascending; roots at z = 0 may be added."""
         return self._row(self._moved(known), known)
 
     def _row(self, moved: _Moved, known: Mapping[Expr, Ball]) -> list[Ball]:
+        """The coefficients of the sum of both sides, in z - 1."""
         above, below = self._both(moved, known)
         return list((above + below).coeffs())
 
     def _both(self, moved: _Moved, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
+        """A N and B Q, polynomials in z - 1."""
         above, below = (
             _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
             for row in (self.above, self.below)
@@ -355,24 +371,26 @@ class SampledLoop:
         return above * moved.above, below * moved.below
 
     def sides(self, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
-        """N and Q of C = N + Q, polynomials in z - 1: N what the controller makes, Q what moves
-        without it."""
+        """The two summands of C, polynomials in z - 1: the part that the controller brings, and the
+        part that is left without it."""
         return self._both(self._moved(known), known)
 
     def in_v(self, known: Mapping[Expr, Ball], always: int = 0) -> list[Ball]:
-        """The coefficients in v, ascending, without so many roots that always lie at 1.
+        """The coefficients of C in v, ascending, with ``always`` roots at z = 1 divided out.
 
-        The highest is told at z = -1 itself: with Tustin's rule the controller has a pole there,
-        and all but little of it cancels.
+        The highest one is C at z = -1, and is computed there by itself: with Tustin's rule the
+        controller has a pole at z = -1, and nearly all of the sum would cancel.
         """
         moved = self._moved(known)
         c = about_axis(self._row(moved, known)[always:])
         above, below = (expression_ball(x, known) for x in self.at_minus_one)
         there = (below * moved.below(arb(-2)) + above * moved.opposite) / (-2) ** always
+        # The highest power of v in (1 - v)^n C is (-1)^n C(z = -1) v^n.
         return [*c[:-1], there if len(c) % 2 else -there]
 
     @cached_property
     def _is_of_numbers(self) -> bool:
+        """Whether plant and period hold no symbols, so that only the controller may vary."""
         numbers = (
             self.T,
             *self.plant.denominator,
@@ -381,21 +399,24 @@ class SampledLoop:
         return not any(x.free_symbols for x in numbers)
 
     def _moved(self, known: Mapping[Expr, Ball]) -> _Moved:
+        """The pulse transfer function of the plant, from the cache where it does not vary."""
         if self._is_of_numbers:
             return _of_numbers(self.plant, self.T, flint.ctx.prec)
         return _moved(self.plant, self.T, known)
 
 
 def _count_right(c: Sequence[Ball]) -> int | None:
-    """How many roots of a polynomial have Re v > 0, none being on the axis; None where balls do not
-    tell.
+    """How many roots of a polynomial have Re v > 0, given that none is on the axis; None where
+    balls do not decide.
 
-    By Routh's array; where that has a zero, with a further root at -7/5, by which no two roots come
-    to add up to 0; and by the roots themselves where two of them do.
+    Routh's array is tried first. A zero in it that does not come of two roots that add up to 0
+    mostly goes with a further root at -7/5; where two do add up to 0, the roots themselves are
+    computed.
     """
+    # Times v + 7/5: the root is on the left, and leaves the count as it is.
     further = [7 * x / 5 + y for x, y in zip([*c, arb(0)], [arb(0), *c], strict=True)]
-    if (found := routh(c)) is not None or (found := routh(further)) is not None:
-        return found
+    if (count := routh(c)) is not None or (count := routh(further)) is not None:
+        return count
     if c[-1].contains(0):
         return None
     try:
@@ -406,7 +427,8 @@ def _count_right(c: Sequence[Ball]) -> int | None:
 
 
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
-    """The coefficients in v, ascending, of a polynomial in z - 1 = 2 v/(1 - v)."""
+    """The coefficients in v, ascending, of (1 - v)^n p(z - 1), where z - 1 = 2 v/(1 - v) and n is
+    the degree of p."""
     n = len(row) - 1
     turned = sum((x * own for x, own in zip(row, _turned(n), strict=True)), arb_poly([]))
     c = turned.coeffs()
@@ -414,8 +436,8 @@ def about_axis(row: Sequence[Ball]) -> list[Ball]:
 
 
 def hurwitz(c: Sequence[Ball]) -> Ball:
-    """The last determinant but one of Hurwitz: 0 where two roots v add up to 0, a pair on the axis
-    among them."""
+    """The last but one of Hurwitz' determinants: 0 where two roots v add up to 0 (Orlando's
+    formula), among them a pair on the axis."""
     n = len(c) - 1
     if n < 2:
         return arb(1)
@@ -425,12 +447,14 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
 
 
 def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> bool:
-    """Whether no polynomial with coefficients in these balls has roots v = +-j nu, nu > 0, proven.
+    """Whether it is proven that no polynomial with coefficients in these balls has roots v = +-j
+    nu, nu > 0. False proves nothing.
 
-    They would be zeros of E = c_0 - c_2 x + c_4 x^2 - ... and of O = c_1 - c_3 x + ..., x = nu^2.
-    In wide balls that says more than the determinant, in which their widths are multiplied.
-    ``lines`` : how the coefficients move together. With E = E_0 + E_1 y and O likewise, E_1 O_0 -
-    O_1 E_0 would be zero as well, in which y is not.
+    A pair would be a common zero x = nu^2 of E = c_0 - c_2 x + c_4 x^2 - ... and O = c_1 - c_3 x +
+    ...; intervals of x are cut until one of both is clear of 0 on each. In wide balls that shows
+    more than the determinant, in which their widths are multiplied.
+    ``lines`` : how the coefficients move together with a parameter y. With E = E_0 + E_1 y and O
+    likewise, E_1 O_0 - O_1 E_0 would be zero as well, in which y does not occur.
     """
     if len(c) < 3:
         return True
@@ -442,7 +466,8 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> boo
             map(arb_poly, _halves(x)) for x in ([y.at for y in lines], [y.slope for y in lines])
         )
         halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
-    both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]  # in x, and in 1/x
+    # In x over [0, 1] and, with the coefficients reversed, in 1/x over [0, 1]: all of x >= 0.
+    both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]
     waiting = deque((parts, 0.0, 1.0) for parts in both)
     for _ in range(_MOST_PIECES):
         if not waiting:
@@ -452,48 +477,49 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> boo
         if all(p(at).contains(0) for p in parts):
             middle = (low + high) / 2
             if all(p(arb(middle)).contains(0) for p in parts):
-                return False  # at this very place it stays open, however small the piece
+                return False  # open at a single place, it stays so however small the interval is
             waiting += [(parts, low, middle), (parts, middle, high)]
     return not waiting
 
 
 def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
-    """The coefficients of E and O in x."""
+    """The coefficients in x of the even part E and the odd part O of a polynomial on v = j nu."""
     return [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
 
 
 def circle_tests(
     loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0
 ) -> tuple[Ball, Ball, Ball]:
-    """At z = 1, at z = -1, and where two roots v add up to 0: numbers that vanish where a root is
-    on the circle.
+    """Three numbers, for roots at z = 1, at z = -1 and for pairs: one of them is 0 wherever a root
+    is on the unit circle.
 
-    ``one`` : ``at_one``; ``always`` : how many roots lie at 1 whatever the numbers are.
+    ``one`` : the loop's ``at_one``; ``always`` : how many roots lie at z = 1 whatever the numbers
+    are, which do not count.
     """
     c = loop.in_v(known, always)
     return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
-    """Whether no root is on the circle for any numbers in balls, proven; two real ones may add up
-    to 0 in v."""
+    """Whether it is proven that no root is on the circle for any numbers in the balls ``known``."""
     return most_on_circle(loop, known, one, always) == 0
 
 
 def most_on_circle(
     loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0
 ) -> int | None:
-    """For how many values in a ball each of the tests is 0 at most, proven: for none (0), for one;
-    None where that is open.
+    """A proven bound of the number of values in a ball at which each of the ``circle_tests`` is 0:
+    0 or 1; None where neither is proven.
 
-    Of one number also by what tests and coefficients are on circles about it: with a resonance
-    between clock and hand, as behind a compliance, balls are up to a thousand times as wide as what
-    the coefficients do. A test whose derivative has one sign all over is 0 once at most.
+    With 0 no root is on the circle for any value. Where one parameter varies, tests and
+    coefficients are enclosed by interpolation on circles about it, too: with a resonance between
+    clock and hand, as behind a compliance, balls are up to a thousand times as wide as the range of
+    the coefficients. A test whose derivative has one sign all over is 0 at most once.
     """
 
     def told(numbers: Mapping[Expr, Any]) -> list[Any]:
-        """At z = 1, and the coefficients in v/T, of which more stay as they are where the clock's
-        period is open."""
+        """C at z = 1, and the coefficients in v/T, fewer of which change where the period T is the
+        parameter."""
         T, c = expression_ball(loop.T, numbers), loop.in_v(numbers, always)
         return [
             c[0] if always else expression_ball(one, numbers),
@@ -501,8 +527,8 @@ def most_on_circle(
         ]
 
     def tested(numbers: Mapping[Expr, Any]) -> list[Any]:
-        found = told(numbers)
-        return [hurwitz(found[1:]), *found]
+        tests = told(numbers)
+        return [hurwitz(tests[1:]), *tests]
 
     if _is_clear(told(known)):
         return 0
@@ -517,13 +543,14 @@ def most_on_circle(
     is_pair_open = pair.ball.contains(0) and not has_no_pair([x.ball for x in c], c)
     if not is_pair_open and not any(x.ball.contains(0) for x in ends):
         return 0
-    return (
-        1 if all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair)) else None
-    )
+    # Each test is clear of 0, or monotone in the parameter.
+    is_once = all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair))
+    return 1 if is_once else None
 
 
 def _is_clear(told: Sequence[Ball]) -> bool:
-    """By what is at z = 1, and the coefficients, the last of which tells what is at z = -1."""
+    """Whether no root is on the circle, from C at z = 1 and the coefficients in v, the last of
+    which is C at z = -1 up to its sign."""
     at_1, *c = told
     if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
         return False
@@ -532,8 +559,8 @@ def _is_clear(told: Sequence[Ball]) -> bool:
 
 @dataclass(frozen=True)
 class _Moved:
-    """``above`` and ``below`` of a pulse transfer function, polynomials in z - 1; ``opposite`` :
-    the first at z = -1."""
+    """A pulse transfer function ``above``/``below``, polynomials in z - 1, and the value
+    ``opposite`` of ``above`` at z = -1, which is computed there by itself."""
 
     above: Any
     below: Any
@@ -542,14 +569,14 @@ class _Moved:
 
 @lru_cache(maxsize=64)
 def _of_numbers(plant: Plant, period: Expr, bits: int) -> _Moved:
-    """Of a plant without symbols, at this working precision: one matrix exponential for all values
-    of a controller."""
+    """The pulse transfer function of a plant without symbols, at the working precision ``bits``:
+    one matrix exponential serves all values of a controller."""
     assert bits == flint.ctx.prec
     return _moved(plant, period, {})
 
 
 def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
-    """The pulse transfer function of a plant."""
+    """The pulse transfer function of a plant where symbols have the values ``known``."""
     whole = plant.samples(period, known)
     T, lead = (expression_ball(x, known) for x in (period, plant.denominator[-1]))
     Q = [expression_ball(x, known) / lead for x in plant.denominator]
@@ -559,54 +586,60 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
         expression_ball(lag - ell * period, known)
         for (lag, _), ell in zip(plant.terms, whole, strict=True)
     ]
+    # A broken part theta of a delay splits each period: for T - theta the new force acts, for theta
+    # still the one before. A delay of whole samples only shifts.
     parts = [None if x.is_zero() else (states.integral(T - x), states.integral(x)) for x in lates]
     integral = states.integral(T)
+    # M = exp(A T) - 1, without the subtraction; |z - exp(A T)| is |x - M| at x = z - 1.
     M, held = states.A * integral, column(integral, n - 1)
     total, opposite, (den, adjugate) = arb_poly([]), arb(0), _leverrier(M)
     longest, there = max(whole) + 1, den(arb(-2))
     for (_, above), ell, part in zip(plant.terms, whole, parts, strict=True):
         N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
+        # N/Q = N_n + C (s - A)^-1 e: the direct term apart, the rest is strictly proper.
         C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
-        own = (
-            _power(1) * _between(C, adjugate, column(part[0], n - 1) if part else held) + N[n] * den
-        )
+        newer = column(part[0], n - 1) if part else held
+        response = _power(1) * _between(C, adjugate, newer) + N[n] * den
         if part:
+            # exp(A (T - theta)) = 1 + A early carries what the older force did on to the sample.
             early, late = part[0], column(part[1], n - 1)
-            own += _between(C, adjugate, late + states.A * (early * late))
-        total += own * _power(longest - 1 - ell)
-        told = [own(arb(-2))]
-        least = None if part else opposite_response(states, C, T)
-        if least is not None:  # as narrow as its numbers, but no narrower than its series
-            told.append((least + N[n]) * there)
-        opposite += (-1) ** (longest - 1 - ell) * min(told, key=lambda x: float(x.rad()))
+            response += _between(C, adjugate, late + states.A * (early * late))
+        total += response * _power(longest - 1 - ell)
+        # At z = -1 the narrower of two balls counts: the polynomial's, and that of the series,
+        # which is as narrow as its numbers, but no narrower than the terms it leaves out.
+        values = [response(arb(-2))]
+        by_series = None if part else opposite_response(states, C, T)
+        if by_series is not None:
+            values.append((by_series + N[n]) * there)
+        opposite += (-1) ** (longest - 1 - ell) * min(values, key=lambda x: float(x.rad()))
     return _Moved(total, den * _power(longest), opposite)
 
 
 def _leverrier(M: Any) -> tuple[Any, list[Any]]:
-    """|x - M|, and the coefficients of adj(x - M), ascending in x: without differences of what is
-    nearly equal (Leverrier)."""
+    """|x - M|, and the matrix coefficients of adj(x - M), ascending in x (the Faddeev-LeVerrier
+    algorithm)."""
     n = M.nrows()
     one = matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
     row, N = [arb(1)], one
-    found = [one] if n else []
+    adjugate = [one] if n else []
     for k in range(1, n + 1):
         moved = N * M
         row.append(-moved.trace() / k)
         N = moved + one * row[-1]
         if k < n:
-            found.append(N)
-    return _polynomial(row[::-1]), found[::-1]
+            adjugate.append(N)
+    return _polynomial(row[::-1]), adjugate[::-1]
 
 
 def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
-    """C adj(x - M) start."""
+    """C adj(x - M) start, a polynomial in x."""
     return _polynomial([(C * N * start)[0, 0] for N in adjugate])
 
 
 @lru_cache(maxsize=64)
 def _turned(n: int) -> list[Any]:
-    """(z - 1)^k (1 - v)^n in v, k = 0, ..., n."""
+    """The polynomials (z - 1)^k (1 - v)^n = (2 v)^k (1 - v)^(n - k) in v, k = 0, ..., n."""
     return [
         arb_poly([0] * k + [2**k])
         * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
@@ -616,13 +649,14 @@ def _turned(n: int) -> list[Any]:
 
 @lru_cache(maxsize=64)
 def _power(k: int) -> Any:
-    """z^k in z - 1."""
+    """z^k as a polynomial in z - 1."""
     return arb_poly([comb(k, i) for i in range(k + 1)])
 
 
 @lru_cache(maxsize=64)
 def _shifted(row: tuple[Expr, ...], size: int) -> tuple[Expr, ...]:
-    """z^size times a polynomial in 1/z, in z - 1: what cancels does so exactly."""
+    """The coefficients in z - 1 of z^size times a polynomial in 1/z: exact, so that what cancels
+    leaves nothing behind."""
     sums = [Integer(0)] * (size + 1)
     for k, x in enumerate(row):
         for i in range(size - k + 1):

@@ -1,4 +1,5 @@
-"""For which values of a number does a verdict hold? Sets of values, and the one way to find them.
+"""For which values of a parameter does a verdict hold? Sets of values, and the one way to find
+them.
 
 A *verdict* on one exact number is yes, no, or undecided. A ``ValueSet`` says for all values of a
 range which verdict they have. It is a line of *points*, each a single value, and of *stretches*,
@@ -82,8 +83,9 @@ _VERDICTS = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.UNDECIDED}
 
 
 def _is_up_to(high: RealNumber | None, low: RealNumber | None) -> bool:
-    """Whether values that end at ``high`` lie below those that begin at ``low``; None: they have no
-    end there."""
+    """Whether values that end at ``high`` lie below those that begin at ``low``; False where one of
+    the two is None, that is, has no end there."""
+    # ``ordered(x, y)`` is 1 where y is the larger number: here ``high <= low``.
     return high is not None and low is not None and ordered(high, low) >= 0
 
 
@@ -99,24 +101,24 @@ class Domain:
 
     @property
     def ends(self) -> tuple[ExactNumber | None, ExactNumber | None]:
-        """Both as numbers."""
+        """The low and the high end as numbers; None where there is none."""
         low, high = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
         return low, high
 
     def holds(self, value: RealNumber) -> bool:
-        """Whether a value is asked about."""
+        """Whether a value belongs to the domain."""
         low, high = (None if x is None else ordered(x, value) for x in self.ends)
         above = low is None or low > 0 or (low == 0 and self.holds_low)
         return above and (high is None or high < 0 or (high == 0 and self.holds_high))
 
     def misses(self, low: RealNumber | None, high: RealNumber | None) -> bool:
-        """Whether no value strictly between two others is asked about."""
+        """Whether no value strictly between two others belongs to the domain."""
         first, last = self.ends
         return _is_up_to(high, first) or _is_up_to(last, low)
 
     @staticmethod
     def common(domains: Sequence[Domain]) -> Domain:
-        """The values of all of some domains."""
+        """The intersection of some domains."""
         lows, highs = ([x for own in domains if (x := own.ends[i]) is not None] for i in (0, 1))
         low = ascending(lows, lambda x: x)[-1] if lows else None
         high = ascending(highs, lambda x: x)[0] if highs else None
@@ -128,8 +130,8 @@ class Domain:
 class SingleValue:
     """One value by itself. ``holds`` : the verdict on it; None: undecided, for a ``reason``.
 
-    ``bindings`` : what limits there, where the verdict changes; what they are is the business of
-    whoever asks.
+    ``bindings`` : the conditions that limit there, where the verdict changes, as the ``Question``
+    gave them; this module only passes them on.
     """
 
     value: RealNumber
@@ -149,7 +151,7 @@ class Stretch:
 
 @dataclass(frozen=True, repr=False)
 class Piece(Shown):
-    """A run of neighbouring values with one verdict, as long as it is.
+    """A run of neighbouring values with one verdict, as long as possible.
 
     ``first``, ``last`` : the points at its ends, None where it has no end; a single value if both
     are the same.
@@ -183,8 +185,8 @@ class Piece(Shown):
         return self.first is not None and self.first == self.last
 
     def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
-        """Whether nothing is known of it, and all of it lies beyond a value on a side, without an
-        end there."""
+        """Whether the piece is undecided and is all that lies beyond ``end`` on that side (1:
+        above, -1: below), without an end of its own there."""
         inner, outer = (self.low, self.high)[::side]
         if (
             self.verdict is not Verdict.UNDECIDED
@@ -237,7 +239,8 @@ class ValueSet(Shown):
 
     @classmethod
     def all_of(cls, domain: Domain, *, holds: bool | None, reason: str = "") -> ValueSet:
-        """All values of a domain with one verdict; ends that do not belong to it fail."""
+        """A set in which all values of a domain have one verdict; ends that do not belong to the
+        domain fail."""
         points = tuple(
             SingleValue(x, holds, reason=reason) if domain.holds(x) else SingleValue(x, holds=False)
             for x in domain.ends
@@ -261,24 +264,24 @@ class ValueSet(Shown):
         What is open beyond what was searched is no piece: the last one that is then has no end on
         that side.
         """
-        found: list[Piece] = []
+        pieces: list[Piece] = []
+        # Stretches and points alternate: a stretch, its upper point, the next stretch, and so on.
         for stretch, point in zip(self.stretches, (*self.points, None), strict=True):
-            before = found[-1].last if found else None
+            before = pieces[-1].last if pieces else None
             if stretch is not None:
-                _append(
-                    found,
-                    Piece(before, point, (False, False), _VERDICTS[stretch.holds], stretch.reason),
-                )
+                verdict = _VERDICTS[stretch.holds]
+                _append(pieces, Piece(before, point, (False, False), verdict, stretch.reason))
             if point is not None:
-                _append(
-                    found, Piece(point, point, (True, True), _VERDICTS[point.holds], point.reason)
-                )
+                verdict = _VERDICTS[point.holds]
+                _append(pieces, Piece(point, point, (True, True), verdict, point.reason))
+        # Beyond the range searched nothing is claimed: the last searched piece has no end there,
+        # rather than an end that nobody has found.
         low, high = self.searched.ends
-        if len(found) > 1 and found[-1].is_open_beyond(high, 1):
-            found[-2:] = [replace(found[-2], last=None, closed=(found[-2].closed[0], False))]
-        if len(found) > 1 and found[0].is_open_beyond(low, -1):
-            found[:2] = [replace(found[1], first=None, closed=(False, found[1].closed[1]))]
-        return tuple(found)
+        if len(pieces) > 1 and pieces[-1].is_open_beyond(high, 1):
+            pieces[-2:] = [replace(pieces[-2], last=None, closed=(pieces[-2].closed[0], False))]
+        if len(pieces) > 1 and pieces[0].is_open_beyond(low, -1):
+            pieces[:2] = [replace(pieces[1], first=None, closed=(False, pieces[1].closed[1]))]
+        return tuple(pieces)
 
     @property
     def feasible(self) -> tuple[Piece, ...]:
@@ -286,13 +289,13 @@ class ValueSet(Shown):
         return tuple(x for x in self.pieces if x.verdict is Verdict.HOLDS)
 
     def is_alone(self, piece: Piece) -> bool:
-        """Whether a piece is a single value, and those beside it are known to be otherwise."""
+        """Whether a piece is a single value, and the verdict on both its neighbours is known."""
         beside = (x for x in self.pieces if x is not piece and {x.first, x.last} & {piece.first})
         return piece.is_single and all(x.verdict is not Verdict.UNDECIDED for x in beside)
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
-        """The pieces of which nothing is proven, as far as they were searched."""
+        """The searched pieces on which nothing is proven."""
         return tuple(
             x
             for x in self.pieces
@@ -302,42 +305,43 @@ class ValueSet(Shown):
         )
 
     def _is_searched(self, x: Piece) -> bool:
-        """Whether one of its values was, if only an end of what was."""
-        own = replace(self.searched, holds_low=True, holds_high=True)
-        return (
-            own.holds(x.first.value) if x.is_single and x.first else not own.misses(x.low, x.high)
-        )
+        """Whether a value of the piece was searched; the ends of the range searched count, too."""
+        closed = replace(self.searched, holds_low=True, holds_high=True)
+        if x.is_single and x.first:
+            return closed.holds(x.first.value)
+        return not closed.misses(x.low, x.high)
 
     @property
     def reason(self) -> str:
-        """Why something is undecided, each reason once."""
+        """Why something is undecided, each reason once; empty where nothing is."""
         return _joined(x.reason for x in self.undecided)
 
     @property
     def ends(self) -> tuple[SingleValue, ...]:
-        """The points at which what holds ends as something binds, in order; not where the range
-        itself ends."""
+        """The points, in order, at which a piece that holds ends because some condition binds; not
+        those at which only the range ends."""
         listed = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in listed if x.bindings)
 
     def end(self, value: RealNumber, side: int) -> SingleValue | None:
-        """Where what is so about a value ends on a side; None where it has no end there, or none
-        that is known."""
+        """The end, above (side 1) or below (side -1), of the piece in which a value lies, if a
+        condition binds there; None where there is no such end, or none that is known."""
         piece = self.about(value)
-        found = piece.last if side > 0 else piece.first
-        return found if found in self.ends else None
+        end = piece.last if side > 0 else piece.first
+        return end if end in self.ends else None
 
     def unknown(self, value: RealNumber, side: int) -> Piece | None:
-        """The first piece on a side of a value of which nothing is known; None where all is, or no
-        more was needed."""
+        """The first undecided piece from a value on towards a side (1: above, -1: below); None
+        where all is decided, or no more was needed."""
         ahead = self.pieces if side > 0 else self.pieces[::-1]
         onward = ahead[ahead.index(self.about(value)) :]
-        found = next((x for x in onward if x.verdict is Verdict.UNDECIDED), None)
-        return None if found is None or found.reason == NOT_NEEDED else found
+        first = next((x for x in onward if x.verdict is Verdict.UNDECIDED), None)
+        return None if first is None or first.reason == NOT_NEEDED else first
 
     def about(self, value: RealNumber) -> Piece:
         """The piece in which a value lies. UndecidedError where the value is not among those that
         were asked about."""
+        # ``ordered(x, y)`` is 1 where y is the larger: both are negative strictly inside the piece.
         for piece in self.pieces:
             below = -1 if piece.low is None else ordered(value, piece.low)
             above = -1 if piece.high is None else ordered(piece.high, value)
@@ -350,14 +354,16 @@ class ValueSet(Shown):
         """Whether the verdict on a value is yes. UndecidedError where that is not known, or was not
         searched."""
         number = _as_number(value)
-        found = self.about(number)
-        if found.verdict is Verdict.UNDECIDED:
+        piece = self.about(number)
+        if piece.verdict is Verdict.UNDECIDED:
             raise UndecidedError(
-                f"the value {number!r}: {found.reason or 'nothing is proven there'}"
+                f"the value {number!r}: {piece.reason or 'nothing is proven there'}"
             )
+        # A piece may have been extended beyond the range searched (see ``pieces``); a point
+        # outside, such as the present value, was asked by itself.
         if not self.searched.holds(number) and not isinstance(self.at(number), SingleValue):
             raise UndecidedError(f"the value {number!r}: it was not searched")
-        return found.verdict is Verdict.HOLDS
+        return piece.verdict is Verdict.HOLDS
 
     def __and__(self, other: ValueSet) -> ValueSet:
         """The values for which both hold."""
@@ -368,7 +374,7 @@ class ValueSet(Shown):
         return combined([self, other], _any)
 
     def without(self, values: Sequence[RealNumber]) -> ValueSet:
-        """The same with the verdict no at some values, at which there is nothing to ask about."""
+        """The set with the verdict no at some values, for which the question has no meaning."""
         gone = _each_once(SingleValue(x, holds=False) for x in values)
         return self & ValueSet(tuple(gone), (Stretch(holds=True),) * (len(gone) + 1))
 
@@ -389,40 +395,43 @@ def _as_number(value: object) -> RealNumber:
 
 
 def _place(points: Sequence[SingleValue], value: RealNumber) -> tuple[int, bool]:
-    """How many points lie below a value, and whether the next one is that value."""
+    """How many points lie below a value, and whether the next point is that value."""
+    # ``ordered`` is 0 for numbers that 600 bits do not distinguish: they count as one value.
     i = bisect_left(points, 0, key=lambda x: -ordered(x.value, value))
     return i, i < len(points) and not ordered(points[i].value, value)
 
 
 def _each_once(points: Iterable[SingleValue]) -> list[SingleValue]:
-    """Points in ascending order; those at one value as one, with all that binds there, told exactly
-    where one of them is."""
-    found = list[SingleValue]()
+    """Points in ascending order, those at one value merged: with all bindings, and with the exact
+    number where one of them has it."""
+    merged = list[SingleValue]()
     for x in ascending(points, lambda x: x.value):
-        if found and not ordered(found[-1].value, x.value):
-            last = found[-1]
+        if merged and not ordered(merged[-1].value, x.value):
+            last = merged[-1]
             value = x.value if isinstance(x.value, ExactNumber) else last.value
-            found[-1] = replace(
+            merged[-1] = replace(
                 last, value=value, bindings=tuple(dict.fromkeys((*last.bindings, *x.bindings)))
             )
         else:
-            found.append(x)
-    return found
+            merged.append(x)
+    return merged
 
 
 def _bounded(domain: Domain, stretches: Sequence[Stretch]) -> tuple[Stretch | None, ...]:
-    """The same but for those beyond the ends of a domain."""
-    found = list[Stretch | None](stretches)
+    """The stretches with None in place of those beyond the ends of a domain."""
+    bounded = list[Stretch | None](stretches)
     if domain.low is not None:
-        found[0] = None
+        bounded[0] = None
     if domain.high is not None:
-        found[-1] = None
-    return tuple(found)
+        bounded[-1] = None
+    return tuple(bounded)
 
 
 def _append(pieces: list[Piece], piece: Piece) -> None:
-    """Put a piece to those before it; as one with the last of them if that has the same verdict."""
+    """Append a piece, or merge it with the last one if both have the same verdict."""
     last = pieces[-1] if pieces else None
+    # Undecided values that were searched, and those that were not, stay apart: only the former
+    # are reported as undecided.
     is_asked = [x is not None and x.reason not in _UNASKED_REASONS for x in (last, piece)]
     if last is None or last.verdict is not piece.verdict or is_asked[0] is not is_asked[1]:
         pieces.append(piece)
@@ -437,7 +446,7 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
 
 
 def _joined(reasons: Iterable[str]) -> str:
-    """Each reason once."""
+    """All reasons in one text, each once."""
     every = (x for reason in reasons for x in reason.split("; "))
     return "; ".join(dict.fromkeys(x for x in every if x))
 
@@ -445,6 +454,7 @@ def _joined(reasons: Iterable[str]) -> str:
 Rule = Callable[[Sequence[bool | None]], bool | None]
 
 
+# Logic of three values: one False settles "all", one True settles "any", whatever is undecided.
 def _all(verdicts: Sequence[bool | None]) -> bool | None:
     return False if False in verdicts else None if None in verdicts else True
 
@@ -454,13 +464,15 @@ def _any(verdicts: Sequence[bool | None]) -> bool | None:
 
 
 def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
-    """Sets of values of one number as one, of the values that all of them ask about: by default,
-    those for which all hold.
+    """Combine sets of values of one parameter, over the values that all of them ask about: by
+    default the values for which all hold.
 
-    It asks no verdicts, and puts known ends in order even where the time is over.
+    No verdict is asked. Works even where the time is over, as it only puts known points in order.
     """
     if len(sets) == 1:
         return sets[0]
+    # Between two neighbours of all points of all sets each set has one verdict: it is enough to
+    # combine the verdicts at every point, just below it, and above the last one.
     with spared():
         points, stretches = list[SingleValue](), list[Stretch | None]()
         for x in _each_once(p for own in sets for p in own.points):
@@ -474,20 +486,20 @@ def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
 
 
 def _together(found: Sequence[SingleValue | Stretch | None], rule: Rule) -> Stretch | None:
-    """What is known of values by what is known of them in several sets; None where one of these
+    """The combined verdict on values, from their verdicts in several sets; None where one of these
     does not ask about them."""
     known = [x for x in found if x is not None]
     if len(known) < len(found):
         return None
     holds = rule([x.holds for x in known])
-    return Stretch(
-        holds, _joined(x.reason for x in known if x.holds is None) if holds is None else ""
-    )
+    if holds is not None:
+        return Stretch(holds, "")
+    return Stretch(holds, _joined(x.reason for x in known if x.holds is None))
 
 
 @dataclass(frozen=True)
 class CriticalValue:
-    """A value at which a verdict may change, and what binds there."""
+    """A value at which a verdict may change, and the conditions that bind there."""
 
     value: RealNumber
     bindings: tuple[Any, ...] = ()
@@ -495,15 +507,15 @@ class CriticalValue:
 
 @dataclass(frozen=True)
 class Open:
-    """Values between two (None: without end) among which others may change a verdict, for a
-    ``reason``."""
+    """A range between two values (None: without end) in which critical values may have been missed,
+    for a ``reason``."""
 
     low: RealNumber | None
     high: RealNumber | None
     reason: str = ""
 
     def covers(self, low: RealNumber | None, high: RealNumber | None) -> bool:
-        """Whether all values between two others are among them."""
+        """Whether all values between two others lie in the range."""
         above = self.low is None or (low is not None and ordered(self.low, low) >= 0)
         return above and (self.high is None or (high is not None and ordered(high, self.high) >= 0))
 
@@ -518,8 +530,8 @@ class CriticalValues:
 
 @dataclass(frozen=True)
 class Cell:
-    """Values between two, both of them among these, and the verdict that is proven for all of them;
-    None: none is."""
+    """A closed interval of values, and the verdict that is proven for all of them; None where none
+    is."""
 
     low: RealNumber | None
     high: RealNumber | None
@@ -534,21 +546,24 @@ def _nothing_known() -> Iterable[CriticalValues]:
 
 @dataclass(frozen=True)
 class Question:
-    """A verdict on values of a number, and what is known of it beyond single values.
+    """A verdict on values of a parameter, and what is known of it beyond single values.
 
-    ``verdict`` : of a rational number, exact; None, or an UndecidedError with the reason:
-    undecided. ``own`` : the value that the number has now: it is asked first, and what lies near to
-    it before what is far.
-    ``changes`` : gives critical values, again and again with fewer that are open; those that are
-    given last count.
-    ``at`` : the verdict at a critical value that is not rational and lies beside values that hold;
-    None: like them.
-    ``lone`` : the verdict at one between values that fail; None: not known. If not given it fails
-    like them, which is so for strict conditions.
-    ``cells`` : covers the values between two, in order. ``end`` : of a cell between values of which
-    one side holds and the other fails, and whether the lower one holds, the one value at which that
-    changes; None where that is not proven to be one. ``alone`` : further values that are asked by
-    themselves.
+    ``verdict`` : gives the verdict on a rational number, exactly; None, or an UndecidedError with
+    the reason, where it is undecided.
+    ``own`` : the parameter's present value. It is asked first, and what lies near to it before what
+    is far.
+    ``changes`` : yields critical values, each time with fewer ranges left open; the last ones
+    count, and replace all that were given before.
+    ``at`` : gives the verdict at an irrational critical value next to values that hold; None means
+    that it holds like them.
+    ``lone`` : gives the verdict at an irrational critical value between values that fail; None
+    means unknown. Without ``lone`` such a value fails like its neighbours, which is right for
+    strict conditions.
+    ``cells`` : covers the range between two values by cells, in order.
+    ``end`` : given a range between values that hold on one side and fail on the other, and whether
+    the lower ones hold, gives the one value at which that changes; None where it is not proven that
+    there is just one.
+    ``alone`` : further values that are asked by themselves.
 
     An UndecidedError in any of them leaves open what it was asked for, for that reason.
     """
@@ -573,6 +588,8 @@ def solve(
     its verdict holds, and where it fails, between which it holds next; the rest is undecided.
     """
     work = _Solving(question, domain, searched or domain, near=near)
+    # The one place where a limit of time ends a search: what is settled by then is proven, and
+    # reading it off must not be cut short again.
     with suppress(LimitError):
         work.run()
     with spared():
@@ -580,8 +597,8 @@ def solve(
 
 
 _TO_ASK = Stretch(None, STOPPED)
-"""A stretch of which one verdict tells all, before that is asked for: it is told from what is open
-by its identity."""
+"""A stretch all of whose values have one verdict that was not asked for yet. It equals an undecided
+one, and is distinguished from it by identity."""
 
 
 class _Solving:
@@ -599,7 +616,8 @@ class _Solving:
         self._cut(CriticalValues(open=[Open(None, None, STOPPED)]))
 
     def found(self) -> ValueSet:
-        """The set as it stands, with what was asked of single values; nothing more is asked."""
+        """The set as far as it is settled, with the verdicts on single values inside of undecided
+        stretches; nothing more is asked."""
         for value, point in self.asked.items():
             if point.holds is not None and self._is_left_open(value):
                 i, _ = _place(self.points, point.value)
@@ -613,6 +631,8 @@ class _Solving:
         own = self.question.own
         if isinstance(own, Rational) and self.domain.holds(ExactNumber(own)):
             self._ask(own)
+        # From what settles whole ranges to what settles one value: each step works only on what the
+        # steps before it left open. Points come last, as their neighbours often tell their verdict.
         self._use_changes()
         self._use_cells()
         self._use_ends()
@@ -634,18 +654,19 @@ class _Solving:
         return self.asked[value]
 
     def _is_left_open(self, value: Rational) -> bool:
-        """Whether a value lies in what is asked about, searched and open."""
+        """Whether a value lies strictly inside of a stretch of the domain that is undecided."""
         i, is_point = _place(self.points, ExactNumber(value))
         return not is_point and _is_open(self.stretches[i])
 
     def _ends(self, i: int) -> tuple[RealNumber | None, RealNumber | None]:
-        """Between which values the i-th stretch lies."""
+        """The two ends of the i-th stretch; None where it has none."""
         low = self.points[i - 1].value if i else None
         return low, self.points[i].value if i < len(self.points) else None
 
     # Critical values
 
     def _use_changes(self) -> None:
+        """Cut the domain at critical values, as long as finer ones come and something is open."""
         try:
             for changes in self.question.changes():
                 self._cut(changes)
@@ -656,24 +677,22 @@ class _Solving:
             self.stretches = [open_ if _is_open(x) else x for x in self.stretches]
 
     def _cut(self, changes: CriticalValues) -> None:
-        """Cut the domain at critical values, and at the ends of what is open, anew; what was asked
-        tells of stretches."""
+        """Cut the whole domain anew, at critical values and at the ends of ranges that are open;
+        the verdicts asked so far settle the stretches that they lie in."""
         edges = [x for own in changes.open for x in (own.low, own.high) if x is not None]
         listed = [
             *(SingleValue(x.value, bindings=x.bindings) for x in changes.values),
             *map(SingleValue, edges),
         ]
-        told = [x for x in listed if is_told(x.value)]
-        open_ = (
-            changes.open if len(told) == len(listed) else [*changes.open, Open(None, None, _UNTOLD)]
-        )
+        # A number that no ball encloses cannot be put in order. It may lie anywhere, so that no
+        # stretch is free of critical values then.
+        enclosed = [x for x in listed if is_told(x.value)]
+        open_ = changes.open
+        if len(enclosed) < len(listed):
+            open_ = [*changes.open, Open(None, None, _UNTOLD)]
         whole = replace(self.domain, holds_low=True, holds_high=True)
-        points = _each_once(
-            [
-                *(SingleValue(x) for x in self.domain.ends if x is not None),
-                *(x for x in told if whole.holds(x.value)),
-            ]
-        )
+        ends = (SingleValue(x) for x in self.domain.ends if x is not None)
+        points = _each_once([*ends, *(x for x in enclosed if whole.holds(x.value))])
         places = [None, *(x.value for x in points), None]
         stretches = [self._known(low, high, open_) for low, high in pairwise(places)]
         self.points, self.stretches = points, [*_bounded(self.domain, stretches)]
@@ -681,25 +700,28 @@ class _Solving:
     def _known(
         self, low: RealNumber | None, high: RealNumber | None, open_: Sequence[Open]
     ) -> Stretch:
+        """What is known of the values between two neighbouring points, before any is asked."""
         around = next((x for x in open_ if x.covers(low, high)), None)
         if around is not None:
             return Stretch(None, around.reason)
+        # No critical value lies in between: one verdict, asked earlier, settles all of them.
         for x in self.asked.values():
             if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
                 return Stretch(x.holds)
         return _TO_ASK
 
     def _ask_between(self) -> bool:
-        """Ask a value of each stretch that is not open, the nearest first; of a near set no more
-        than it takes.
+        """Ask a value of each stretch that is not open, those near to the question's own value
+        first; of a near set no more than it takes.
 
-        Whether nothing is left to be found, of what is searched.
+        Return whether all of what is searched is decided.
         """
         home = self._home()
-        own = self._asked(home)
-        is_done = own.holds is not None
+        home_stretch = self._asked(home)
+        is_done = home_stretch.holds is not None
+        # From the own value upward, then downward: on each side a near set ends where it is enough.
         for ahead in (range(home + 1, len(self.stretches)), range(home - 1, -1, -1)):
-            verdicts = [own.holds]
+            verdicts = [home_stretch.holds]
             for i in ahead:
                 if self.near and _is_enough(verdicts):
                     self._leave_out(i, i - (ahead.step > 0))
@@ -709,28 +731,31 @@ class _Solving:
         return is_done
 
     def _home(self) -> int:
-        """The stretch in which the question's own value lies, or which ends there; the first one
-        where it has none."""
+        """The stretch in which the question's own value lies, or that ends there; the first one
+        where the question has no own value."""
         own, i = self.question.own, 0
         if own is not None and own.is_number:
             i, _ = _place(self.points, ExactNumber(own))
+        # At an end of the domain the stretch on one side is None, as nothing is asked there.
         beside = (i, i + 1, i - 1)
         return next(j for j in beside if j < len(self.stretches) and self.stretches[j] is not None)
 
     def _asked(self, i: int) -> Stretch:
-        """What is known of a stretch, by a verdict on one of its values where that tells all."""
+        """A stretch with its verdict, which is asked for at one of its values where that settles
+        all."""
         if self.stretches[i] is _TO_ASK:
-            found = self._ask(rational_between(*self._ends(i), self.question.own))
-            self.stretches[i] = Stretch(found.holds, found.reason)
-        own = self.stretches[i]
-        assert own is not None
-        return own
+            # A rational number, since verdicts are exact for these; the own value if it lies there.
+            sample = self._ask(rational_between(*self._ends(i), self.question.own))
+            self.stretches[i] = Stretch(sample.holds, sample.reason)
+        stretch = self.stretches[i]
+        assert stretch is not None
+        return stretch
 
     def _leave_out(self, i: int, before: int) -> None:
-        """Ask nothing of a stretch that is not needed, nor of the point before it, if that is not
-        the question's own."""
-        own = self.stretches[i]
-        if own is not None and own.reason != UNSEARCHED:
+        """Mark a stretch as not needed, and with it the point before it, unless that is the
+        question's own value."""
+        stretch = self.stretches[i]
+        if stretch is not None and stretch.reason != UNSEARCHED:
             self.stretches[i] = Stretch(None, NOT_NEEDED)
         if _rational(self.points[before]) != self.question.own:
             self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
@@ -738,7 +763,8 @@ class _Solving:
     # Cells
 
     def _use_cells(self) -> None:
-        """Fill what is open by cells."""
+        """Fill open stretches by cells."""
+        # From the last one down: a stretch that is replaced by several shifts only those above it.
         for i in reversed(range(len(self.stretches))):
             if self.question.cells is not None and _is_open(self.stretches[i]):
                 self._fill(i, self.question.cells)
@@ -746,12 +772,14 @@ class _Solving:
     def _fill(
         self, i: int, cells_of: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]]
     ) -> None:
-        """Put cells in place of a stretch; those that are found by then where the time is over."""
+        """Put cells in place of a stretch; where the time is over, those that are found by then."""
         cells, (low, high) = list[Cell](), self._ends(i)
         try:
             for x in cells_of(low, high):
                 cells.append(x)
         except UndecidedError as error:
+            # What is missing is a cell too, before ``_reason`` may raise: ``finally`` then has a
+            # complete cover of the stretch to put in place.
             start = cells[-1].high if cells else low
             cells.append(Cell(start, high, None, STOPPED))
             cells[-1] = replace(cells[-1], reason=_reason(error))
@@ -760,9 +788,9 @@ class _Solving:
                 self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch: neighbours of one verdict as one.
+        """Put cells in place of a stretch, neighbours of one verdict merged.
 
-        What is between two of them is told by the one that is settled, as both hold it.
+        Cells are closed: the point between two has the verdict of the one that is settled.
         """
         merged = list[Cell]()
         for x in cells:
@@ -772,7 +800,8 @@ class _Solving:
                 )
             else:
                 merged.append(x)
-        for j, x in ((i - 1, merged[0]), (i, merged[-1])):  # what is rational is asked
+        # The points at both ends belong to the outer cells as well; rational ones are asked later.
+        for j, x in ((i - 1, merged[0]), (i, merged[-1])):
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
                 self.points[j] = replace(self.points[j], holds=x.holds)
         inner = [
@@ -784,11 +813,16 @@ class _Solving:
         self.stretches[i : i + 1] = [Stretch(x.holds, x.reason) for x in merged]
 
     def _use_ends(self) -> None:
-        """Find the one end in what is open between values that hold and values that fail."""
+        """Find the one end in each open stretch between values that hold and values that fail."""
         for i in reversed(range(1, len(self.stretches) - 1)):
-            before, own, after = self.stretches[i - 1 : i + 2]
+            before, between, after = self.stretches[i - 1 : i + 2]
             low, high = self._ends(i)
-            if self.question.end is None or not _is_open(own) or before is None or after is None:
+            if (
+                self.question.end is None
+                or not _is_open(between)
+                or before is None
+                or after is None
+            ):
                 continue
             if low is None or high is None or {before.holds, after.holds} != {True, False}:
                 continue
@@ -805,61 +839,72 @@ class _Solving:
     # Single values
 
     def _settle_points(self, *, ask: bool) -> None:
-        """Tell the verdict of points, as far as that needs no more than their neighbours; or by
-        asking it."""
+        """Settle the verdicts on points: from their neighbours and verdicts known, and with ``ask``
+        also by asking."""
         for i, x in enumerate(self.points):
-            if not self.domain.holds(
-                x.value
-            ):  # nothing is asked about there, so that nothing binds
+            # An end that does not belong to the domain: nothing is asked there, so nothing binds.
+            if not self.domain.holds(x.value):
                 self.points[i] = SingleValue(x.value, holds=False)
             elif x.holds is None and not x.reason:
                 holds, reason = self._told(i, ask=ask)
                 self.points[i] = replace(x, holds=holds, reason=reason)
+            # At the end of the range, next to values that hold, it is the range that ends there,
+            # and no condition.
             around = self.stretches[i : i + 2]
-            if (
-                None in around and Stretch(holds=True) in around and self.points[i].holds
-            ):  # it is the range that ends there
+            is_range_end = None in around and Stretch(holds=True) in around
+            if is_range_end and self.points[i].holds:
                 self.points[i] = replace(self.points[i], bindings=())
 
     def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:
-        """The verdict on a point: its own where it is rational, else as its neighbours and the
-        question tell; or why none is."""
+        """The verdict on a point and, where that is None, the reason.
+
+        At a rational value the question's verdict counts; elsewhere what its neighbours and its
+        ``at`` and ``lone`` give.
+        """
         point, near = self.points[i], [x for x in self.stretches[i : i + 2] if x is not None]
         value, verdicts = _rational(point), [x.holds for x in near]
         if value is not None:
-            own = self._ask(value) if ask else self.asked.get(value)
-            return (None, STOPPED) if own is None else (own.holds, own.reason)
+            answer = self._ask(value) if ask else self.asked.get(value)
+            return (None, STOPPED) if answer is None else (answer.holds, answer.reason)
         is_beside = True in verdicts
+        # Beside values that hold, and with a known binding, ``at`` decides whatever the other side
+        # is.
         if None in verdicts and not (is_beside and point.bindings):
             return None, next(x.reason for x in near if x.holds is None) or STOPPED
         tell = self.question.at if is_beside else self.question.lone
+        # Without a binding nothing changes at the point: it has the verdict of its neighbours.
         if tell is None or (is_beside and not point.bindings):
             return is_beside, ""
         if not ask:
             return None, STOPPED
         try:
-            told = tell(CriticalValue(point.value, point.bindings))
+            verdict = tell(CriticalValue(point.value, point.bindings))
         except UndecidedError as error:
             return None, _reason(error)
-        return (True, "") if told is None and is_beside else (told, _ALONE if told is None else "")
+        return (
+            (True, "")
+            if verdict is None and is_beside
+            else (verdict, _ALONE if verdict is None else "")
+        )
 
 
 def _is_open(x: Stretch | None) -> bool:
-    """Whether nothing is known of a stretch of which something is asked, and needed."""
+    """Whether a stretch is undecided, belongs to the domain and is needed."""
     return x is not None and x.holds is None and x.reason != NOT_NEEDED
 
 
 def _rational(x: SingleValue) -> Rational | None:
-    return (
-        x.value.value
-        if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational)
-        else None
-    )
+    """The value of a point as a rational number; None where it is not given as one."""
+    if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational):
+        return x.value.value
+    return None
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
-    """Whether it is known, from a value on to one side, where its verdict ends, and where it fails,
-    what holds next."""
+    """Whether the verdicts of the stretches from the own value on to one side are enough for a near
+    set: up to where it stops holding, or, where it fails, up to where it holds next and stops
+    again.
+    """
     if None in verdicts:
         return True
     changes = sum(a != b for a, b in pairwise(verdicts))
@@ -867,8 +912,9 @@ def _is_enough(verdicts: Sequence[bool | None]) -> bool:
 
 
 def _reason(error: UndecidedError) -> str:
-    """Why nothing is known of what was asked, such as that it took more than its share; LimitError
-    where the time is over."""
+    """The reason of an undecided verdict; LimitError where the time for all of the work is over."""
+    # A LimitError may come of a share of the time, which is a reason like others; if it is the
+    # whole time that is over, this tick raises it again.
     if isinstance(error, LimitError):
         tick()
     return str(error)
@@ -876,12 +922,12 @@ def _reason(error: UndecidedError) -> str:
 
 @dataclass(frozen=True, repr=False)
 class Bisected(RealNumber):
-    """The one value between two at which a verdict changes, closed in on by asking it:
-    ``low_holds`` : of the lower one.
+    """The one value between two at which a verdict changes, enclosed by asking the verdict.
 
-    ``verdict`` : of a rational number, exact. ``excess`` : how far a number fails, if it does, at
-    the working precision: where that, or its root, is about linear, its zero tells where to ask.
-    Guaranteed of each ball: the verdict of its ends differs.
+    ``verdict`` : of a rational number, exact. ``low_holds`` : whether the lower values hold.
+    ``excess`` : by how much a number fails, if it does, at the working precision. Where that, or
+    its square root, is about linear, its zero shows where to ask next (the secant method).
+    Guaranteed of each ball: the verdicts at its ends differ, so that the value lies in it.
     """
 
     verdict: Callable[[Rational], bool | None]
@@ -893,23 +939,30 @@ class Bisected(RealNumber):
 
     @property
     def known(self) -> tuple[Fraction, Fraction]:
-        """Two values between which it lies, as far as that is known."""
+        """The two nearest values, so far, between which it is known to lie."""
         low, high = self._known.get("", (self.low, self.high))
         return low, high
 
     def between(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Two values between which it lies, of about that relative accuracy."""
+        """Two values between which it lies, to about that many bits of relative accuracy; farther
+        apart where a verdict is undecided."""
         low, high = self.known
         sharp, is_root = 4, False
-        least = (self.high - self.low) / 4**bits  # of 0 nothing is relatively accurate
+        # At the value 0 no relative accuracy would ever be reached: there this width is enough.
+        least = (self.high - self.low) / 4**bits
         with flint.ctx.workprec(2 * bits + 64):
             while high - low > max(least, max(abs(low), abs(high)) / 2**bits):
                 tick()
+                # Around a guess two values are asked, a small part of the width to either side; if
+                # both are right, the width shrinks by that part, which doubles its bits each time
+                # (the convergence of the secant method). Without a guess it is bisected.
                 width, near = high - low, self._guess(is_root=is_root)
                 off = width / 2**sharp
                 for x in [(low + high) / 2] if near is None else [near - off, near + off]:
                     asked = Fraction(*_short(x - off / 2, x + off / 2))
-                    aside = (33 * low + 31 * high) / 64  # where it is the very value that was asked
+                    # The very value that is looked for may be undecided: then one beside the middle
+                    # is asked.
+                    aside = (33 * low + 31 * high) / 64
                     if low < x < high and not (self._ask(asked) or self._ask(aside)):
                         return self.known
                     low, high = self.known
@@ -918,7 +971,7 @@ class Bisected(RealNumber):
         return low, high
 
     def _ask(self, value: Fraction) -> bool:
-        """Narrow it down by the verdict on one value; whether there is one."""
+        """Narrow the enclosure by the verdict on one value; False where that is undecided."""
         low, high = self.known
         try:
             holds = self.verdict(_fraction(value))
@@ -931,11 +984,12 @@ class Bisected(RealNumber):
     @property
     def beyond(self) -> Fraction:
         """The nearest value that is known to fail."""
+        # The high end (index 1) where the lower values hold, else the low one (index 0).
         return self.known[self.low_holds]
 
     def _guess(self, *, is_root: bool) -> Fraction | None:
-        """Where it lies if the excess, or its root, is linear beyond it, by the last two values
-        that fail; None if not known."""
+        """Where the value lies if the excess, or its root, is linear beyond it: the secant through
+        the last two values that fail. None where there are no two, or it leaves the enclosure."""
         if self.excess is None:
             return None
         last = self._known.get("last")
@@ -965,8 +1019,8 @@ def _fraction(x: Fraction) -> Rational:
 
 
 def _short(low: Fraction, high: Fraction) -> tuple[int, int]:
-    """About the middle between two numbers, a dyadic one with as few bits as do, as numerator and
-    denominator."""
+    """A dyadic number near the middle between two others with as few bits as possible, as numerator
+    and denominator."""
     middle, width = (low + high) / 2, (high - low) / 8
     places = max(0, -(width.numerator.bit_length() - width.denominator.bit_length()) + 1)
     return round(middle * 2**places), 2**places

@@ -1,5 +1,5 @@
-"""Zeros of a real function of omega as formulas, where there are readable ones, and how they move
-with a parameter.
+"""Zeros of a real function of omega as formulas in its parameters, where there are readable ones,
+and the derivatives of zeros with respect to a parameter.
 
 Each irreducible factor is solved on its own. One that holds omega only by its square (or only by
 omega^alpha, or only by the angle omega tau of one delay) and is of degree one or two in it is
@@ -70,7 +70,8 @@ class Solution(Shown):
         return f"omega = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
 
     def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
-        """The same with values for some symbols; None where a condition does not hold then."""
+        """The solution with values for some symbols; None where a condition fails for them."""
+        # ``x and ...``: no formula (None) and no period (0) stay what they are.
         omega, equation, period, *conditions = (
             x and x.xreplace(values)
             for x in (self.omega, self.equation, self.period, *self.conditions)
@@ -98,9 +99,9 @@ def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, 
 
 
 def _half_turns(function: RealFunction) -> list[Solution]:
-    """The zeros at omega tau = pi, 3 pi, ... of a function that has more half-angle tangents below
-    the line than above."""
-    axis, found = function.axis, []
+    """The zeros at omega tau = pi, 3 pi, ... of a function whose degree in a half-angle tangent is
+    higher in the denominator than in the numerator: there the tangent is infinite."""
+    axis, solutions = function.axis, []
     above, below = (
         p.degrees()[axis.size :]
         for p in (function.function.numerator, function.function.denominator)
@@ -108,45 +109,46 @@ def _half_turns(function: RealFunction) -> list[Solution]:
     for angle, up, down in zip(axis.angles, above, below, strict=False):
         if not angle.constant and down > up:
             equation, period = cos(angle.value / 2), 2 * pi / angle.rate
-            found += _told(
-                [_Zero(pi / angle.rate, (angle.rate,), period)], equation, int(down - up)
-            )
-    return found
+            zero = _Zero(pi / angle.rate, (angle.rate,), period)
+            solutions += _told([zero], equation, int(down - up))
+    return solutions
 
 
 def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -> list[Solution]:
+    """The solutions of one irreducible factor: formulas, or one without a formula; none where the
+    factor is omega itself or does not depend on it."""
     degrees = [int(n) for n in polynomial.degrees()]
     turning = [
         i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]
     ]
     powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
-    own = bool(degrees[0])
-    if polynomial == axis.variable or not (own or turning or powers):
+    has_omega = bool(degrees[0])
+    if polynomial == axis.variable or not (has_omega or turning or powers):
         return []
-    if own + len(turning) + len(powers) > 1 or axis.root_in(polynomial):
-        found = None
+    # Omega in two ways at once, as omega + tan(omega), has no inverse in known functions. With
+    # roots of numbers a factor over Q may not be irreducible.
+    if has_omega + len(turning) + len(powers) > 1 or axis.root_in(polynomial):
+        zeros = None
     elif turning:
-        found = _angles(polynomial, axis, turning[0])
+        zeros = _angles(polynomial, axis, turning[0])
     elif powers:
         index = axis.size + len(axis.angles) + powers[0]
         roots = _roots(_row(polynomial, axis, index))
-        found = _each(roots, lambda x: x ** (1 / axis.orders[powers[0]]))
-        if any(
-            angle.constant and n
-            for angle, n in zip(axis.angles, degrees[axis.size :], strict=False)
-        ):
-            found = (
-                None  # the sign of the root depends on the constant angle, which stays a name here
-            )
+        zeros = _each(roots, lambda x: x ** (1 / axis.orders[powers[0]]))
+        # The sign of the root would depend on the constant angle, which stays a name here.
+        angle_degrees = zip(axis.angles, degrees[axis.size :], strict=False)
+        if any(angle.constant and n for angle, n in angle_degrees):
+            zeros = None
     else:
-        found = _frequencies(polynomial, axis)
-    if found is None:
+        zeros = _frequencies(polynomial, axis)
+    if zeros is None:
         return [] if readable else [Solution(None, _equation(polynomial, axis), order=order)]
-    return _told(found, _equation(polynomial, axis), order)
+    return _told(zeros, _equation(polynomial, axis), order)
 
 
 class _Zero(NamedTuple):
-    """A zero, and what must not be negative for it to be a frequency."""
+    """A zero and its conditions ``needs``: expressions that must not be negative for it to be real
+    and not negative itself."""
 
     omega: Expr
     needs: tuple[Expr, ...]
@@ -164,8 +166,8 @@ def _told(zeros: Iterable[_Zero], equation: Expr, order: int) -> list[Solution]:
 
 
 def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
-    """Those conditions that may fail or hold, in their order; None where one of them fails for
-    sure.
+    """The conditions (expressions that must not be negative) that the assumptions on symbols do not
+    settle, in their order; None where one of them fails for sure.
 
     >>> from sympy.abc import x, y
     >>> left_to_ask([Integer(2), 1 + x, y]), left_to_ask([1 + x, Integer(-2)])
@@ -182,13 +184,15 @@ _Found: TypeAlias = list[_Zero] | None
 
 
 def _each(roots: list[_Root] | None, change: Callable[[Expr], Expr]) -> _Found:
-    """The zeros at roots that are not negative."""
+    """The zeros at the roots that are not negative, each root mapped to its frequency by
+    ``change``."""
     return None if roots is None else [_Zero(change(x.value), x.needs()) for x in roots]
 
 
 def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
     """Zeros of a polynomial in omega alone."""
-    if polynomial.degrees()[0] > 4:  # neither it nor one in omega^2 has a readable formula
+    # Of a higher degree, not even a polynomial in omega^2 has a readable formula.
+    if polynomial.degrees()[0] > 4:
         return None
     row = _row(polynomial, axis, 0)
     is_even = not any(row[1::2])
@@ -201,18 +205,20 @@ def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     + t^2)."""
     rate = axis.angles[index].rate
     row = _row(polynomial, axis, axis.size + index)
+    # Even in t, it holds t^2 = (1 - cos)/(1 + cos) alone; c (1 + t^2) + b t is c + (b/2) sin over
+    # cos^2(omega tau/2). These two give shorter formulas than the arctangent.
     if not any(row[1::2]):
-        found = _by_cosine(_roots(row[::2]))
+        angles = _by_cosine(_roots(row[::2]))
     elif len(row) == 3 and row[0] == row[2]:
-        found = _by_sine(_quotient(-2 * row[0], row[1]))
+        angles = _by_sine(_quotient(-2 * row[0], row[1]))
     else:
-        found = _by_tangent(_roots(row))
-    return found and [_Zero(x.omega / rate, (*x.needs, rate), 2 * pi / rate) for x in found]
+        angles = _by_tangent(_roots(row))
+    return angles and [_Zero(x.omega / rate, (*x.needs, rate), 2 * pi / rate) for x in angles]
 
 
 def _by_cosine(squares: list[_Root] | None) -> _Found:
-    """Angles from 0 to 2 pi of the squares of their half's tangent: t^2 >= 0 is cos <= 1, and above
-    -1."""
+    """Angles from 0 to 2 pi, from the squares t^2 of their half's tangent, both solutions of cos =
+    (1 - t^2)/(1 + t^2): t^2 >= 0 is -1 < cos <= 1."""
     if squares is None:
         return None
     pairs = [(acos(((1 - x.value) / (1 + x.value)).cancel()), x.needs()) for x in squares]
@@ -220,7 +226,8 @@ def _by_cosine(squares: list[_Root] | None) -> _Found:
 
 
 def _by_sine(sine: Expr) -> list[_Zero]:
-    """Angles from 0 to 2 pi of a sine."""
+    """Angles from 0 to 2 pi with a given sine: asin in its first or last quarter turn, as its sign
+    needs, and pi - asin."""
     needs, sign = (1 - sine, 1 + sine), _of_sign(sine)
     angle = asin(sine)
     return [
@@ -231,16 +238,18 @@ def _by_sine(sine: Expr) -> list[_Zero]:
 
 
 def _by_tangent(tangents: list[_Root] | None) -> _Found:
-    """Angles from 0 to 2 pi of their half's tangent, which is negative in the second half of the
+    """Angles from 0 to 2 pi, from their half's tangent, which is negative in the second half of the
     turn."""
     if tangents is None:
         return None
-    found = [_Zero(2 * atan(x.value), x.needs()) for x in tangents if x.value != 0]
-    return found + [_Zero(2 * atan(x.value) + 2 * pi, x.needs(-1)) for x in tangents]
+    # A tangent 0 is the angle 2 pi only, since omega = 0 is no positive zero.
+    zeros = [_Zero(2 * atan(x.value), x.needs()) for x in tangents if x.value != 0]
+    return zeros + [_Zero(2 * atan(x.value) + 2 * pi, x.needs(-1)) for x in tangents]
 
 
 def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
-    """Coefficients in one variable, ascending; constant angles as cosines and sines."""
+    """Coefficients in one variable of the ring, ascending; of omega (index 0) with constant angles
+    as cosines and sines."""
     if index and any(angle.constant for angle in axis.angles):
         return _plain_row(polynomial, axis, index)
     written = (
@@ -256,11 +265,12 @@ def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
 
 
 def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
+    """Coefficients in one variable of the ring, ascending, as expressions in the others."""
     gathered: dict[int, dict[tuple[int, ...], object]] = {}
     for exponents, value in monomials(polynomial):
-        own = list(map(int, exponents))
-        power, own[index] = own[index], 0
-        gathered.setdefault(power, {})[tuple(own)] = value
+        rest = list(map(int, exponents))
+        power, rest[index] = rest[index], 0
+        gathered.setdefault(power, {})[tuple(rest)] = value
     expressions = {
         n: ring.expression(ring.context.from_dict(terms)) for n, terms in gathered.items()
     }
@@ -268,21 +278,22 @@ def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list
 
 
 class _Root(NamedTuple):
-    """A root; an expression that has its sign where it is real; and what must not be negative for
-    that."""
+    """A root ``value``; an expression ``sign`` that has its sign where it is real; and expressions
+    ``real`` that must not be negative for it to be real."""
 
     value: Expr
     sign: Expr
     real: tuple[Expr, ...] = ()
 
     def needs(self, sign: int = 1) -> tuple[Expr, ...]:
-        """What must not be negative for it to be real and of this sign, or 0."""
+        """Expressions that must not be negative for the root to be real, and of this sign or 0."""
         return *self.real, sign * self.sign
 
 
 def _roots(row: list[Expr]) -> list[_Root] | None:
-    """The roots of a polynomial of degree 1 or 2, real or not, the lower one first where that is
-    known; None for others."""
+    """The roots of a polynomial of degree 1 or 2, real or not; None for other degrees. Of two real
+    roots the one with the minus sign comes first: the lower one where the highest coefficient is >
+    0."""
     if len(row) == 2:
         return [_Root(_quotient(-row[0], row[1]), _of_sign(-row[0] * row[1]))]
     if len(row) != 3:
@@ -290,49 +301,50 @@ def _roots(row: list[Expr]) -> list[_Root] | None:
     d, b, a = row
     if a.could_extract_minus_sign():
         a, b, d = -a, -b, -d
+    # Factored only where that gives a product, which SymPy can take apart under the root.
     whole = b**2 - 4 * a * d
     discriminant = split if (split := factor(whole)).is_Mul else whole
     product, real = _of_sign(a * d), (_of_sign(discriminant),)
-    found = []
+    roots = []
     for side in (-1, 1):
         root = _quotient(-b + side * sqrt(discriminant), 2 * a)
+        # Vieta: roots of different signs are real, and that of +sqrt/(2 a) is the one with the sign
+        # of a. Roots of one sign have that of -b/a. Otherwise the numerator's sign stays to be
+        # asked.
         if product.is_negative:
-            found.append(_Root(root, _of_sign(side * a)))
+            roots.append(_Root(root, _of_sign(side * a)))
         elif product.is_positive:
-            found.append(_Root(root, _of_sign(-a * b), real))
+            roots.append(_Root(root, _of_sign(-a * b), real))
         else:
-            found.append(
-                _Root(
-                    root, _of_sign(a) * _unsized(factor_terms(-b + side * sqrt(discriminant))), real
-                )
-            )
-    return found
+            numerator = factor_terms(-b + side * sqrt(discriminant))
+            roots.append(_Root(root, _of_sign(a) * _unsized(numerator), real))
+    return roots
 
 
 def _of_sign(x: Expr) -> Expr:
-    """A shorter expression of the same sign."""
+    """An expression of the same sign, as short as possible."""
     return _unsized(_in_factors(x))
 
 
 def _unsized(x: Expr) -> Expr:
-    """A product without the factors that are not negative, a divisor as a factor."""
-    found = Integer(1)
+    """An expression with the sign of a product: factors that are not negative are left out,
+    divisors become factors."""
+    result = Integer(1)
     for part in Mul.make_args(x):
         base, power = part.as_base_exp()
         if part.is_nonnegative and not part.is_zero:
             continue
         if part.is_negative:
-            found = -found
+            result = -result
         elif power.is_odd:
-            found = found * base
+            result = result * base
         else:
-            found = found * part
-    return found
+            result = result * part
+    return result
 
 
 def _quotient(above: Expr, below: Expr) -> Expr:
-    """A quotient with common factors gone, and with a minus below only where there is none
-    above."""
+    """A quotient in factors, common ones cancelled, with at most one minus sign: in front."""
     above, below = map(_in_factors, (above, below))
     if above.could_extract_minus_sign():
         return -above / _in_factors(-below)
@@ -351,6 +363,8 @@ def _in_factors(x: Expr) -> Expr:
 def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
     """The factor as a person would write it: divided by what makes tangents of half angles cosines
     and sines."""
+    # A polynomial of even degree n in tan(a/2), over (1 + tan^2)^(n/2), is one in cos a and sin a;
+    # an odd degree counts as the next even one.
     below = axis.constant(1)
     for i, t in enumerate(axis.context.gens()[axis.size : axis.size + len(axis.angles)], axis.size):
         below *= (t**2 + 1) ** ((int(polynomial.degrees()[i]) + 1) // 2)
@@ -358,8 +372,8 @@ def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
 
 
 FunctionTerms: TypeAlias = tuple[tuple[Expr, Polynomial], ...]
-"""A sum of polynomials of a ring, each times an expression: what a derivative of a polynomial in
-functions is."""
+"""A sum of polynomials of a ring, each times an expression; the form of a derivative of a
+polynomial in functions."""
 
 
 @dataclass(frozen=True)
@@ -382,8 +396,8 @@ class Equation:
         return self.ring.ball(self.F, _meanings(self.ring, known))
 
     def partial(self, x: Symbol) -> FunctionTerms:
-        """dF/dx: a derivative of each variable of the ring that depends on x times dF by that
-        variable; () where it is 0."""
+        """dF/dx by the chain rule over all variables of the ring that depend on x; () where it is
+        0."""
         chain = [
             (meaning.diff(x), self.F.derivative(i)) for i, meaning in enumerate(self.ring.meanings)
         ]
@@ -417,6 +431,7 @@ class ImplicitSlope:
         return all(f.xreplace(known) == 0 or self._at(p, known).is_zero() for f, p in self.above)
 
     def _at(self, polynomial: Polynomial, known: Mapping[Symbol, Expr]) -> Polynomial:
+        """A polynomial with the rational ones among these values put in."""
         places = {
             self.ring.meanings.index(x): v for x, v in known.items() if isinstance(v, Rational)
         }
@@ -436,7 +451,7 @@ class ImplicitSlope:
 
 
 def _meanings(ring: PolynomialRing, known: Mapping[Expr, Ball]) -> dict[Expr, Ball]:
-    """What the variables of a ring are worth, as far as the symbols in them are known."""
+    """Balls for the variables of a ring, as far as all symbols in them are known."""
     return {
         x: expression_ball(x, known)
         for x in ring.meanings

@@ -1,16 +1,17 @@
-"""Where, in a box of omega and up to three numbers, is each of some functions positive, negative or
-unknown: the one search.
+"""Branch and bound in floating point: where, in a box of omega and up to three parameters, is each
+of some functions positive, negative or of unknown sign?
 
-Branch and bound. The sides of the box are of two kinds. *Outer* ones are values of parameters q,
-which are settled cell by cell; *inner* ones stand behind each outer cell: omega first, then what
-else a cell is to be settled for. For each function F_i an outer cell holds *pieces* of the inner
-sides, those on which the sign of F_i is open.
+The sides of the box are of two kinds. *Outer* sides are values of parameters q, which are settled
+cell by cell; *inner* sides are those over which a cell must be settled: omega first, then any other
+number for all of whose values the verdict must hold. For each function F_i an outer cell holds
+*pieces*, the boxes of inner sides on which the sign of F_i is still open.
 
 **Guaranteed** of every outer cell, at any time, with first(q) the lowest omega from which on some
 F_i > 0 (infinite if there is none)::
 
     floor <= first(q) <= ceiling  for all q of the cell;
-    F_i(omega, q) < 0  for all q of the cell, all omega below the ceiling, and all else, outside of the pieces of F_i.
+    F_i(omega, q) < 0  for all q of the cell, all omega below the ceiling, and all other inner
+                       sides, outside of the pieces of F_i.
 
 A cell is *kept* where its floor is infinite (no piece is left, and nothing is positive), *broken*
 where its ceiling is not: F_i, i = ``by``, is positive at that omega for all q of the cell. What is
@@ -19,8 +20,8 @@ budget, or the time, was over. Nothing is claimed about F_i itself: what a judge
 proven. Cells are closed, and ends that are rounded are within what the judge must allow for (an ulp
 of the box).
 
-**A judge** tells of F_i, over many cells at once, a line along omega and how far F_i may be from
-it::
+**A judge** bounds F_i, over many cells at once, by a line along omega and the distance that F_i may
+have from it::
 
     |F_i(omega, q) - (middle + slope t)| <= rest,  omega = m + h t,  t in [-1, 1],
 
@@ -44,8 +45,8 @@ about which nothing is known 32 of a cell may be cut; then it is the cell that i
 planes of hands), and a question about the best or the worst value settles what cannot be better
 than a bound (``no_better``,
 ``no_worse``). The order is a rank: all at once if there is none, else the best ones first
-(``Search``). The queue,
-``Batches``, serves searches that have no outer cells too.
+(``Search``). The queue, ``Batches``, serves searches that have no outer cells too. Begin reading at
+``search``, ``Search`` and ``LineBound``.
 
 >>> def parabola(cells):  # q - (omega - 1/2)^2, of which only intervals are known
 ...     (a, b), (q, p) = cells[:, 0].T - 0.5, cells[:, 1].T
@@ -76,7 +77,8 @@ Array: TypeAlias = (
 _ROUNDING = 1e-13  # of a line, relative to the sizes that it is made of
 _SOLVED = 1e-12  # of a piece: what a place on it that a line shows is rounded outward by
 _UNKNOWN = 32  # pieces of a cell about which nothing is known that are cut
-_CROWD = 16  # pieces of a cell that cannot be cut: with more it is most likely not settled by cutting them
+# Pieces of a cell that cannot be cut: with more it is most likely not settled by cutting them.
+_CROWD = 16
 _LOST = 64  # times all that F changes: a remainder that says nothing of the side that it is due to
 _FINEST = 1e-10  # of an inner side: pieces are cut no further
 _MOST, _BATCH = 100_000, 1024
@@ -84,12 +86,12 @@ _MOST, _BATCH = 100_000, 1024
 
 @dataclass(frozen=True, eq=False)
 class LineBound:
-    """What a judge says of a function over n cells: |F - (middle + slope t + bend t^2)| <= rest, t
+    """A judge's bound of a function over n cells: |F - (middle + slope t + bend t^2)| <= rest, t
     from -1 to 1 along omega.
 
     ``middle``, ``slope``, ``bend``, ``rest`` : (n,); not finite where nothing is known. ``changes``
-    : (n, sides), how much F changes along each side, in units of F, omega first; what cells are cut
-    by, and no part of what is proven.
+    : (n, sides), how much F changes along each side, in units of F, omega first. They choose the
+    side that is cut, and are no part of what is proven.
     """
 
     middle: Array
@@ -100,20 +102,30 @@ class LineBound:
 
     @classmethod
     def of(cls, c0: Array, c1: Array, c2: Array, r: Array) -> LineBound:
-        """Of a Taylor model c0 + c1.t + t.c2.t +- r over each cell, (n,), (n, sides), (n, sides,
-        sides), (n,)."""
+        """The bound that follows from a Taylor model c0 + c1.t + t.c2.t +- r over each cell; shapes
+        (n,), (n, sides), (n, sides, sides), (n,)."""
         with np.errstate(all="ignore"):  # what is not finite is unknown
             first, second = np.abs(c1), np.abs(c2).sum(-1)
-            own, most = first + second, np.abs(c0) + first.sum(-1) + second.sum(-1)
-            rest = first[:, 1:].sum(-1) + (second.sum(-1) - np.abs(c2[:, 0, 0])) + r
-            share = (own / own.max(-1, keepdims=True)) ** 3
-            changes = own + np.where(own.max(-1) > 0, r / share.sum(-1), 0.0)[:, None] * share
-            changes[r > _LOST * own.max(-1)] = 0.0
-            return cls(c0, c1[:, 0], c2[:, 0, 0], rest + _ROUNDING * (most + r), changes)
+            change = first + second
+            largest = change.max(-1)
+            size = np.abs(c0) + first.sum(-1) + second.sum(-1)
+            # Along every side |t| <= 1, so that a coefficient is the most that its term can be: all
+            # but the line and the bend along omega goes into the rest.
+            across = first[:, 1:].sum(-1)
+            mixed = second.sum(-1) - np.abs(c2[:, 0, 0])
+            rest = across + mixed + r
+            # The remainder is of third order, so that a side's share in it goes by the cube.
+            share = (change / largest[:, None]) ** 3
+            unit = np.where(largest > 0, r / share.sum(-1), 0.0)
+            changes = change + unit[:, None] * share
+            # Such a remainder comes of cancellation, not of a side: with no change known at all,
+            # ``_rates`` cuts the side that is relatively widest.
+            changes[r > _LOST * largest] = 0.0
+            return cls(c0, c1[:, 0], c2[:, 0, 0], rest + _ROUNDING * (size + r), changes)
 
     @classmethod
     def between(cls, low: Array, high: Array, changes: Array) -> LineBound:
-        """Of a function that lies between two numbers on each cell."""
+        """The bound of a function that lies between two known numbers on each cell."""
         with np.errstate(all="ignore"):
             middle, rest = (low + high) / 2, (high - low) / 2
             none = np.zeros_like(middle)
@@ -121,7 +133,7 @@ class LineBound:
 
     @property
     def known(self) -> Array:
-        """Of which cells anything is known."""
+        """For each cell, whether the bound is finite: elsewhere nothing is known."""
         return (
             np.isfinite(self.middle)
             & np.isfinite(self.slope)
@@ -131,19 +143,22 @@ class LineBound:
 
     @property
     def negative(self) -> Array:
-        """On which cells F < 0, for all that is in them."""
+        """For each cell, whether F < 0 is proven all over it."""
         low, high = _hull(self.bend, self.slope, self.middle + self.rest)
         return self.known & (low > high)
 
     def never_positive(self) -> LineBound:
-        """The same of a function whose being positive would mean nothing."""
+        """The bound with a rest so wide that it never shows F > 0; for functions whose positive
+        sign proves nothing."""
         with np.errstate(all="ignore"):
+            # With rest >= max(middle + slope t + bend t^2) the lower bound is nowhere positive.
+            # Where that maximum is negative the rest stays as it is, so that F < 0 still shows.
             sizes = np.abs(self.middle) + np.abs(self.slope) + np.abs(self.bend)
             top = self.middle + np.abs(self.slope) + np.maximum(self.bend, 0.0)
             return replace(self, rest=np.maximum(self.rest, top + _ROUNDING * sizes))
 
     def known_negative(self, which: Array) -> LineBound:
-        """The same of a function that was shown to be negative on some cells in another way."""
+        """The bound with F < 0 on the chosen cells, where that was proven in another way."""
         middle, slope, bend, rest = (
             x.copy() for x in (self.middle, self.slope, self.bend, self.rest)
         )
@@ -161,7 +176,7 @@ class LineBound:
 
     @classmethod
     def together(cls, own: Sequence[LineBound]) -> LineBound:
-        """All of several."""
+        """Concatenate bounds into one that covers all of their cells."""
         names = ("middle", "slope", "bend", "rest", "changes")
         return cls(*(np.concatenate([getattr(x, name) for x in own]) for name in names))
 
@@ -173,6 +188,8 @@ def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
     They are those of a parabola whose coefficients differ from these by some roundings, which
     ``rest`` allows for.
     """
+    # Scaled to at most 1, so that b^2 and 4 a c cannot overflow. With the root of the discriminant
+    # taken with the sign of b nothing cancels in q; the other zero is c/q (Vieta).
     size = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c))
     a, b, c = a / size, b / size, c / size
     q = -(b + np.where(b < 0, -1.0, 1.0) * np.sqrt(b * b - 4 * a * c)) / 2
@@ -187,20 +204,20 @@ def _hull(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
         first, last = _roots(a, b, c)
         none, linear = b * b - 4 * a * c < 0, np.abs(a) <= 0
         at = -c / b
-        low = np.where(
-            linear,
-            np.where(b > 0, at, -1.0),
-            np.where(a < 0, first, np.where(first < -1, last, -1.0)),
-        )
-        high = np.where(
-            linear, np.where(b < 0, at, 1.0), np.where(a < 0, last, np.where(last > 1, first, 1.0))
-        )
+        # Bent down, it is >= 0 between its zeros; bent up, outside of them, which leaves an end of
+        # [-1, 1] as it is unless the outer part on that side lies beyond it.
+        bent_low = np.where(a < 0, first, np.where(first < -1, last, -1.0))
+        bent_high = np.where(a < 0, last, np.where(last > 1, first, 1.0))
+        low = np.where(linear, np.where(b > 0, at, -1.0), bent_low)
+        high = np.where(linear, np.where(b < 0, at, 1.0), bent_high)
+        # Rounded outward by more than the rounding of a zero in [-1, 1], as what is cut is lost.
         low, high = np.maximum(low - _SOLVED, -1.0), np.minimum(high + _SOLVED, 1.0)
+        # Without zeros the sign is that of c; where a zero is not finite nothing is cut off.
         empty = np.where(linear & (b == 0), c < 0, np.where(none, c < 0, low > high))
         whole = none | ~(np.isfinite(low) & np.isfinite(high))
-        return np.where(empty, 1.0, np.where(whole, -1.0, low)), np.where(
-            empty, -1.0, np.where(whole, 1.0, high)
-        )
+        low = np.where(empty, 1.0, np.where(whole, -1.0, low))
+        high = np.where(empty, -1.0, np.where(whole, 1.0, high))
+        return low, high
 
 
 def _first(a: Array, b: Array, c: Array) -> Array:
@@ -208,19 +225,21 @@ def _first(a: Array, b: Array, c: Array) -> Array:
     with np.errstate(all="ignore"):
         at_start, at_end = a - b + c > 0, a + b + c > 0
         low, high = _roots(a, b, c)
+        # Not positive at -1, it becomes so at its lower zero if it bends down, at the upper one if
+        # it bends up. The zero is rounded upward, since a ceiling may be too high, never too low.
         inside = np.where(np.abs(a) > 0, np.where(a < 0, low, high), -c / b) + _SOLVED
         top = np.clip(-b / (2 * a), -1.0, 1.0)  # where it is largest, if it bends down
-        is_inside = (
-            (inside > -1)
-            & (inside < 1)
-            & (at_end | ((a < 0) & (top > inside) & (c + top * (b + top * a) > 0)))
-        )
-        return np.where(at_start, -1.0, np.where(is_inside, inside, np.where(at_end, 1.0, np.nan)))
+        # A zero alone proves nothing: a value further on must be seen to be positive.
+        at_top = c + top * (b + top * a) > 0
+        shows_later = at_end | ((a < 0) & (top > inside) & at_top)
+        is_inside = (inside > -1) & (inside < 1) & shows_later
+        after_start = np.where(is_inside, inside, np.where(at_end, 1.0, np.nan))
+        return np.where(at_start, -1.0, after_start)
 
 
 Judge: TypeAlias = Callable[[Array], LineBound]
-"""Of cells (n, sides, 2): from where to where of omega, of each outer side, then of the other inner
-sides."""
+"""Bounds a function over cells (n, sides, 2), each given by the two ends of its sides: omega, the
+outer sides, then the other inner sides."""
 
 
 class Rows(Protocol):
@@ -247,7 +266,7 @@ class Columns:
 
     @classmethod
     def together(cls, rows: Sequence[Columns]) -> Columns:
-        """All of several."""
+        """Concatenate rows into one object that holds all of them."""
         return cls(tuple(map(np.concatenate, zip(*rows, strict=True))))
 
 
@@ -295,12 +314,13 @@ class Batches(Generic[R]):
         self._waiting += [x for x in cells if len(x)]
 
     def replace(self, cells: R) -> None:
-        """Let these wait, in place of all that did."""
+        """Replace the queue by these cells."""
         self._given, self._waiting = cells[:0], [cells]
 
     def __iter__(self) -> Iterator[R]:
         while sum(map(len, self._waiting)) and (self._most is None or self.examined < self._most):
             cells = joined(self._waiting)
+            # Before any cell leaves the queue: a LimitError here loses none of them from ``rest``.
             tick(min(self.examined, self._most or self.examined), self._most, self._what)
             order = (
                 slice(None) if self._rank is None else np.argsort(self._rank(cells), kind="stable")
@@ -313,18 +333,20 @@ class Batches(Generic[R]):
 
     @property
     def rest(self) -> R:
-        """All that are not settled."""
+        """All cells that are not settled."""
         return joined([self._given, *self._waiting])
 
 
 def joined(rows: Sequence[R]) -> R:
-    """Rows one after the other; one of them at least, which may be empty."""
-    own = [x for x in rows if len(x)] or [*rows[:1]]
-    if len(own) == 1:
-        return own[0]
-    together: Any = np.concatenate if isinstance(own[0], np.ndarray) else type(own[0]).together  # type: ignore[attr-defined]
-    found: R = together(own)
-    return found
+    """Concatenate rows; at least one must be given, which may be empty."""
+    filled = [x for x in rows if len(x)] or [*rows[:1]]
+    if len(filled) == 1:
+        return filled[0]
+    together: Any = np.concatenate
+    if not isinstance(filled[0], np.ndarray):
+        together = type(filled[0]).together  # type: ignore[attr-defined]
+    all_rows: R = together(filled)
+    return all_rows
 
 
 def halves(cells: Array, side: Array) -> Array:
@@ -344,10 +366,11 @@ def touching(cells: Array) -> Array:
         first, waiting = alone[0], [alone[0]]
         label[first] = first
         while waiting:
-            own = waiting.pop()
-            near = (low[:, alone] <= high[:, own, None]).all(0) & (
-                low[:, own, None] <= high[:, alone]
-            ).all(0)
+            # Closed boxes meet where their intervals overlap along every side, ends included.
+            current = waiting.pop()
+            begins_before = (low[:, alone] <= high[:, current, None]).all(0)
+            ends_after = (low[:, current, None] <= high[:, alone]).all(0)
+            near = begins_before & ends_after
             label[alone[near]] = first
             waiting += alone[near].tolist()
             alone = alone[~near]
@@ -356,8 +379,8 @@ def touching(cells: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """Pieces of the inner sides, (pieces, inner, 2); ``owner`` : behind which outer cell,
-    (pieces,), by number."""
+    """Boxes of inner sides, (pieces, inner, 2); ``owner`` : (pieces,), the number of the outer cell
+    that each belongs to."""
 
     owner: Array
     inner: Array
@@ -370,11 +393,12 @@ class Pieces:
 
     @classmethod
     def together(cls, own: Sequence[Pieces]) -> Pieces:
-        """All of several."""
+        """Concatenate pieces of the same outer cells."""
         return cls(np.concatenate([x.owner for x in own]), np.concatenate([x.inner for x in own]))
 
     def cells(self, outer: Array) -> Array:
-        """With the outer sides, as a judge takes them."""
+        """The cells that a judge takes: omega, the sides of the outer cell, the other inner
+        sides."""
         return np.concatenate([self.inner[:, :1], outer[self.owner], self.inner[:, 1:]], 1)
 
 
@@ -399,25 +423,31 @@ class Cells:
         """Outer cells of which nothing is known; ``inner`` : for each judge the pieces to begin
         with, (pieces, inner, 2)."""
         cells = np.asarray(outer, float)
-        n, found = len(cells), list[Pieces]()
-        for x in inner:
-            first = np.asarray(x, float)
-            found.append(Pieces(np.repeat(np.arange(n), len(first)), np.tile(first, (n, 1, 1))))
-        return cls(cells, tuple(found), np.full(n, -np.inf), np.full(n, np.inf), np.full(n, -1))
+        n, pieces = len(cells), list[Pieces]()
+        for boxes in inner:
+            first = np.asarray(boxes, float)
+            owner = np.repeat(np.arange(n), len(first))
+            pieces.append(Pieces(owner, np.tile(first, (n, 1, 1))))
+        floor, ceiling = np.full(n, -np.inf), np.full(n, np.inf)
+        return cls(cells, tuple(pieces), floor, ceiling, np.full(n, -1))
 
     def __len__(self) -> int:
         return len(self.outer)
 
     def __getitem__(self, which: Any) -> Cells:
-        """Some of them, by a slice, numbers (each once) or truth values."""
+        """Some of the cells, chosen by a slice, by numbers (each once) or by truth values."""
+        # Cells get new numbers, and pieces follow their owners; -1 marks a cell that was not
+        # chosen.
         chosen = np.arange(len(self))[which]
         number = np.full(len(self), -1)
         number[chosen] = np.arange(len(chosen))
         owners = [number[x.owner] for x in self.pieces]
-        own = (Pieces(n[n >= 0], x.inner[n >= 0]) for n, x in zip(owners, self.pieces, strict=True))
+        kept_pieces = (
+            Pieces(n[n >= 0], x.inner[n >= 0]) for n, x in zip(owners, self.pieces, strict=True)
+        )
         return Cells(
             self.outer[chosen],
-            tuple(own),
+            tuple(kept_pieces),
             self.floor[chosen],
             self.ceiling[chosen],
             self.by[chosen],
@@ -425,7 +455,7 @@ class Cells:
 
     @classmethod
     def together(cls, rows: Sequence[Cells]) -> Cells:
-        """All of several."""
+        """Concatenate cells; the owners of pieces are renumbered."""
         starts = np.cumsum([0, *map(len, rows)])
         moved = [
             [replace(p, owner=p.owner + n) for p in x.pieces]
@@ -441,13 +471,13 @@ class Cells:
 
     @property
     def has_no_pieces(self) -> Array:
-        """Of which cells no sign is open: cutting them tells no more."""
+        """For each cell, whether no sign is open in it, so that cutting it would show no more."""
         owners = [np.zeros(0, int), *(x.owner for x in self.pieces)]
         return np.bincount(np.concatenate(owners), minlength=len(self)) == 0
 
     def extended(self, inner: Sequence[ArrayLike]) -> Cells:
-        """With more pieces behind each, for each judge; what was proven of frequencies below holds
-        on."""
+        """The cells with more pieces for each judge, at which nothing is known yet; what was proven
+        at lower frequencies stays."""
         more = Cells.of(self.outer, inner).pieces
         pieces = tuple(Pieces.together(pair) for pair in zip(self.pieces, more, strict=True))
         least = min(
@@ -456,35 +486,37 @@ class Cells:
         return replace(self, pieces=pieces, floor=np.minimum(self.floor, least))
 
     def halves(self, side: Array) -> Cells:
-        """Each cut along a side, with the same pieces behind either half."""
+        """Each cell cut in two along a side; both halves keep all of its pieces."""
         both = Cells.together([self, self])
         return replace(both, outer=halves(self.outer, side))
 
 
 Settled: TypeAlias = Callable[[Array, Array], Array]
-"""Which cells are settled, by floors and ceilings: as truth values. What a ceiling settles, a lower
-one must too."""
+"""For each cell, whether it is settled, given floors and ceilings. What a ceiling settles, a lower
+one must settle too."""
 
 
 def told(floor: Array, ceiling: Array) -> Array:
-    """Which cells are kept, or broken: each function is negative everywhere, or one is positive for
-    all of the cell."""
+    """For each cell, whether it is kept (every function is negative everywhere) or broken (one is
+    positive for all of the cell)."""
     return (floor == np.inf) | (ceiling < np.inf)
 
 
 def no_better(bound: float) -> Settled:
-    """For the largest first(q): which cells hold no larger one than is attained."""
+    """The rule for a search of the largest first(q): a cell is settled that holds no larger value
+    than ``bound``, which is attained."""
     return lambda floor, ceiling: ceiling <= bound
 
 
 def no_worse(bound: float) -> Settled:
-    """For the smallest first(q): which cells hold no smaller one than was seen."""
+    """The rule for a search of the smallest first(q): a cell is settled that holds no smaller value
+    than ``bound``, which was seen."""
     return lambda floor, ceiling: floor >= bound
 
 
 class Search:
-    """Cells that are cut until they are settled: iterating gives those that were settled, round by
-    round.
+    """The search: outer cells are cut until they are settled. Iterating gives, round by round,
+    those that were settled.
 
     ``wide`` : of outer cells (n, outer, 2) which sides, (n, outer), may be cut: one that is wide
     along none is left.
@@ -526,112 +558,129 @@ class Search:
             for cells in self.waiting:
                 if self.looked > self._most:
                     return
-                found, changes = self._judged(cells)
-                done = self.settled(found.floor, found.ceiling)
-                open_, changes = found[~done], changes[~done]
+                judged, changes = self._judged(cells)
+                done = self.settled(judged.floor, judged.ceiling)
+                open_, changes = judged[~done], changes[~done]
+                # Without an open piece no judge has anything to add, on however small a cell.
                 small = ~self._wide(open_.outer).any(-1) | open_.has_no_pieces
                 self._small.append(open_[small])
                 self.waiting.add(self._cut(open_[~small], changes[~small]))
-                yield found[done]
+                yield judged[done]
         except LimitError:
             return
 
     @property
     def left(self) -> Cells:
-        """All that is not settled."""
+        """All cells that are not settled: too small to be cut, or still waiting."""
         return joined([*self._small, self.waiting.rest])
 
     def restart(self, cells: Cells) -> None:
-        """Go on with these, in place of all that is left."""
+        """Go on with these cells in place of all that is left."""
         self._small = [cells[:0]]
         self.waiting.replace(cells)
 
     def _cut(self, cells: Cells, changes: Array) -> Cells:
-        """Each along the side that changes most; of few into four, as few cost as much as many."""
-        for _ in range(2 if sum(map(len, cells.pieces)) * 16 <= _BATCH else 1):
-            own = (wide := self._wide(cells.outer) & (changes > 0)).any(-1)
+        """Cut each cell along the side on which the functions change most; into four where there
+        are few, which cost as much as many."""
+        is_few = sum(map(len, cells.pieces)) * 16 <= _BATCH
+        for _ in range(2 if is_few else 1):
+            # Without a change noted (``_open``) only pieces of a cell were cut: it waits as it is.
+            wide = self._wide(cells.outer) & (changes > 0)
+            is_cut = wide.any(-1)
             side = np.argmax(np.where(wide, changes, -1.0), -1)
+            # About half as much is left along the side that is cut, which the second cut respects.
             changes[np.arange(len(side)), side] /= 2
-            cells = joined([cells[~own], cells[own].halves(side[own])])
-            changes = np.concatenate([changes[~own], changes[own], changes[own]])
+            cells = joined([cells[~is_cut], cells[is_cut].halves(side[is_cut])])
+            cut = changes[is_cut]
+            changes = np.concatenate([changes[~is_cut], cut, cut])
         return cells
 
     def _judged(self, cells: Cells) -> tuple[Cells, Array]:
-        """What every judge shows of some cells, and how much each changes along their sides where
-        that is open."""
-        found, changes = (
-            replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy()),
-            np.zeros(cells.outer.shape[:2]),
-        )
+        """The cells with what every judge shows of them, and the most that any function whose sign
+        is open changes along each of their sides."""
+        judged = replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy())
+        changes = np.zeros(cells.outer.shape[:2])
         waiting, kept = [*cells.pieces], [list[Pieces]() for _ in cells.pieces]
+        # In the first round each judge sees all of its pieces, in the next ones the halves of those
+        # that were cut. A ceiling that one judge lowers spares the others all pieces above it. In
+        # the last round nothing is cut, so that none is left waiting.
         for n in range(2 + self._last):
-            for i, own in enumerate(waiting):
-                still, waiting[i] = self._open(i, n, found, own, changes)
+            for i, open_pieces in enumerate(waiting):
+                still, waiting[i] = self._open(i, n, judged, open_pieces, changes)
                 kept[i].append(still)
-        floor = found.ceiling.copy()
-        pieces = [Pieces.together(own) for own in kept]
-        for i, own in enumerate(pieces):
-            pieces[i] = own = own[own.inner[:, 0, 0] < found.ceiling[own.owner]]
-            np.minimum.at(floor, own.owner, own.inner[:, 0, 0])
-        return replace(found, pieces=tuple(pieces), floor=floor), changes
+        # Outside of the pieces every F_i is negative up to the ceiling: first(q) lies no lower than
+        # the lowest piece. Pieces above the ceiling cannot change it, and are dropped.
+        floor = judged.ceiling.copy()
+        pieces = [Pieces.together(open_pieces) for open_pieces in kept]
+        for i, open_pieces in enumerate(pieces):
+            pieces[i] = open_pieces = open_pieces[
+                open_pieces.inner[:, 0, 0] < judged.ceiling[open_pieces.owner]
+            ]
+            np.minimum.at(floor, open_pieces.owner, open_pieces.inner[:, 0, 0])
+        return replace(judged, pieces=tuple(pieces), floor=floor), changes
 
     def _open(
-        self, i: int, n: int, found: Cells, pieces: Pieces, changes: Array
+        self, i: int, n: int, judged: Cells, pieces: Pieces, changes: Array
     ) -> tuple[Pieces, Pieces]:
-        """On which pieces the sign of a judge stays open, and what others are cut into; lowers
-        ceilings, and notes changes."""
-        done = self.settled(found.floor, found.ceiling)[pieces.owner]
-        idle, pieces = (
-            pieces[done],
-            pieces[~done],
-        )  # what is settled now may not be under a stricter rule
-        pieces = pieces[pieces.inner[:, 0, 0] < found.ceiling[pieces.owner]]
+        """Judge the pieces of one function in round n: those on which its sign stays open, and the
+        halves of those that are cut. Lowers ceilings of ``judged`` and raises ``changes`` in place.
+        """
+        done = self.settled(judged.floor, judged.ceiling)[pieces.owner]
+        # Kept, not dropped: what is settled now may not be under a stricter rule.
+        idle, pieces = pieces[done], pieces[~done]
+        pieces = pieces[pieces.inner[:, 0, 0] < judged.ceiling[pieces.owner]]
         if not len(pieces):
             return idle, pieces
-        outer, small = found.outer.shape[1], ~self._wide(found.outer).any(-1)
-        pieces, curve = _contracted(i, found, pieces, self._curve(i, pieces.cells(found.outer)))
-        rates = _rates(pieces, curve, found.outer)
-        own, along = np.delete(rates, range(1, 1 + outer), -1), rates[:, 1 : 1 + outer]
-        unknown = np.bincount(pieces.owner[~curve.known], minlength=len(found))[pieces.owner]
-        fine = (pieces.inner[..., 1] - pieces.inner[..., 0] <= self._finest[i]).all(-1)
-        wider = (
-            (own.max(-1) >= along.max(-1, initial=0.0) / 2)
-            & (curve.known | (unknown <= _UNKNOWN))
-            & ~fine
-        )
-        many = np.bincount(pieces.owner, minlength=len(found))[pieces.owner]
-        more = (wider & (n == 0)) | (
-            small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD)
-        )
-        np.maximum.at(changes, pieces.owner[~wider], along[~wider] + 1e-300)
+        outer, small = judged.outer.shape[1], ~self._wide(judged.outer).any(-1)
+        pieces, curve = _contracted(i, judged, pieces, self._curve(i, pieces.cells(judged.outer)))
+        rates = _rates(pieces, curve, judged.outer)
+        inward = np.delete(rates, range(1, 1 + outer), -1)
+        outward = rates[:, 1 : 1 + outer]
+        unknown = np.bincount(pieces.owner[~curve.known], minlength=len(judged))[pieces.owner]
+        widths = pieces.inner[..., 1] - pieces.inner[..., 0]
+        fine = (widths <= self._finest[i]).all(-1)
+        # A piece is cut if F changes at least half as much inside as between the cell's values of
+        # q. Where nothing is known of many pieces (a pole that moves with q), the cell is to blame.
+        changes_inside = inward.max(-1) >= outward.max(-1, initial=0.0) / 2
+        may_tell = curve.known | (unknown <= _UNKNOWN)
+        wider = changes_inside & may_tell & ~fine
+        many = np.bincount(pieces.owner, minlength=len(judged))[pieces.owner]
+        # Cells that cannot be cut have no other way left: their pieces are, a few times more.
+        last_resort = small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD)
+        more = (wider & (n == 0)) | last_resort
+        # A change > 0 is what asks for a cut of the cell (``_cut``): it must not be exactly 0 here.
+        np.maximum.at(changes, pieces.owner[~wider], outward[~wider] + 1e-300)
         owner = np.tile(pieces.owner[more], 2)
         still = Pieces.together([idle, pieces[~more]])
-        return still, Pieces(owner, halves(pieces.inner[more], np.argmax(own[more], -1)))
+        return still, Pieces(owner, halves(pieces.inner[more], np.argmax(inward[more], -1)))
 
     def _curve(self, i: int, cells: Array) -> LineBound:
-        """What one judge says, some cells at a time."""
-        found = list[LineBound]()
+        """The bound of one judge over all these cells, computed for a batch at a time."""
+        bounds = list[LineBound]()
         for start in range(0, len(cells), _BATCH):
             tick(min(self.looked, self._most), self._most, self._what)
-            found.append(self.judges[i](cells[start : start + _BATCH]))
+            bounds.append(self.judges[i](cells[start : start + _BATCH]))
         self.looked += len(cells)
-        return found[0] if len(found) == 1 else LineBound.together(found)
+        return bounds[0] if len(bounds) == 1 else LineBound.together(bounds)
 
 
-def _contracted(i: int, found: Cells, pieces: Pieces, curve: LineBound) -> tuple[Pieces, LineBound]:
-    """Pieces without what a curve shows to be negative; ceilings lowered to where it shows to be
-    positive."""
+def _contracted(i: int, cells: Cells, pieces: Pieces, curve: LineBound) -> tuple[Pieces, LineBound]:
+    """The pieces without the parts on which the curve is shown to be negative; lowers ceilings of
+    ``cells`` to where it is shown to be positive."""
     start, end = pieces.inner[:, 0].T
     radius = (end - start) / 2
     positive = _first(curve.bend, curve.slope, curve.middle - curve.rest)
     shown = curve.known & np.isfinite(positive)
-    before = found.ceiling.copy()
-    at = np.where(
-        positive < 1, np.minimum(np.nextafter(start + radius * (1 + positive), np.inf), end), end
-    )
+    before = cells.ceiling.copy()
+    # A ceiling is rounded upward inside of the piece; the ends themselves are exact, and stay.
+    above = np.nextafter(start + radius * (1 + positive), np.inf)
+    at = np.where(positive < 1, np.minimum(above, end), end)
     at = np.where(positive > -1, at, start)
-    np.minimum.at(found.ceiling, pieces.owner[shown], at[shown])
-    found.by[found.ceiling < before] = i
+    # ``minimum.at``, as one cell may own several of the pieces.
+    np.minimum.at(cells.ceiling, pieces.owner[shown], at[shown])
+    cells.by[cells.ceiling < before] = i
+    # Outside of the hull the upper bound is negative: that part goes, all of it if the hull is
+    # empty.
     low, high = _hull(curve.bend, curve.slope, curve.middle + curve.rest)
     inner, known = pieces.inner.copy(), curve.known
     inner[known, 0] = _along(inner[known, 0], low[known], high[known])
@@ -640,8 +689,8 @@ def _contracted(i: int, found: Cells, pieces: Pieces, curve: LineBound) -> tuple
 
 
 def _along(omega: Array, low: Array, high: Array) -> Array:
-    """What t from ``low`` to ``high`` is of cells (n, 2), in which t goes from -1 to 1; rounded
-    outward, but not out of them."""
+    """The part of intervals (n, 2) that t from ``low`` to ``high`` stands for, where t goes from -1
+    to 1 over each; rounded outward, but not beyond their ends."""
     start, end = omega.T
     radius = (end - start) / 2
     first = np.nextafter(start + radius * (1 + low), -np.inf)
@@ -650,8 +699,8 @@ def _along(omega: Array, low: Array, high: Array) -> Array:
 
 
 def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) -> Array:
-    """Where along omega F may vanish, within cells that go from where to where (n, 2): Newton's
-    method for intervals, one step.
+    """The part of intervals (n, 2) of omega on which F may vanish: one step of Newton's method for
+    intervals.
 
     For all else in a cell |F - ``middle``| <= ``rest`` in the middle of omega, and dF/dt lies
     between the two of ``slope`` all over it, t from -1 to 1. Nothing is left out where the slope
@@ -659,29 +708,36 @@ def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) 
     """
     with np.errstate(all="ignore"):  # what is not finite is unknown
         reach = rest * (1 + _ROUNDING)
-        ends = np.stack([(x - middle) / own for x in (-reach, reach) for own in slope])
-        told = (slope[0] * slope[1] > 0) & np.isfinite(ends).all(0)
-        low, high = (
-            np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0),
-            np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0),
-        )
-        return np.where(told[:, None], _along(omega, low, high), omega)
+        # By the mean value theorem a zero t obeys slope t = -middle +- rest for some slope in
+        # between; the quotient is largest and smallest at ends, if the slope is not 0.
+        ends = np.stack([(x - middle) / steep for x in (-reach, reach) for steep in slope])
+        is_shown = (slope[0] * slope[1] > 0) & np.isfinite(ends).all(0)
+        low = np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0)
+        high = np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0)
+        return np.where(is_shown[:, None], _along(omega, low, high), omega)
 
 
 def _rates(pieces: Pieces, curve: LineBound, outer: Array) -> Array:
-    """How much of the change of a function is along each side; of one that is unknown how wide each
-    side is."""
+    """The share of each side in a function's change, adding up to 1; where its changes are unknown,
+    the share in the relative widths."""
     cells = pieces.cells(outer)
     with np.errstate(all="ignore"):
-        spread = (cells[..., 1] - cells[..., 0]) / np.maximum(np.abs(cells).max(-1), 1e-300)
-        known = np.isfinite(curve.changes).all(-1) & (curve.changes.max(-1, initial=0.0) > 0)
+        widths = cells[..., 1] - cells[..., 0]
+        sizes = np.maximum(np.abs(cells).max(-1), 1e-300)
+        spread = widths / sizes
+        is_finite = np.isfinite(curve.changes).all(-1)
+        known = is_finite & (curve.changes.max(-1, initial=0.0) > 0)
         rates = np.where(known[:, None], curve.changes, spread)
         return np.nan_to_num(rates / rates.sum(-1, keepdims=True))
 
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """All outer cells that there were, in three parts."""
+    """The result of a search: outer cells in three parts, which together fill the domain.
+
+    ``kept`` : every function is negative all over them. ``broken`` : one function is positive for
+    all of their parameters. ``left`` : undecided.
+    """
 
     kept: Cells
     broken: Cells
@@ -689,7 +745,7 @@ class SearchResult:
 
     @property
     def parts(self) -> tuple[Cells, Cells, Cells]:
-        """All three."""
+        """Kept, broken and left cells, in this order."""
         return self.kept, self.broken, self.left
 
 
@@ -703,14 +759,16 @@ def search(
     most: int = _MOST,
     what: str = "cells",
 ) -> SearchResult:
-    """Outer cells that fill a domain as they are told: kept, broken, or neither; ``inner`` : the
-    pieces of all judges alike.
+    """Search a domain that is filled by outer cells: where it is kept, where it is broken, and what
+    is left undecided.
 
-    ``inner`` : (inner, 2), or (pieces, inner, 2). Else as of ``Search``.
+    ``inner`` : (inner, 2) or (pieces, inner, 2), the pieces to begin with, the same for all judges.
+    The other arguments are those of ``Search``.
     """
     first = np.asarray(inner, float)
-    cells = Cells.of(outer, [first if first.ndim == 3 else first[None]] * len(judges))
-    own = Search(judges, cells, wide=wide, last=last, most=most, what=what)
-    settled = joined([cells[:0], *own])
+    boxes = first if first.ndim == 3 else first[None]
+    cells = Cells.of(outer, [boxes] * len(judges))
+    work = Search(judges, cells, wide=wide, last=last, most=most, what=what)
+    settled = joined([cells[:0], *work])
     broken = settled.ceiling < np.inf
-    return SearchResult(settled[~broken], settled[broken], own.left)
+    return SearchResult(settled[~broken], settled[broken], work.left)

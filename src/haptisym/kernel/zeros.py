@@ -1,4 +1,4 @@
-"""What irreducible real functions of omega share: certified zeros, exact orders, signs.
+"""Irreducible real functions of omega (factors): all zeros in an interval, exact orders, signs.
 
 A real function is taken apart into irreducible factors. Different factors vanish at different
 frequencies (for polynomials always, for analytic functions except by coincidence) and each has only
@@ -30,14 +30,14 @@ from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precisi
 
 
 def rounded_up(bits: int) -> int:
-    """The next power of two, at least 128: so that questions of about the same precision share one
-    isolation."""
+    """The next power of two, at least 128, so that questions of about the same precision share one
+    cached enclosure."""
     return max(128, 1 << (bits - 1).bit_length())
 
 
 @lru_cache(maxsize=16)
 def around(low: Expr, high: Expr) -> tuple[Ball, Ball]:
-    """Dyadic numbers that enclose an interval."""
+    """Two dyadic numbers between which an interval with exact ends lies."""
     with flint.ctx.workprec(128):
         return expression_ball(low).lower(), expression_ball(high).upper()
 
@@ -86,7 +86,7 @@ class Factor(ABC):
         return 0
 
     def shown_sign(self, place: Expr) -> int:
-        """The sign at an exact number, as far as it is had for nothing; else 0."""
+        """The sign at an exact number where one evaluation shows it, else 0."""
         return 0
 
     def multiplicity(self, zero: RealNumber) -> int:
@@ -152,11 +152,12 @@ class Undecided(RealNumber):
 
 @lru_cache(maxsize=4096)
 def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
-    """An enclosure as tight as that many bits allow: interval Newton, with bisection where the
-    slope is not clear of 0."""
+    """The enclosure of a zero, cached, as tight as that many bits allow; it starts from the one
+    with half as many bits."""
     k = zero.derivative
 
     def jet(x: Ball, count: int) -> Sequence[Ball]:
+        # Taylor coefficients of the k-th derivative over k!: binomials of those of the function.
         row = zero.factor.series(x, k, k + count)
         return [c * comb(k + n, k) for n, c in enumerate(row)] if k else row
 
@@ -164,13 +165,14 @@ def _refined(zero: Zero, low: Ball, high: Ball, bits: int) -> Ball:
         if bits > 128:
             rough = _refined(zero, low, high, bits // 2)
             closer = low.max(rough.lower()), high.min(rough.upper())
+            # An end so near to the zero that its sign does not show would stop bisection.
             if all(is_clear(jet(x, 1)[0]) for x in closer):
                 low, high = closer
         return tightened(low, high, bits, jet)
 
 
 Jet: TypeAlias = Callable[[Ball, int], Sequence[Ball]]
-"""As many Taylor coefficients of a function at a ball as the number asks for."""
+"""jet(x, n) gives the first n Taylor coefficients of a function about every point of a ball x."""
 
 
 def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
@@ -186,6 +188,8 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
         tick()
         before, middle = high - low, ((low + high) / 2).mid()
         at, steep = jet(middle, 1)[0], jet(low.union(high), 2)[1]
+        # By the mean value theorem the zero lies in m - f(m)/f'(X). Where that did not halve the
+        # piece, its half is taken at whose ends the signs differ.
         if is_clear(steep):
             step = middle - at / steep
             low, high = low.max(step.lower()), high.min(step.upper())
@@ -198,38 +202,39 @@ def tightened(low: Ball, high: Ball, bits: int, jet: Jet) -> Ball:
 
 
 class SeriesFactor(SmoothFactor):
-    """A factor that has all its Taylor coefficients."""
+    """A factor that has Taylor coefficients of all orders."""
 
     @property
     def farthest(self) -> float | None:
-        """How many times the low end of a piece its high end may be for ``over`` to have a chance;
-        None: any number of times."""
+        """The largest ratio of the ends of a piece for which Taylor's theorem can give a useful
+        enclosure; None where any ratio will do."""
         return None
 
 
 def isolated(f: SeriesFactor, low: Ball, high: Ball) -> list[RealNumber]:
-    """All zeros between two dyadic numbers: subdivision until each piece is clear, monotone or bent
-    one way only."""
-    found: list[RealNumber] = []
+    """All zeros between two dyadic numbers, ascending: subdivision until on each piece the sign,
+    the slope's sign or the curvature's sign is constant."""
+    zeros: list[RealNumber] = []
     waiting = Waiting(_pieces(f, low, high) if low < high else [])
     for a, b in waiting:
         with flint.ctx.workprec(128):
-            answer = _judged(f, FunctionPiece.of(f.series, a, b), len(found))
-            if answer is None:
-                middle = _clear(
-                    f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64
-                )  # a little off, where zeros like to be
+            in_piece = _judged(f, FunctionPiece.of(f.series, a, b), len(zeros))
+            if in_piece is None:
+                # A little off the middle, as zeros are often at round numbers: at a zero no piece
+                # could show the sign of its end.
+                middle = _clear(f, (a + (b - a) * 127 / 256).mid(), (b - a) / 64)
                 waiting.add((a, middle), (middle, b))
             else:
-                found += answer
-    return found
+                zeros += in_piece
+    return zeros
 
 
 def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
-    """The interval, cut beforehand where it is hopeless to judge it as a whole."""
+    """The interval in pieces, each with a ratio of its ends for which an enclosure is of use."""
     if f.farthest is None or not low > 0:
         return [(low, high)]
     with flint.ctx.workprec(128):
+        # In equal ratios: cut at equal distances, the first piece would keep nearly all of the ratio.
         spread = (high / low).log()
         count = max(1, ceil(float(spread.mid()) / log(f.farthest)))
         places = [(low * (spread * n / count).exp()).mid() for n in range(1, count)]
@@ -237,15 +242,14 @@ def _pieces(f: SeriesFactor, low: Ball, high: Ball) -> list[tuple[Ball, Ball]]:
 
 
 def _judged(f: SeriesFactor, piece: FunctionPiece, index: int) -> list[RealNumber] | None:
-    """The zeros in a piece, if it is clear enough to tell."""
+    """The zeros in a piece; None where it must be cut. UndecidedError for one that is too short to
+    be cut. ``index`` : the number of zeros below it."""
     if piece.sign():
         return []
+    # Monotone: one simple zero or none, by the signs at the ends.
     if piece.sign(1):
-        return (
-            [Zero(f, piece.low, piece.high, index)]
-            if _sign(f, piece, 0) != _sign(f, piece, -1)
-            else []
-        )
+        is_crossing = _sign(f, piece, 0) != _sign(f, piece, -1)
+        return [Zero(f, piece.low, piece.high, index)] if is_crossing else []
     if bend := piece.sign(2):
         return _on_a_bend(f, piece, bend, index)
     box = piece.low.union(piece.high)
@@ -268,11 +272,12 @@ def _sign(f: SeriesFactor, piece: FunctionPiece, end: int, derivative: int = 0) 
 
 
 def _on_a_bend(f: SeriesFactor, piece: FunctionPiece, bend: int, index: int) -> list[RealNumber]:
-    """On a piece that bends one way only: the extremum decides between no zero and two, or stays
-    undecided."""
+    """The zeros in a piece whose curvature has the sign ``bend`` all over it: none, one, or two; or
+    one ``Undecided``, where the value at the extremum cannot be distinguished from 0."""
     left, right = _sign(f, piece, 0), _sign(f, piece, -1)
     if left != right:
         return [Zero(f, piece.low, piece.high, index)]
+    # Convex and negative at both ends, or concave and positive, or monotone: no zero in between.
     if left != bend or _sign(f, piece, 0, 1) == _sign(f, piece, -1, 1):
         return []
     extremum = Zero(f, piece.low, piece.high, index, derivative=1)
@@ -282,20 +287,19 @@ def _on_a_bend(f: SeriesFactor, piece: FunctionPiece, bend: int, index: int) -> 
         sign = FunctionPiece.of(f.series, at.lower(), at.upper()).sign()
         return (at.mid(), sign) if sign else None
 
-    found = at_rising_precision(extreme)
-    if found is None:
+    # A double zero never shows a sign: no precision proves that the extremum is exactly 0.
+    shown = at_rising_precision(extreme)
+    if shown is None:
         return [Undecided(f, extremum)]
-    middle, sign = found
-    return (
-        []
-        if sign == left
-        else [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
-    )
+    middle, sign = shown
+    if sign == left:
+        return []
+    return [Zero(f, piece.low, middle, index), Zero(f, middle, piece.high, index + 1)]
 
 
 def _clear(f: SeriesFactor, place: Ball, step: Ball) -> Ball:
-    """A place or one a little beside it, at which the function is not zero; the place itself where
-    none of them shows that."""
+    """A number at or a little beside ``place`` at which the function is shown not to vanish;
+    ``place`` itself where none of four is."""
     cuts = [(place + step * n).mid() for n in (0, 1, -3.5, 5.5)]
     return next((cut for cut in cuts if is_clear(f.value(cut))), cuts[0])
 

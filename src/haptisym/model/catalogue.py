@@ -53,8 +53,8 @@ Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
 @dataclass(frozen=True)
 class Model:
-    """One row of the catalogue: its name in scene files, its parameters and the function that
-    builds it."""
+    """One row of the catalogue: a model's name in scene files, its parameters, the function that
+    builds an Environment or an Effect from their values, and a sentence about it."""
 
     name: str
     slots: Mapping[str, Slot]
@@ -64,7 +64,8 @@ class Model:
 
 @dataclass(frozen=True, repr=False)
 class Environment(Shown):
-    """What should be felt: the dynamic stiffness ``H_env(s) = F(s)/X(s)``, N/m or N m/rad, exact.
+    """The environment to be felt, exact: its dynamic stiffness ``H_env(s) = F(s)/X(s)``, N/m or
+    N m/rad.
 
     ``dynamics`` : in s and the symbols of ``parameters``; ``H`` : with their values, SI.
     Made by the functions of ``haptisym.environments``; SceneError for a value that breaks the rule
@@ -99,8 +100,8 @@ class Environment(Shown):
         )
 
     def seen_by(self, effects: Sequence[Effect]) -> Environment:
-        """The same in s: of a difference equation that the first effect computes, with z = exp(s
-        T)."""
+        """The environment in s: a difference equation, which the first effect computes at its
+        period T, with z = exp(s T); any other one as it is."""
         if self.model != DIFFERENCE_EQUATION:
             return self
         T = effects[0].parameters[0]
@@ -112,12 +113,12 @@ class Environment(Shown):
 
     @property
     def own(self) -> tuple[Parameter, ...]:
-        """Its parameters but those that are another environment's."""
+        """The parameters of its own: all but those that are tied to another environment's."""
         return tuple(p for p in self.parameters if not p.tie)
 
     def tied_to(self, environment: Environment) -> Environment:
-        """What is rendered for an environment: where it refers to a parameter of that, it has this
-        very parameter.
+        """The rendered environment with its references resolved: a parameter given as
+        "environment.k" becomes that environment's k, with its symbol, value and range.
 
         SceneError for a reference to what the environment does not have, or to what does not fit.
 
@@ -133,6 +134,8 @@ class Environment(Shown):
             for p in self.parameters
             if p.tie
         }
+        # A parameter of its own whose symbol the tied one now has would become equal to it: it is
+        # renamed before all symbols are replaced at once.
         names = {p.symbol: tied[p.key].symbol for p in self.parameters if p.tie}
         taken = {x.name for x in (*names.values(), *(p.symbol for p in self.own))}
         for x in (p.symbol for p in self.own if p.symbol in names.values()):
@@ -147,11 +150,11 @@ class Environment(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Effect(Shown):
-    """What stands between environment and hand, as a chain matrix: ``[F_h; X_h] = [[A, B], [C, D]]
-    [F_e; X_e]``.
+    """An element between environment and hand, as a chain matrix, exact: ``[F_h; X_h] = [[A, B],
+    [C, D]] [F_e; X_e]``.
 
-    F is force, N or N m, X position, m or rad: of an H behind it the hand feels ``(A H + B)/(C H +
-    D)``. Exact.
+    F is force, N or N m, X position, m or rad: of a dynamics H on the environment's side the hand
+    feels ``(A H + B)/(C H + D)``.
     ``dynamics`` : A, B, C, D in s and the symbols of ``parameters``; ``matrix`` : with their
     values, SI.
     Made by the functions of ``haptisym.effects``; SceneError for a value that breaks the rule of
@@ -167,29 +170,29 @@ class Effect(Shown):
     dynamics: Matrix = field(repr=False)
     name: str = ""
     settings: tuple[tuple[str, str | int], ...] = ()
-    """What was chosen of it that is no number to vary: a method, an order."""
+    """Choices that are no numbers to vary, by key: a method, an order."""
     renders: Environment | None = field(default=None, repr=False)
-    """What a sampled loop renders, once it stands in a scene."""
+    """The environment that a sampled loop renders, once it stands in a scene; None of others."""
 
     def _line(self) -> str:
-        named = self.name if self.name in ("", self.model) else f"{self.name} "
-        model = f"({self.model})" if named and named != self.model else self.model
-        told = [
+        label = self.name if self.name in ("", self.model) else f"{self.name} "
+        model = f"({self.model})" if label and label != self.model else self.model
+        shown = [
             *(p.stated() for p in self.parameters),
             *(f"{key} = {value}" for key, value in self.settings),
         ]
-        return f"{named if named != self.model else ''}{model}: {'; '.join(told)}".rstrip(": ")
+        return f"{label if label != self.model else ''}{model}: {'; '.join(shown)}".rstrip(": ")
 
     def setting(self, key: str) -> str | int:
-        """What was chosen for a key that is no parameter; empty where nothing was."""
+        """The choice for a key that is no parameter; empty where there is none."""
         return dict(self.settings).get(key, "")
 
     @property
     def matrix(self) -> Matrix:
         """The chain matrix (A, B, C, D) with the parameters' values in place."""
-        known = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
+        numbers = values((*self.parameters, *(self.renders.parameters if self.renders else ())))
         a, b, c, d = (
-            entry if entry.is_Integer else in_place(entry, known) for entry in self.dynamics
+            entry if entry.is_Integer else in_place(entry, numbers) for entry in self.dynamics
         )
         return a, b, c, d
 
@@ -246,11 +249,13 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
                 raise SceneError(f"{model} needs {error.bound}") from None
             except _MissingError as error:
                 raise SceneError(f"{model} {error}") from None
+            # Only what is rendered for an environment may refer to a parameter of it.
             refuse_references(parameters)
             a, b, c, d = map(_expression, equation(**arguments))
             if any(x.has(zoo, nan) for x in (a, b, c, d)):
                 zero = " and ".join(key for key, x in arguments.items() if x == 0)
                 raise SceneError(f"{zero or model}: must not be 0")
+            # Settings are recorded with the model's defaults, so that an effect says all of them.
             bound = inspect.signature(equation).bind(**arguments)
             bound.apply_defaults()
             settings = tuple(
@@ -267,7 +272,7 @@ def effect(model: str) -> Callable[[Callable[..., Matrix]], Callable[..., Effect
 
 
 def _expression(entry: Expr | int) -> Expr:
-    """A matrix entry written as the plain number 0 or 1, as a SymPy number."""
+    """A matrix entry as a SymPy expression; models write 0 and 1 as plain numbers."""
     return Integer(entry) if isinstance(entry, int) else entry
 
 
@@ -276,7 +281,7 @@ class _MissingError(SceneError):
 
 
 def _meaning(slot: Slot) -> str:
-    """`` (damping)``; empty where the dimension has no name."""
+    """What a parameter measures, for a message: `` (damping)``; empty where that has no name."""
     if slot.formula:
         return " (a formula in z)" if slot.in_z else " (a formula in s)"
     return (
@@ -287,7 +292,7 @@ def _meaning(slot: Slot) -> str:
 
 
 def _listed(names: Iterable[str]) -> str:
-    """``a, b and c``."""
+    """Names as a list in a sentence: ``a, b and c``."""
     *most, last = names
     return f"{', '.join(most)} and {last}" if most else last
 
@@ -298,7 +303,9 @@ _PARTS = {"m": "mass", "b": "damper", "k": "spring"}
 def _signed(
     equation: Callable[..., Any], slots: Mapping[str, Slot], error: str, given: Mapping[str, Any]
 ) -> str:
-    """How to write an environment with a negative parameter."""
+    """A hint how to write an environment with a negative parameter: as a formula or as a shunt."""
+    # Environments are passive by construction. The hint shows their own formula where that can be
+    # written with the given parameters alone.
     key = error.partition(":")[0].partition("[")[0]
     symbols = {x: Symbol(x) for x in slots if x in given or x == key}
     H = "k"
@@ -319,7 +326,8 @@ def _in_powers(H: Expr) -> str:
 
 
 def _instead(slots: Mapping[str, Slot], given: Mapping[str, Any]) -> str:
-    """Another model, of those of which this is one, for which the given parameters suffice."""
+    """A hint at another model of the same kind, environment or effect, for which the given
+    parameters suffice; empty where there is none."""
     models = next(
         (x for x in (ENVIRONMENTS, EFFECTS) if any(y.slots is slots for y in x.values())), {}
     )
@@ -336,18 +344,20 @@ def _instead(slots: Mapping[str, Slot], given: Mapping[str, Any]) -> str:
 
 
 def _summary(equation: Callable[..., Any]) -> str:
+    """The first line of a model's docstring."""
     return (inspect.getdoc(equation) or "").split("\n")[0]
 
 
 def _slots(equation: Callable[..., Any]) -> dict[str, Slot]:
     """The parameters of a model, read off its signature: an argument with a default may be
     absent."""
+    # A Slot is the annotation inside Annotated, which is an extra of the hint.
     hints = get_type_hints(equation, include_extras=True)
-    found = {}
+    slots = {}
     for name, argument in inspect.signature(equation).parameters.items():
         slot = next(x for x in get_args(hints[name]) if isinstance(x, Slot))
-        found[name] = replace(slot, required=argument.default is inspect.Parameter.empty)
-    return found
+        slots[name] = replace(slot, required=argument.default is inspect.Parameter.empty)
+    return slots
 
 
 def _bind(
@@ -370,6 +380,8 @@ def _bind(
     arguments: dict[str, Any] = {}
     for key, value in given.items():
         slot = slots[key]
+        # A symbol of an expression that is no parameter yet becomes a free one of any value. In a
+        # text such a name is an error, as it is most likely misspelt.
         if slot.formula:
             arguments[key] = _in_z(key, value, free) if slot.in_z else _formula(key, value, free)
             unknown = sorted(
@@ -383,13 +395,13 @@ def _bind(
         elif slot.is_setting:
             arguments[key] = int(read_parameter(key, value, slot, key).value)
         elif slot.several:
-            own = enter_list(key, value, slot)
-            parameters += own
-            arguments[key] = [p.symbol for p in own]
+            entered = enter_list(key, value, slot)
+            parameters += entered
+            arguments[key] = [p.symbol for p in entered]
         else:
-            own = [enter_parameter(key, value, slot, key)]
-            parameters += own
-            arguments[key] = own[0].symbol
+            entered = [enter_parameter(key, value, slot, key)]
+            parameters += entered
+            arguments[key] = entered[0].symbol
     if twice := [p.key for p in free if p.key in given and not slots[p.key].formula]:
         raise SceneError(
             f"parameters: {twice[0]}: the model has a parameter of this name: choose another"
@@ -400,10 +412,13 @@ def _bind(
 def _given(
     slots: Mapping[str, Slot], args: tuple[Any, ...], kwargs: dict[str, Any], *, formulas: bool
 ) -> dict[str, Any]:
+    """What a call gives, by key, in the order of the slots; SceneError for unknown and missing
+    parameters."""
     valid = [*slots, *(["parameters"] if formulas else [])]
     if len(args) > len(slots):
         raise SceneError(f"too many parameters: valid are {', '.join(valid)}")
     given = {**dict(zip(slots, args, strict=False)), **kwargs}
+    # Where no key is spelt alike, a word for what is measured, "damping", leads to its key, b.
     for key in given:
         if key not in slots:
             hint = meant(key, valid) or next(
@@ -413,16 +428,16 @@ def _given(
             raise SceneError(f'unknown parameter "{key}": {hint}valid are {", ".join(valid)}')
     missing = [key for key, slot in slots.items() if slot.required and key not in given]
     if missing:
-        raise _MissingError(
-            f"needs "
-            f"{_listed([f'{key}{_meaning(slots[key])}' for key in missing])}.{_instead(slots, given)}"
-        )
+        needed = _listed([f"{key}{_meaning(slots[key])}" for key in missing])
+        raise _MissingError(f"needs {needed}.{_instead(slots, given)}")
     return {key: given[key] for key in slots if key in given}
 
 
 def is_system(given: object) -> bool:
     """Whether something is a number, a transfer function of another package, or a pair of
     coefficients."""
+    # By the name of its package: an instance of python-control or SciPy exists only where that is
+    # loaded already, and neither has to be loaded, or installed, to ask.
     if isinstance(given, Expr | Real | Decimal) and not isinstance(given, bool):
         return True
     if isinstance(given, tuple | list):
@@ -433,9 +448,12 @@ def is_system(given: object) -> bool:
 
 
 def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
-    """A formula as an expression in ``s`` and the parameters' symbols."""
-    found = _read(key, given, parameters)
-    for x in found.atoms(Pow):
+    """A formula as an expression in ``s`` and the parameters' symbols; SceneError for fractional
+    powers of anything but s, and for a second 2 pi."""
+    form = _read(key, given, parameters)
+    # s^alpha has a ring of its own; a root of a polynomial in s has none. Of SymPy expressions the
+    # root of one symbol or number >= 0 is real and is allowed, as sqrt(k) in a critical damping.
+    for x in form.atoms(Pow):
         is_root = (
             not isinstance(given, str)
             and (x.base.is_Symbol or x.base.is_Integer)
@@ -445,29 +463,31 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
             base = str(x.base).replace("**", "^")
             rule = "only s has fractional powers, as in 0.17*s^0.5"
             raise SceneError(f"{key}: ({base})^({x.exp}): {rule}")
-    for p in parameters if isinstance(given, str) and found.has(pi) else ():
-        if p.symbol in found.free_symbols and p.value.has(
-            pi
-        ):  # a frequency in Hz has its 2 pi in it already
+    # A frequency in Hz has its 2 pi in its value already: with pi in the formula too, somebody has
+    # most likely converted it twice.
+    for p in parameters if isinstance(given, str) and form.has(pi) else ():
+        if p.symbol in form.free_symbols and p.value.has(pi):
             rule = f"leave pi out of the formula, or give {p.key} in 1/s"
             raise SceneError(
                 f"{key}: {p.key} in Hz already contains 2 pi ({p.value} rad/s): {rule}"
             )
-    return found
+    return form
 
 
 def _read(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
+    """An expression in ``s`` from a text, a SymPy expression, or whatever ``interop`` takes."""
     if isinstance(given, Expr):
         by_name = {p.symbol.name: p.symbol for p in parameters}
         with within(key):
-            found = in_laplace(given)
-        return found.xreplace({x: by_name[x.name] for x in found.free_symbols if x.name in by_name})
+            form = in_laplace(given)
+        return form.xreplace({x: by_name[x.name] for x in form.free_symbols if x.name in by_name})
     if not isinstance(given, str):
         if not is_system(given):
             raise SceneError(
                 f"{key}: {quoted(given)} is not a formula: write it as a string, or give a "
                 f"transfer function"
             )
+        # interop stands above this module and is loaded by name, only where a system needs it.
         try:
             return _read(key, resolve_name("haptisym.interop:dynamics")(given), parameters)
         except SceneError as error:
@@ -488,15 +508,17 @@ def _in_z(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
         **{p.symbol.name: p.symbol for p in parameters},
     }
     with within(key):
-        found = evaluate(text, number=decimal, name=lambda name: _known(name, names))
+        form = evaluate(text, number=decimal, name=lambda name: _known(name, names))
         try:
-            PolynomialRing(BACK, found.free_symbols - {BACK}).convert(found)
+            PolynomialRing(BACK, form.free_symbols - {BACK}).convert(form)
         except SceneError:
             raise SceneError(f"{quoted(text)} must be rational in z") from None
-    return found
+    return form
 
 
 def _known(name: str, names: Mapping[str, Expr]) -> Expr:
+    """What a name in a formula means; ValueError for an unknown one, which ``evaluate`` makes an
+    error with a caret."""
     if name not in names:
         raise ValueError(
             f'unknown name "{name}": {meant(name, names)}valid are {", ".join(names)}; '
@@ -505,7 +527,7 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
     return names[name]
 
 
-# What model signatures are made of. Environments are passive: their parameters cannot be negative.
+# Sampled loops: a controller with a clock that renders an environment as a difference equation.
 
 
 SAMPLED_LOOP, HOLD, DIFFERENCE_EQUATION = "sampled-loop", "zero-order-hold", "difference-equation"
@@ -514,6 +536,7 @@ BACK = Symbol("z_back")
 """1/z, what is one sample old."""
 
 _METHODS = {
+    # s as a difference over one period T; D(z) = H(s(z)).
     "backward-difference": lambda T: (1 - BACK) / T,
     "tustin": lambda T: 2 * (1 - BACK) / (T * (1 + BACK)),
     "forward-difference": lambda T: (1 - BACK) / (T * BACK),
@@ -535,15 +558,17 @@ def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
       ...
     haptisym.kernel.errors.SceneError: forward-difference would need future samples: use backward-difference or tustin
     """
-    given = H.xreplace({s: _METHODS[method](T)})
-    ring = PolynomialRing(BACK, given.free_symbols - {BACK})
+    in_z = H.xreplace({s: _METHODS[method](T)})
+    ring = PolynomialRing(BACK, in_z.free_symbols - {BACK})
     try:
-        found = ring.convert(given).reduced()
+        D = ring.convert(in_z).reduced()
     except SceneError:
         raise SceneError(f"a sampled loop needs dynamics that are rational in s, not {H}") from None
-    if found.denominator.subs({0: 0}).is_zero():
+    # A denominator without a constant term in 1/z has the factor 1/z: the newest output would be
+    # computed from an input that comes later.
+    if D.denominator.subs({0: 0}).is_zero():
         raise SceneError(f"{method} would need future samples: use backward-difference or tustin")
-    return found
+    return D
 
 
 def controller(effect: Effect) -> RationalFunction:
@@ -559,22 +584,22 @@ def _difference(effect: Effect, H: Expr, T: Expr) -> RationalFunction:
     needs future samples."""
     if effect.renders is not None and effect.renders.model != DIFFERENCE_EQUATION:
         return discretised(H, T, str(effect.setting("method")))
-    found = PolynomialRing(BACK, H.free_symbols - {BACK}).convert(H).reduced()
-    if found.denominator.subs({0: 0}).is_zero():
+    D = PolynomialRing(BACK, H.free_symbols - {BACK}).convert(H).reduced()
+    if D.denominator.subs({0: 0}).is_zero():
         raise SceneError("D needs future samples: divide it by a power of z")
-    return found
+    return D
 
 
 def samples(effect: Effect) -> int:
-    """The whole samples that a sampled loop computes for."""
+    """The computing delay of a sampled loop, in whole samples."""
     return int(effect.setting("delay"))
 
 
 def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[Effect, ...]:
-    """The effects of a scene, a sampled loop among them rendering that environment.
+    """The effects of a scene; a sampled loop among them has the rendered environment in its matrix.
 
-    SceneError where it is not the first effect, where another clock stands behind it, and where it
-    cannot render that.
+    SceneError where it is not the first effect, where there is another sampler, and where it cannot
+    render that environment.
     """
     listed = tuple(effects)
     at = next((i for i, effect in enumerate(listed) if effect.model == SAMPLED_LOOP), None)
@@ -607,19 +632,24 @@ def with_controller(effects: Iterable[Effect], rendered: Environment) -> tuple[E
                     f"{DIFFERENCE_EQUATION}"
                 )
             )
+        # First alone, as ``_difference`` looks at what the effect renders.
         first = replace(first, renders=rendered)
         placed = replace(first, renders=rendered, dynamics=_sampled_matrix(first, rendered))
     return placed, *others
 
 
 def _sampled_matrix(effect: Effect, rendered: Environment) -> Matrix:
-    """Between what would be rendered without a clock and what is: D - H beside it, then delay and
-    hold."""
+    """The chain matrix that makes of the rendered H what the hand feels of the sampled loop: G D,
+    with D = D(exp(s T)) and G = exp(-s n T) (1 - exp(-s T))/(s T), delay and hold."""
     T = effect.parameters[0].symbol
-    D = _difference(effect, rendered.dynamics, T).expression().xreplace({BACK: exp(-s * T)})
-    G = exp(-s * T * samples(effect)) * (1 - exp(-s * T)) / (s * T)
-    if rendered.model == DIFFERENCE_EQUATION:  # which is in z already
+    one_sample = exp(-s * T)
+    D = _difference(effect, rendered.dynamics, T).expression().xreplace({BACK: one_sample})
+    G = exp(-s * T * samples(effect)) * (1 - one_sample) / (s * T)
+    # A difference equation is D itself: of it G is left.
+    if rendered.model == DIFFERENCE_EQUATION:
         return G, Integer(0), Integer(0), Integer(1)
+    # (A H + B)/(C H + D) of this matrix is G H + G (D - H) = G D: the rendered H,
+    # which stands at the end of every chain, is taken off again.
     return G, G * (D - rendered.dynamics), Integer(0), Integer(1)
 
 
@@ -667,27 +697,28 @@ class Hand(Shown):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Mass, damping, stiffness."""
+        """The parameters m, b and k: mass, damping, stiffness."""
         return self.m, self.b, self.k
 
     @property
     def motion(self) -> MotionKind | None:
-        """Whether it moves along a line or about an axis; None if no unit tells."""
+        """The kind of motion that its units imply, along a line or about an axis; None where none
+        does."""
         return next((p.motion for p in self.parameters if p.motion), None)
 
     @property
     def has_ranges(self) -> bool:
-        """Whether it is a box of hands."""
+        """Whether a parameter has a range, so that it stands for a set of hands."""
         return any(p.interval for p in self.parameters)
 
     @property
     def dynamics(self) -> Expr:
-        """In its symbols."""
+        """Z_h(s) = m s^2 + b s + k in the symbols of its parameters."""
         return self.m.symbol * s**2 + self.b.symbol * s + self.k.symbol
 
     @property
     def Z(self) -> Expr:
-        """With its values: force per position, that of H_perc."""
+        """Z_h(s) with the parameters' values, force per position as H_perc."""
         return self.dynamics.xreplace(values(self.parameters))
 
     def with_values(self, given: Mapping[str, Number]) -> Hand:
@@ -702,7 +733,7 @@ class Hand(Shown):
 
 
 def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
-    """The hand that a table says. SceneError names key, value and rule."""
+    """Read a hand from a table of a scene file. SceneError names key, value and rule."""
     valid = (*_HAND_SLOTS, "source")
     for key in given:
         if key not in valid:
@@ -716,6 +747,7 @@ def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
 
 
 def _hands() -> Mapping[str, Hand]:
+    """The hands of the shipped table."""
     tables = tomllib.loads((Path(__file__).parents[1] / "hands.toml").read_text(encoding="utf-8"))
     return {name: read_hand(name, table) for name, table in tables.items()}
 
@@ -724,10 +756,11 @@ _T = TypeVar("_T")
 
 
 class Named(Mapping[str, _T]):
-    """What the package ships of a ``kind``, by name, read when it is asked for. SceneError for a
-    name that there is not."""
+    """A mapping of what the package ships of a ``kind``, by name; its file is read at the first use
+    and then kept. SceneError for an unknown name."""
 
     def __init__(self, kind: str, read: Callable[[], Mapping[str, _T]]) -> None:
+        # Read late and once: most commands need no published hand and no device.
         self.kind, self._read = kind, cache(read)
 
     def __getitem__(self, name: str) -> _T:
@@ -760,7 +793,7 @@ hands: Mapping[str, Hand] = Named("hand", _hands)
 
 
 NOBODY = "none"
-"""The name of what holds nothing: the display is let go."""
+"""The name of no hand: the display moves in free air."""
 
 
 def how_to_give() -> str:
@@ -770,7 +803,7 @@ def how_to_give() -> str:
 
 
 class DeviceImpedance(NamedTuple):
-    """Z = k + b s + m s^2."""
+    """The impedance Z = k + b s + m s^2 of a device, force per position."""
 
     k: Expr = Integer(0)
     b: Expr = Integer(0)
@@ -778,8 +811,8 @@ class DeviceImpedance(NamedTuple):
 
 
 def device(effect: Effect) -> DeviceImpedance | None:
-    """That of a shunt, its parameters' values in place; None of another effect, and where Z is none
-    of these.
+    """The impedance of a shunt with its parameters' values; None of another effect, and where Z is
+    no polynomial in s of degree two or less.
 
     >>> from haptisym.effects import compliance, shunt
     >>> device(shunt(Z="b*s^2 + 3*s", parameters={"b": 5}))
@@ -790,6 +823,7 @@ def device(effect: Effect) -> DeviceImpedance | None:
     Z = effect.matrix[1]
     if effect.model != "shunt" or not Z.is_polynomial(s):
         return None
+    # Ascending powers, the order of the fields; missing high ones are 0 by their defaults.
     row = Poly(Z, s).all_coeffs()[::-1]
     return DeviceImpedance(*row) if len(row) <= len(DeviceImpedance._fields) else None
 
@@ -807,30 +841,31 @@ _BAND = "give its two ends, as (0, 15)"
 
 def given_environment(key: str, given: object) -> Environment:
     """An environment, or any system that ``interop`` takes; SceneError for anything else."""
-    found = (
+    read = (
         given
         if isinstance(given, Environment) or not is_system(given)
         else _system_read(key, "environment", given)
     )
-    need(key, found, Environment, _ENVIRONMENT)
-    assert isinstance(found, Environment)
-    return found
+    need(key, read, Environment, _ENVIRONMENT)
+    assert isinstance(read, Environment)
+    return read
 
 
 def given_effects(given: Iterable[Any]) -> tuple[Effect, ...]:
     """Effects in their order, a system being one in series; SceneError for anything else among
     them, or for one alone."""
     listed = several("effects", given, _EFFECTS)
-    found = [
+    read = [
         _system_read(f"effects[{i}]", "series", x) if is_system(x) else x
         for i, x in enumerate(listed, 1)
     ]
-    for x in found:
+    for x in read:
         need("effects", x, Effect, _EFFECTS)
-    return tuple(found)
+    return tuple(read)
 
 
 def _system_read(key: str, how: str, given: object) -> Any:
+    """What the function ``how`` of ``interop`` makes of a system: an environment, or an effect."""
     with within(key):
         return resolve_name(f"haptisym.interop:{how}")(given)
 
@@ -844,7 +879,7 @@ def given_hands(given: Iterable[Hand]) -> tuple[Hand, ...]:
 
 
 def given_band(given: Iterable[Any]) -> tuple[Any, Any]:
-    """Two ends, as they were given."""
+    """The two ends of a band, as they were given; SceneError unless there are two."""
     ends = several("band", given, _BAND)
     if len(ends) != 2:
         raise SceneError(f"band: {ends}: give a low and a high end, as (0, 15)")

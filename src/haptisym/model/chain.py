@@ -68,8 +68,8 @@ NOTHING_TO_FEEL = (
 
 @dataclass(frozen=True)
 class Chain:
-    """The dynamics themselves: H_env, what is rendered for it, and the effects' chain matrices,
-    nearest the environment first."""
+    """A display as dynamics in s, exact: the environment H_env, what the controller renders for it,
+    and the effects' chain matrices (A, B, C, D), nearest the environment first."""
 
     environment: Expr
     rendered: Expr
@@ -94,24 +94,25 @@ class Chain:
         """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless
         given another."""
         ring = ring or self.ring
-        found = ring.convert(self.rendered)
+        H = ring.convert(self.rendered)
         for i in places:
-            found = _through(found, [ring.convert(entry) for entry in self.matrices[i]])
-        return found.reduced()
+            H = _through(H, [ring.convert(entry) for entry in self.matrices[i]])
+        return H.reduced()
 
     @cached_property
     def ring(self) -> Ring:
         """The ring that holds them all."""
-        # a threshold comes along so that it may stay a symbol; a variable that does not occur costs
-        # nothing
+        # A threshold comes along so that it may stay a symbol; a variable that does not occur costs
+        # nothing.
         return Ring.of([*self.entries(), self.stand_in])
 
     @cached_property
     def stand_in(self) -> Symbol:
-        """What stands for a threshold in the ring: c, or a like name where a parameter has that."""
-        own = {x.name for entry in self.entries() for x in entry.free_symbols}
+        """The symbol that stands for a threshold in the ring: c, or c_, c__ where a parameter has
+        that name."""
+        taken = {x.name for entry in self.entries() for x in entry.free_symbols}
         name = symbol_c.name
-        while name in own:
+        while name in taken:
             name += "_"
         return Symbol(name, positive=True)
 
@@ -137,7 +138,8 @@ class Chain:
 
         write = _writer(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
-        # a value that is not 0 at some point settles that a field is not 0 everywhere
+        # A value that is not 0 at one point settles that a field is not 0 everywhere. Only fields
+        # whose ball holds 0 at this arbitrary point need the exact, slower test.
         sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(
             128
         )
@@ -145,35 +147,36 @@ class Chain:
         return write(fields, zero) if zero else program
 
     def vanishes(self, name: str) -> bool:
-        """Whether a field is 0 at all frequencies, whatever the parameters."""
+        """Whether a field is 0 at all frequencies and for all parameters: decided exactly, both
+        ways."""
         kind, _, part = name.rpartition("_")
         env, perc = self.dynamics(free_air=kind == "perceived")
         change = perc - env
-        of = (
+        dynamics = (
             change / env
             if kind == "relative"
             else {"environment": env, "perceived": perc}.get(kind, change)
         )
-        raw = on_axis(of)
+        raw = on_axis(dynamics)
         return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
 
     @cached_property
     def steps(self) -> Steps:
-        """All fields of ``numeric.Values`` in named steps, as a page shows them: of what is felt,
+        """All fields of ``numeric.Values`` in named steps, as a page shows them; H_perc is given as
         H_env + dH."""
         from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
-        found = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
-        of = found.results
+        page = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
+        results = page.results
         felt = {
-            f"perceived_{part.value}": of[f"environment_{part.value}"] + of[part.value]
+            f"perceived_{part.value}": results[f"environment_{part.value}"] + results[part.value]
             for part in Part
         }
-        return Steps(found.definitions, {**of, **felt})
+        return Steps(page.definitions, {**results, **felt})
 
     @property
     def in_series(self) -> bool:
-        """Whether each effect multiplies the force, and does nothing else."""
+        """Whether each effect only multiplies the force: B = C = 0 in its chain matrix."""
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
@@ -184,12 +187,14 @@ class Chain:
         return self._turned(part, [self.rendered, *self._gains]) - environment
 
     def part_of_relative(self, part: Part) -> Expr:
-        """Re or Im(dH/H_env)."""
+        """Re or Im(dH/H_env), that of H_perc/H_env - 1."""
+        one = Integer(part is Part.REAL)
         if not self.in_series:
             H = self.environment.xreplace({s: I * omega})
-            return _PART[part](self.formula / H, evaluate=False) - Integer(part is Part.REAL)
-        own = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
-        return self._turned(part, [*own, *self._gains]) - Integer(part is Part.REAL)
+            return _PART[part](self.formula / H, evaluate=False) - one
+        # Where the environment itself is rendered, H_perc/H_env is the product of the gains alone.
+        outer = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
+        return self._turned(part, [*outer, *self._gains]) - one
 
     @property
     def formula(self) -> Expr:
@@ -201,29 +206,37 @@ class Chain:
 
     @property
     def _gains(self) -> list[Expr]:
+        """The factors A/D by which effects in series multiply the dynamics behind them."""
         return [a / d for a, _, _, d in self.matrices]
 
     @staticmethod
     def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
+        """Re or Im of a product of factors on s = j omega, as the product of their magnitudes times
+        the cosine or sine of the sum of their angles."""
         polar = [_polar(x) for x in factors]
         return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
-        """A chain with the same ratios, though H_env has no zeros on s = j omega; whether r_r is
-        its r_i.
+        """A chain with the same ratios whose H_env has no zeros on s = j omega; and whether the
+        parts have changed places, r_r being its r_i.
 
         All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z
         behind [[A, B/Z], [C Z, D]].
         """
         environment = self.ring.convert(self.environment).reduced()
+        # Of a ratio |Re dH|/|H_env| a common factor that is real or imaginary on the axis cancels:
+        # at a frequency where H_env vanishes the ratio is then a value and no 0/0.
         Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
         if Z.numerator.is_constant():
             return self, False
 
         def times(x: Expr, power: int) -> Expr:
+            """A dynamics times that power of Z, in lowest terms."""
             return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
 
         matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
+        # All factors of Z but s itself are even in s, so that any term has the parity of Z. An odd
+        # Z is imaginary on the axis and changes Re and Im about.
         odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
         return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
 
@@ -243,7 +256,8 @@ class Chain:
 def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
-    """What writes the programs of a chain, all from the same steps."""
+    """The function that writes the programs of a chain, all from the same steps; cached, as several
+    sets of fields are asked of one chain."""
     from haptisym.programs.distortion import stable_program
 
     return stable_program(environment, rendered, matrices, inputs)
@@ -251,16 +265,19 @@ def _writer(
 
 def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
     """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
-    found = ring.constant(1)
+    zeros_on_axis = ring.constant(1)
     for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
+        # With powers of s of one parity only (irreducible: s, or a polynomial in s^2) the factor is
+        # real or imaginary on the axis. One with a delay is neither.
         even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
         if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
-            found = found * factor**n
-    return found
+            zeros_on_axis = zeros_on_axis * factor**n
+    return zeros_on_axis
 
 
 def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
     """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+    # Over one common denominator the four entries are polynomials; it cancels in the quotient.
     a, b, c, d = cleared(matrix)
     top = a * H.numerator + b * H.denominator
     bottom = c * H.numerator + d * H.denominator
@@ -271,12 +288,12 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
     return RationalFunction(H.ring, top, bottom)
 
 
-_SHORT = 10  # terms of a dynamics up to which lowest terms are it
-_FEW, _MOST = (
-    80,
-    300,
-)  # up to which they are looked at beside factors, and are made where there are none
-_LONGER = 1.3  # lowest terms are kept where they are no longer than this
+# Terms of numerator and denominator together: up to _SHORT the form in lowest terms is taken as it
+# is; up to _FEW it is compared with the form in factors; up to _MOST it is made where there are no
+# factors. Above, Re and Im would have some square of that many terms.
+_SHORT, _FEW, _MOST = 10, 80, 300
+# Lowest terms are preferred up to this many times the operations of the other form.
+_LONGER = 1.3
 _TURN = {Part.REAL: cos, Part.IMAG: sin}
 _PART = {Part.REAL: re, Part.IMAG: im}
 
@@ -300,32 +317,37 @@ def shortest(
     other = others()
     if terms > _FEW:
         return other, False
-    found = lowest()
-    return (found, True) if count_ops(found) <= _LONGER * count_ops(other) else (other, False)
+    reduced = lowest()
+    return (reduced, True) if count_ops(reduced) <= _LONGER * count_ops(other) else (other, False)
 
 
 def _polar(factor: Expr) -> tuple[Expr, Expr]:
-    """Magnitude, which may be negative, and angle of a factor on s = j omega."""
+    """Magnitude (which may be negative, its sign being no part of the angle) and angle, rad, of a
+    product on s = j omega."""
     above, below = factor.as_numer_denom()
+    signed = [(x, 1) for x in Mul.make_args(above)] + [(x, -1) for x in Mul.make_args(below)]
     size, angle = Integer(1), Integer(0)
-    for x, sign in [(x, 1) for x in Mul.make_args(above)] + [(x, -1) for x in Mul.make_args(below)]:
+    for x, sign in signed:
+        # exp(-s tau) is a factor of its own: SymPy would call it the power -s tau of e.
         base, power = x.as_base_exp() if not isinstance(x, exp) else (x, Integer(1))
         n = sign * power if power.is_Integer else Integer(sign)
-        own = _own(base if power.is_Integer else x)
-        size, angle = size * own[0] ** n, angle + own[1] * n
+        magnitude, phase = _polar_of_one(base if power.is_Integer else x)
+        size, angle = size * magnitude**n, angle + phase * n
     return size, angle
 
 
-def _own(x: Expr) -> tuple[Expr, Expr]:
-    base, power = (s, x.args[0] / s) if isinstance(x, exp) else x.as_base_exp()
-    if isinstance(x, exp) and not power.has(s):  # a delay
+def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
+    """Magnitude and angle, rad, of one factor on s = j omega: a delay, a power of s, the numerator
+    of a hold, or any polynomial."""
+    is_exponential = isinstance(x, exp)
+    base, power = (s, x.args[0] / s) if is_exponential else x.as_base_exp()
+    # A delay exp(s a): magnitude 1, angle omega a.
+    if is_exponential and not power.has(s):
         return Integer(1), omega * power
     if base == s and not power.has(s):
         return omega**power, pi * power / 2
-    for sign, rest in (
-        (1, x + 1),
-        (-1, 1 - x),
-    ):  # of a hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2)
+    # A hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2), and sinh(j y) = j sin y.
+    for sign, rest in ((1, x + 1), (-1, 1 - x)):
         if isinstance(rest, exp) and not (lag := rest.args[0] / s).has(s):
             return 2 * sign * sin(omega * lag / 2), (pi + omega * lag) / 2
     ring = Ring.of([x])
@@ -390,14 +412,15 @@ class ParameterJND:
 
 
 def properties(response: Response, frequency: Symbol = omega) -> Properties:
-    """Of the dynamics that has this response, with that symbol for omega."""
+    """The properties of a dynamics by its response on s = j omega; ``frequency`` : the symbol for
+    omega in them."""
     real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
     return Properties(real, imag, frequency)
 
 
 def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-    """The formula among some that is the lowest frequency, for these values if there are any; None
-    where it is not known.
+    """The formula among ``found`` that is the lowest frequency: for these ``values`` of all
+    parameters, or without them for all values at which it is in force. None where it is open.
 
     >>> from haptisym.kernel.rings import symbols
     >>> k, m = symbols("k m")
@@ -422,29 +445,35 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     (low, formula), *others = sorted(
         ((float(here), form) for here, _, form in put), key=itemgetter(0)
     )
-    # two zeros that meet as doubles may be one that is touched, where no sign changes
+    # Two zeros that meet as doubles may be one that is touched, where no sign changes.
     return None if others and others[0][0] - low <= 1e-9 * low else formula
 
 
 def _is_lower(one: Solution, other: Solution) -> bool:
-    """Whether a formula is in force wherever another one is, and below it there: proven."""
+    """Whether ``one`` is proven to be in force wherever ``other`` is, and not above it there; False
+    proves nothing."""
     assert one.omega is not None
     assert other.omega is not None
     if not set(one.conditions) <= set(other.conditions):
         return False
-    gap = factor_terms(
-        (other.omega**2 - one.omega**2).expand()
-    )  # of two roots: the root of a discriminant, over a
+    # Both are positive where they are in force: they are in the order of their squares. Of the two
+    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. The root is not
+    # negative where it is real, so that the signs of the other factors decide.
+    gap = factor_terms((other.omega**2 - one.omega**2).expand())
     known = (
         x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2))
     )
     return bool((one.omega - other.omega).is_negative) or all(known)
 
 
-_SQUARE = Symbol("W", positive=True)  # omega^2, the unknown of a threshold polynomial
-_TERMS = 24  # of the expansions of numerator and denominator
-_SOON = 8  # terms of an expansion
-_SHORT_TERM = 16  # terms of a coefficient that is taken apart
+# omega^2, the unknown of a threshold polynomial
+_SQUARE = Symbol("W", positive=True)
+# How many coefficients of numerator and denominator an expansion looks at before it gives up.
+_TERMS = 24
+# After this many coefficients without a leading term of Re or Im, the part is tested for being 0.
+_SOON = 8
+# Terms of a coefficient up to which it is factored for the reader.
+_SHORT_TERM = 16
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers,
@@ -452,7 +481,7 @@ certified frequencies."""
 
 
 class Changeovers(NamedTuple):
-    """Where Re H_env and Re H_perc change their sign, all of them."""
+    """All frequencies at which Re H_env and Re H_perc change their sign."""
 
     environment: Frequencies
     perceived: Frequencies
@@ -467,8 +496,8 @@ class Asymptote(NamedTuple):
 
 
 class LowFrequency(NamedTuple):
-    """What a slow hand feels: H_perc(s) = stiffness + damping s + mass s^2 + terms of higher
-    order."""
+    """The perceived dynamics of slow motions: H_perc(s) = stiffness + damping s + mass s^2 + terms
+    of higher order."""
 
     stiffness: Expr
     damping: Expr
@@ -476,7 +505,8 @@ class LowFrequency(NamedTuple):
 
 
 def part_named(given: Any) -> Part:
-    """A part, or its name. SceneError for any other."""
+    """Return the part that is given, or that has the given name, "real" or "imag"; SceneError for
+    anything else."""
     if given in [x.value for x in Part]:
         return Part(given)
     if not isinstance(given, Part):
@@ -485,8 +515,8 @@ def part_named(given: Any) -> Part:
 
 
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
-    """A fraction > 0, as a number or in symbols of its own; ``named`` : what other names mean.
-    SceneError for any other."""
+    """Read a threshold: a fraction > 0, as a number or in symbols of its own. ``named`` : the names
+    that are taken, and what they mean. SceneError for any other."""
     if isinstance(given, str):
         raise SceneError(
             f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)"
@@ -504,7 +534,8 @@ def threshold(given: Any, named: Mapping[str, str]) -> Expr:
 
 
 def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
-    """r^2 - c^2."""
+    """r^2 - c^2 in lowest terms: positive exactly where a ratio r exceeds a threshold c > 0."""
+    # In squares there is no square root of |H_env|^2: zeros and signs stay those of polynomials.
     f = squared_ratio.function
     square = f.ring.convert(c**2)
     top = f.numerator * square.denominator - square.numerator * f.denominator
@@ -512,30 +543,33 @@ def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
 
 
 def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
-    """Where a ratio meets a threshold, as formulas; ``stand_in`` : what the ring has for a
-    threshold."""
+    """The frequencies at which a ratio equals a threshold, as formulas; ``stand_in`` : the symbol
+    that the ring has for a threshold."""
     if not c.free_symbols:
         return solve(excess(squared_ratio, c))
-    found = solve(excess(squared_ratio, stand_in))
-    asked = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in found)
-    return tuple(x for x in asked if x is not None)
+    solutions = solve(excess(squared_ratio, stand_in))
+    # Squaring loses the sign of c: the condition c >= 0 goes along, and is left out where known.
+    in_c = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in solutions)
+    return tuple(x for x in in_c if x is not None)
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
-    """All positive zeros of a function that is known, on a band if one is given: certified
-    numbers."""
+    """All positive zeros of a function without free parameters, on a band if one is given, as
+    certified numbers; none is missed."""
     return tuple(p.omega for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
 
 
 def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
-    """Where a function that is known changes its sign, poles among them: certified numbers."""
-    alike = RealFunction(
-        f.axis.function(f.function.numerator * f.function.denominator)
-    )  # of its sign, and without poles
-    return tuple(p.omega for p in _chart(alike, None).sign_changes(0) if float(p.omega))
+    """All positive frequencies at which a function without free parameters changes its sign, poles
+    of odd order among them, as certified numbers."""
+    # N D has the sign of N/D and no poles: a zero at which it changes its sign is a zero of N or a
+    # pole, both of odd order.
+    same_sign = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
+    return tuple(p.omega for p in _chart(same_sign, None).sign_changes(0) if float(p.omega))
 
 
 def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
+    """The zeros and poles of a function on a band, or on all frequencies at which it has any."""
     low, high = _ends(band) if band else (Integer(0), _far(f))
     return chart({0: f}, low, high)
 
@@ -546,6 +580,7 @@ def unknown(*functions: RealFunction) -> set[Symbol]:
 
 
 def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
+    """The two ends of a band, rad/s, exact; SceneError unless 0 <= low < high."""
     low, high = (number(x, Dimension.FREQUENCY).value for x in given_band(band))
     if not 0 <= low < high:
         raise SceneError(f"band: {band}: give a low end >= 0 and a higher one, as (0, 15)")
@@ -553,35 +588,40 @@ def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
 
 
 def _far(f: RealFunction) -> Expr:
-    """A frequency beyond which a function has no zero."""
+    """A frequency, rad/s, above which a function has no zero; SceneError where none is
+    known, as with a delay."""
     if f.function.is_zero:
         return Integer(1)
+    # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.
     if any(not angle.constant for angle in f.axis.angles):
         raise SceneError(
             "with a delay there may be infinitely many crossings: give a band, as band=(0, 100)"
         )
-    found = asymptotic_sign(f.function)
-    if found.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
+    at_infinity = asymptotic_sign(f.function)
+    if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
-    return max(found.radius, Integer(1))
+    return max(at_infinity.radius, Integer(1))
 
 
 def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
-    """What vanishes where a ratio meets a threshold; ``stand_in`` : what the ring has for a
-    threshold."""
+    """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays or
+    fractional powers an expression in omega. ``stand_in`` : the ring's symbol for a threshold."""
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
-    found = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
-    if not found.is_polynomial(omega) or any(n % 2 for (n,) in Poly(found, omega).monoms()):
-        return found
-    if _SQUARE.name in {x.name for x in found.free_symbols}:
+    polynomial = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
+    if not polynomial.is_polynomial(omega):
+        return polynomial
+    if any(n % 2 for (n,) in Poly(polynomial, omega).monoms()):
+        return polynomial
+    if _SQUARE.name in {x.name for x in polynomial.free_symbols}:
         raise SceneError(f"{_SQUARE} is reserved for omega^2: give the parameter another name")
-    return Poly(found.subs(omega, sqrt(_SQUARE)), _SQUARE)
+    return Poly(polynomial.subs(omega, sqrt(_SQUARE)), _SQUARE)
 
 
 def bandwidth(
     squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None
 ) -> RealNumber | Expr:
-    """The end of the interval from 0, or the band's low end, on which no ratio exceeds c."""
+    """The upper end of the interval, from 0 or from the band's low end, on which no ratio exceeds
+    c, rad/s; 0 where there is no such interval, oo where it has no end."""
     if free := unknown(*squared_ratios.values()) | c.free_symbols:
         named = ", ".join(sorted(map(str, free)))
         raise SceneError(
@@ -590,40 +630,51 @@ def bandwidth(
     functions = {part: excess(f, c) for part, f in squared_ratios.items()}
     low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
     table = chart(functions, low, high)
-    kept = table.where(lambda signs: all(x <= 0 for x in signs.values()))
-    if not kept or kept[0].low is not table.points[0]:
+    satisfied = table.where(lambda signs: all(x <= 0 for x in signs.values()))
+    # The bandwidth is the end of the interval that begins at the low end: one further up, behind
+    # frequencies at which a ratio exceeds c, is none.
+    if not satisfied or satisfied[0].low is not table.points[0]:
         return Integer(0)
-    return oo if kept[0].high is table.points[-1] and not band else kept[0].high.omega
+    # Above the last point of a chart without a band no ratio crosses c any more.
+    return oo if satisfied[0].high is table.points[-1] and not band else satisfied[0].high.omega
 
 
 def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
-    """The leading terms at 0 or oo."""
+    """The leading terms of dH, Re dH and Im dH at 0 or oo; SceneError where an expansion in powers
+    does not exist or does not show one within _TERMS terms."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)}: give 0 or oo")
     if at == oo and ring_of(difference).lags:
         raise SceneError("at = oo: with a delay there is no leading term")
     if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
-    found: list[Expr | None] = [None, None, None]
+    leading: list[Expr | None] = [None, None, None]
     for n, (power, h) in enumerate(_expansion(difference, at)):
-        if n == _SOON:  # a part that does not come soon may vanish: asked late, as it takes longer
+        # A part that does not come soon may vanish at all frequencies, and then never comes. That
+        # is asked late, as Re and Im in lowest terms take longer than some coefficients.
+        if n == _SOON:
             exact = on_axis(difference)
             vanishing = (False, exact.raw_real.is_zero, exact.raw_imag.is_zero)
-            found = [Integer(0) if gone else x for x, gone in zip(found, vanishing, strict=True)]
+            leading = [
+                Integer(0) if gone else x for x, gone in zip(leading, vanishing, strict=True)
+            ]
         if h != 0:
-            sign = (-1) ** (power // 2)  # of j^power, but for the j of an odd one
+            # (j omega)^n = (-1)^(n//2) omega^n, times j for an odd n, whose term belongs to Im.
+            sign = (-1) ** (power // 2)
             for place, term in ((0, h * s**power), (1 + power % 2, sign * h * omega**power)):
-                found[place] = term if found[place] is None else found[place]
-        if None not in found:
-            return Asymptote(*found)
+                if leading[place] is None:
+                    leading[place] = term
+        if None not in leading:
+            return Asymptote(*leading)
     raise SceneError(f"no leading term up to order {_TERMS - 1}")
 
 
 def low_frequency(perceived: RationalFunction) -> LowFrequency:
-    """The first terms in s, from its static value on."""
+    """Stiffness, damping and mass at low frequency: the coefficients of s^0, s^1 and s^2 of H_perc.
+    SceneError where H_perc has a pole at s = 0."""
     if perceived.is_zero:
         return LowFrequency(Integer(0), Integer(0), Integer(0))
-    found = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
+    coefficients = {0: Integer(0), 1: Integer(0), 2: Integer(0)}
     for power, h in _expansion(perceived, 0):
         if power < 0 and h != 0:
             raise SceneError(
@@ -632,15 +683,15 @@ def low_frequency(perceived: RationalFunction) -> LowFrequency:
         if power > 2:
             break
         if power >= 0:
-            found[power] = h
-    return LowFrequency(*found.values())
+            coefficients[power] = h
+    return LowFrequency(*coefficients.values())
 
 
 def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]]:
-    """Powers of s and their coefficients, from the leading one on: ascending at 0, descending at
-    oo. Exact.
+    """Powers of s with their coefficients, from the leading one on: ascending at 0, descending at
+    oo. Exact: a delay at 0 is its Taylor series.
 
-    SceneError for what is not rational in s but for delays.
+    SceneError for a display with fractional powers of s.
     """
     ring = ring_of(dynamics)
     if ring.orders:
@@ -654,6 +705,8 @@ def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]
         max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)
     ]
     first = starts[0] - starts[1]
+    # Over a leading sum each coefficient is a quotient that must be reduced in a ring to stay
+    # short; over a single product nothing has to be brought to one fraction.
     divide = _divided if below(0).is_Add else _over_one_term
     for n, h in enumerate(divide(above, below, ring, _TERMS - max(starts))):
         yield (first + n if at == 0 else degrees[0] - degrees[1] - first - n), h
@@ -663,59 +716,65 @@ _Row: TypeAlias = Callable[[int], Expr]
 
 
 def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Expr]:
-    """Of a quotient whose denominator begins with one product, as of a chain of lags: nothing is
-    brought to one fraction."""
+    """The coefficients of a quotient of series whose denominator begins with one product, as of a
+    chain of lags; nothing is brought to one fraction."""
+    # q_n = a_n/b_0 - sum over i < n of q_i b_(n-i)/b_0: division of power series
     ratios: list[Expr] = []
-    found: list[Expr] = []
+    quotient: list[Expr] = []
     for n in range(count):
         ratios.append((below(n) / below(0)).expand())
-        found.append(
-            (above(n) / below(0) - Add(*(h * ratios[n - i] for i, h in enumerate(found)))).expand()
-        )
-        yield found[-1].factor() if len(Add.make_args(found[-1])) <= _SHORT_TERM else found[-1]
+        earlier = Add(*(h * ratios[n - i] for i, h in enumerate(quotient)))
+        term = (above(n) / below(0) - earlier).expand()
+        quotient.append(term)
+        yield term.factor() if len(Add.make_args(term)) <= _SHORT_TERM else term
 
 
 def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
+    """The coefficients of a quotient of two power series, each in lowest terms."""
     into = Ring.of([*ring.symbols, *ring.lags, pi])
     bottom: list[RationalFunction] = []
-    found: list[RationalFunction] = []
+    quotient: list[RationalFunction] = []
     for n in range(count):
         bottom.append(into.convert(below(n)))
-        left = into.convert(above(n))
-        for i, h in enumerate(found):
-            left = left - h * bottom[n - i]
-        found.append((left / bottom[0]).reduced())
-        is_short = len(found[-1].numerator) + len(found[-1].denominator) <= _SHORT_TERM
-        yield found[-1].factored() if is_short else found[-1].expression()
+        remainder = into.convert(above(n))
+        for i, h in enumerate(quotient):
+            remainder = remainder - h * bottom[n - i]
+        term = (remainder / bottom[0]).reduced()
+        quotient.append(term)
+        is_short = len(term.numerator) + len(term.denominator) <= _SHORT_TERM
+        yield term.factored() if is_short else term.expression()
 
 
 class _Coefficients:
-    """Of s^0, s^1, ... with each delay as its series, or (``down``) of the highest power of s and
-    those below it; expanded."""
+    """The coefficients of a polynomial in s: of s^0, s^1, ... with each delay as its series, or
+    (``down``) of the highest power of s and of those below it; expanded."""
 
     def __init__(self, polynomial: Polynomial, ring: Ring, down: bool) -> None:  # noqa: FBT001
         self.ring = ring
         self.by_power: dict[int, list[tuple[list[int], Any]]] = {}
         highest = max(int(e[0]) for e in polynomial.monoms())
         for exponents, value in polynomial.to_dict().items():
-            own = [int(x) for x in exponents]
-            self.by_power.setdefault(highest - own[0] if down else own[0], []).append((own, value))
+            powers = [int(x) for x in exponents]
+            index = highest - powers[0] if down else powers[0]
+            self.by_power.setdefault(index, []).append((powers, value))
 
     def from_(self, start: int, n: int) -> Expr:
-        """The n-th from one on."""
+        """The n-th coefficient after the one of index ``start``."""
         return self(start + n)
 
     @cache  # noqa: B019 - as short-lived as the question
     def __call__(self, n: int) -> Expr:
         ring, total = self.ring, []
         for power in (x for x in self.by_power if x <= n):
-            for own, value in self.by_power[power]:
-                lag = Add(*(m * x for x, m in zip(ring.lags, own[ring.size :], strict=False)))
+            for powers, value in self.by_power[power]:
+                # A monomial is s^e pi^e ... times delays exp(-s lag). It adds to s^n by the term of
+                # order n - power of the delays' series; without a delay only to its own power.
+                lag = Add(*(m * x for x, m in zip(ring.lags, powers[ring.size :], strict=False)))
                 if power < n and lag == 0:
                     continue
-                factors = (x**m for x, m in zip(ring.symbols, own[2 : ring.size], strict=True))
-                late = (-lag) ** (n - power) / factorial(n - power)
+                factors = (x**m for x, m in zip(ring.symbols, powers[2 : ring.size], strict=True))
+                taylor = (-lag) ** (n - power) / factorial(n - power)
                 total.append(
-                    Mul(Rational(int(value.p), int(value.q)), pi ** own[1], *factors, late)
+                    Mul(Rational(int(value.p), int(value.q)), pi ** powers[1], *factors, taylor)
                 )
         return Add(*total).expand()

@@ -1,12 +1,14 @@
-"""What the columns of a measured file mean: their roles, by name or as a scene states them, and
-their units in SI.
+"""The meaning of the columns of a measured file: their roles, by name or as a scene states them,
+and their units in SI.
 
 Each column of a table, or variable of MATLAB, has a role: with a frequency it is part of a
 response, with a time part of a record, from which a response is estimated. A role follows from the
 name and its unit ("Magnitude (dB)", "position [mm]", "/joint_states/position[0]"), or a scene
 states it: ``columns`` (role to header, or number from 1), ``unit`` (of a role), and
-``quantity`` (what the response is). What two columns could be, and what has no unit where several
-are usual, is refused.
+``quantity`` (what the response is). A role that two columns could have, and a column without a unit
+where several units are usual, are refused: a wrong guess would be a wrong response in silence.
+
+``assigned`` finds the roles, ``scales_of`` the units.
 """
 
 from __future__ import annotations
@@ -27,11 +29,11 @@ from haptisym.model.quantities import Dimension, MotionKind, quantity, read_unit
 
 @dataclass(frozen=True)
 class Layout:
-    """What a scene states about a file. SceneError for what is none.
+    """What a scene states about a file. SceneError for an unknown role, quantity or sign.
 
-    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : of the
-    response. ``sign`` : -1 where the force that was measured is the reaction to the one that is
-    meant.
+    ``columns`` : role to header or number from 1. ``unit`` : role to unit. ``quantity`` : what the
+    response is, a key of QUANTITIES. ``sign`` : -1 where the force that was measured is the
+    reaction to the one that is meant.
     """
 
     columns: Mapping[str, str | int] = field(default_factory=dict)
@@ -80,7 +82,8 @@ QUANTITIES = {
     "mobility": (1, -1),
     "accelerance": (2, -1),
 }
-"""The order of the derivative of motion, and the power of force over it."""
+"""The quantities that a response may be: (n, 1) is force over the n-th derivative of motion, and
+(n, -1) the inverse of that."""
 RESPONSE = {
     "frequency": "omega w wout frequency freq f hz angular_frequency x_value",
     "H": "h frf txy tf response responsedata z " + " ".join(QUANTITIES).replace("-", "_"),
@@ -97,9 +100,13 @@ RECORD = {
     "force": "force effort torque f",
     "reference": "reference ref",
 }
+# Roles go by the last word of a header in lower letters. x_value is LabVIEW's name of the first
+# column, which is frequency in a response and time in a record.
 _PLURAL = {"frequency": "frequencies", "time": "times"}
 _ROLES = (*RESPONSE, *RECORD)
+# Where a scene states one of a group, no other of it is looked for by name.
 _TOGETHER = [{"H", "real", "imag", "magnitude", "phase"}, {"coherence", "radius"}]
+# Units that may end a column's name, as in phase_deg.
 _SUFFIXES = {
     "hz": "Hz",
     "khz": "kHz",
@@ -124,7 +131,7 @@ _RAD = dict.fromkeys(("rad", "radian", "radians"), 1.0)
 
 
 class ColumnHeader(NamedTuple):
-    """A column as its header has it: ``real [N/m]`` is a name and a unit, and so is
+    """A column by its header, in name and unit: ``real [N/m]`` has both, and so has
     ``phase_deg``."""
 
     text: str
@@ -133,14 +140,15 @@ class ColumnHeader(NamedTuple):
 
     @property
     def bare(self) -> str:
-        """Without topic, namespace and index: ``/joint_states/position[0]`` and ``field.position0``
-        are positions."""
+        """The name without topic, namespace and index, in lower letters: ``position`` for
+        ``/joint_states/position[0]`` and ``field.position0``."""
         last = re.split(r"[/.]", re.sub(r"[\[.]?\d+\]?$", "", self.name))[-1]
         return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
 
 
 def column_of(cell: str) -> ColumnHeader:
     """Name and unit of a header; SceneError where two units contradict each other."""
+    # A number in brackets is an index of an array, no unit.
     match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
     name, unit = (
         (match[1].strip(), match[2].strip())
@@ -154,7 +162,8 @@ def column_of(cell: str) -> ColumnHeader:
 
 
 def agreed(name: str, implied: str, unit: str) -> str:
-    """The unit of ``phase_deg`` and such, which another unit may not contradict."""
+    """The unit of a column whose name implies one, as ``phase_deg``; SceneError where the unit that
+    is written contradicts it."""
     own, other = implied.lower(), unit.lower()
     if unit in ("", "-") or own == other or any({own, other} <= set(x) for x in (_HERTZ, _DEGREES)):
         return implied if unit in ("", "-") else unit
@@ -165,48 +174,53 @@ def agreed(name: str, implied: str, unit: str) -> str:
 def assigned(
     columns: Sequence[ColumnHeader], names: Mapping[str, str], layout: Layout
 ) -> dict[str, int]:
-    """The place of each role. SceneError where a role has two columns, or a name may be a slip of
-    the pen."""
-    found = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
-    if strange := [x for x in layout.columns if x not in names]:
-        raise SceneError(f"columns: {strange[0]}: here it is one of {', '.join(names)}")
-    stated = set().union(*(group for group in _TOGETHER if group & set(found)))
-    known = {word: role for role, words in names.items() for word in words.split()}
+    """The index of the column of each role in ``names``. SceneError where a role has two columns,
+    or where an unknown name resembles one of a role."""
+    roles = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
+    if misplaced := [x for x in layout.columns if x not in names]:
+        raise SceneError(f"columns: {misplaced[0]}: here it is one of {', '.join(names)}")
+    stated = set().union(*(group for group in _TOGETHER if group & set(roles)))
+    role_of = {word: role for role, words in names.items() for word in words.split()}
     for i, x in enumerate(columns):
-        role = known.get(x.bare)
-        if i in found.values() or role in layout.columns or role in stated:
+        role = role_of.get(x.bare)
+        # What the scene states goes before names.
+        if i in roles.values() or role in layout.columns or role in stated:
             continue
+        # An unknown column is left out, unless it looks like a misspelt role: "freqency" left out
+        # would end in a message about a missing column. Short words resemble too much.
         if role is None:
             if (
                 layout.columns
                 or known_role(x.text)
-                or not (hint := meant(x.bare, [y for y in known if len(y) > 3]))
+                or not (hint := meant(x.bare, [y for y in role_of if len(y) > 3]))
             ):
                 continue
             way = f"columns = {{ {next(iter(names))} = 1 }}"
             raise SceneError(
                 f"unknown column {quoted(x.text)}: {hint}else name the columns, as {way}"
             )
-        if role in found:
-            both = f"{quoted(columns[found[role]].text)} and {quoted(x.text)}"
+        if role in roles:
+            both = f"{quoted(columns[roles[role]].text)} and {quoted(x.text)}"
             way = f"columns = {{ {role} = {quoted(x.text)} }}"
             raise SceneError(
                 f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write {way}"
             )
-        found[role] = i
-    return found
+        roles[role] = i
+    return roles
 
 
 def _place(columns: Sequence[ColumnHeader], role: str, wanted: str | int) -> int:
+    """The index of the column that a scene states for a role, by its number or its header."""
     if isinstance(wanted, int):
         if not 1 <= wanted <= len(columns):
             raise SceneError(
                 f"columns: {role}: there are {len(columns)} columns, and {wanted} is none of them"
             )
         return wanted - 1
+    # As it is written first; letters of another case only where that finds nothing.
     spelt = [{x.text, x.name} for x in columns]
     for names, name in ((spelt, wanted), ([{y.lower() for y in x} for x in spelt], wanted.lower())):
-        places = [i for i, own in enumerate(names) if name in own]
+        places = [i for i, spellings in enumerate(names) if name in spellings]
         if len(places) == 1:
             return places[0]
         if places:
@@ -219,8 +233,8 @@ def _place(columns: Sequence[ColumnHeader], role: str, wanted: str | int) -> int
 
 
 def _unit(role: str, column: ColumnHeader, layout: Layout) -> str:
-    """What the header states, or else the scene, which also has the word where the header is not
-    understood."""
+    """The unit of a column: the header's, or else the scene's; SceneError where both state one and
+    they differ in size."""
     if not column.unit and column.text.count("[") != column.text.count("]"):
         name = column.text.partition("[")[0].strip() or role
         raise SceneError(f'{quoted(column.text)}: write the unit in brackets, as in "{name} [mm]"')
@@ -228,6 +242,8 @@ def _unit(role: str, column: ColumnHeader, layout: Layout) -> str:
     stated = layout.unit.get(role, "")
     if not (own and stated) or own.lower() == stated.lower():
         return own or stated
+    # Two spellings of one unit agree. A header that is not understood leaves the word to the scene;
+    # one that is understood and has another scale contradicts it.
     wanted = _scale(role, stated, column, layout)
     with suppress(SceneError):
         if _scale(role, own, column, layout)._replace(unit=wanted.unit) != wanted:
@@ -243,8 +259,8 @@ def _unit(role: str, column: ColumnHeader, layout: Layout) -> str:
 
 
 class Scale(NamedTuple):
-    """What the numbers of a column are multiplied by, their unit as it was understood, and the
-    motion that it implies."""
+    """How numbers of a column become SI: the ``factor`` by which they are multiplied, their unit as
+    it was understood, the motion that it implies, and whether they are in decibels of that unit."""
 
     factor: float
     unit: str
@@ -257,11 +273,11 @@ def scales_of(
 ) -> dict[str, Scale]:
     """The scale of the column of each role. SceneError where a unit is missing, is another
     quantity's or is unknown."""
-    if strange := [x for x in layout.unit if x not in roles]:
-        raise SceneError(f"unit: {strange[0]}: the columns in use are {', '.join(roles)}")
+    if unused := [x for x in layout.unit if x not in roles]:
+        raise SceneError(f"unit: {unused[0]}: the columns in use are {', '.join(roles)}")
     units = {role: _unit(role, columns[i], layout) for role, i in roles.items()}
-    size = [x for x in ("H", "real", "imag", "magnitude") if x in roles]
-    named, bare = [x for x in size if units[x]], [x for x in size if not units[x]]
+    sizes = [x for x in ("H", "real", "imag", "magnitude") if x in roles]
+    named, bare = [x for x in sizes if units[x]], [x for x in sizes if not units[x]]
     if named and bare:
         unit = units[named[0]]
         raise SceneError(
@@ -271,13 +287,16 @@ def scales_of(
         units["radius"] = units[named[0]]
     if units.get("radius", "").lower().startswith("db"):
         raise SceneError("radius: a radius in dB is none of a disc: give its unit, as radius [N/m]")
-    found = {role: _scale(role, unit, columns[roles[role]], layout) for role, unit in units.items()}
-    if len({x.motion for x in found.values() if x.motion}) > 1:
+    scales = {
+        role: _scale(role, unit, columns[roles[role]], layout) for role, unit in units.items()
+    }
+    if len({x.motion for x in scales.values() if x.motion}) > 1:
         raise SceneError("units: translation and rotation cannot be mixed")
-    return found
+    return scales
 
 
 def _scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
+    """The scale of a column with this role and unit."""
     if role == "frequency":
         return _frequency_scale(unit, column)
     if role == "phase":
@@ -297,6 +316,7 @@ def _scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
 
 
 def _listed(name: str, unit: str, known: Mapping[str, float], hint: str = "") -> float:
+    """The factor of a unit from a list; SceneError with the first two of the list for another."""
     if unit.lower() not in known:
         raise SceneError(
             f"{name}: the unit must be {' or '.join(list(known)[:2])}, not {quoted(unit)}{hint}"
@@ -305,16 +325,15 @@ def _listed(name: str, unit: str, known: Mapping[str, float], hint: str = "") ->
 
 
 def _frequency_scale(unit: str, column: ColumnHeader) -> Scale:
+    """The scale of frequencies: to rad/s. Without a unit the name must tell it."""
     if column.bare == "omega":
         hint = ": call the column frequency_hz" if unit.lower() in _HERTZ else ""
         return Scale(_listed("omega", unit or "rad/s", _RADIANS, hint), "rad/s")
-    if not unit and column.bare in (
-        "w",
-        "wout",
-        "angular_frequency",
-    ):  # as MATLAB and python-control name them
+    # As MATLAB and python-control name frequencies in rad/s.
+    if not unit and column.bare in ("w", "wout", "angular_frequency"):
         return Scale(1.0, "rad/s")
-    if not unit and column.bare not in ("hz", "x_value"):  # LabVIEW writes spectra over Hz
+    # LabVIEW writes spectra over Hz.
+    if not unit and column.bare not in ("hz", "x_value"):
         raise SceneError(
             f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, '
             f'or "rad/s"'
@@ -330,36 +349,40 @@ def _frequency_scale(unit: str, column: ColumnHeader) -> Scale:
 
 
 def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
-    """Of a response and of a radius: to N/m and s, or their turned over."""
+    """The scale of a response or a radius: to N/m and its multiples by s, or to their inverses."""
     order, power = QUANTITIES[layout.quantity or "stiffness"]
-    named = column.bare.replace("_", "-")
+    by_name = column.bare.replace("_", "-")
     if (
         role != "radius"
         and layout.quantity is None
-        and named in QUANTITIES
-        and named != "stiffness"
+        and by_name in QUANTITIES
+        and by_name != "stiffness"
     ):
         raise SceneError(
-            f'{column.text}: add quantity = "{named}", or "stiffness" if it is force per position'
+            f'{column.text}: add quantity = "{by_name}", or "stiffness" if it is force per position'
         )
+    # "dB", "dB re 1 N/m", "dB (N/m)": the unit behind dB is what 0 dB is.
     decibel = re.fullmatch(r"(?i:db)\s*(?:\(|\[|(?i:re)\b)?\s*1?\s*(.*?)[\])]?", unit)
     if decibel and role not in ("H", "magnitude"):
         raise SceneError(f"{column.text}: {quoted(unit)}: only a magnitude is in dB")
-    own = decibel[1] if decibel else unit
-    if not own:
+    linear_unit = decibel[1] if decibel else unit
+    if not linear_unit:
         return Scale(1.0, "dB" if decibel else "SI", decibel=bool(decibel))
     try:
         if (order, power) == (0, 1):
-            read = quantity(f"1 {own}", Dimension.STIFFNESS)
+            read = quantity(f"1 {linear_unit}", Dimension.STIFFNESS)
             return Scale(float(read.value), unit, read.motion, bool(decibel))
-        value, powers = read_unit(own, own, "", partial(_measures, order, power))
+        value, powers = read_unit(linear_unit, linear_unit, "", partial(_measures, order, power))
     except SceneError as error:
-        raise SceneError(f"{column.text}: {str(error).rstrip('.')}{_otherwise(own)}") from None
+        raise SceneError(
+            f"{column.text}: {str(error).rstrip('.')}{_otherwise(linear_unit)}"
+        ) from None
+    # About an axis N m per rad: force over motion has the length squared, along a line none.
     length = power * powers.get("length", 0)
     if not _measures(order, power, powers):
         raise SceneError(
-            f"{column.text}: {quoted(own)} is no unit of "
-            f"{layout.quantity}{_otherwise(own, layout.quantity)}"
+            f"{column.text}: {quoted(linear_unit)} is no unit of "
+            f"{layout.quantity}{_otherwise(linear_unit, layout.quantity)}"
         )
     return Scale(
         float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel)
@@ -369,12 +392,13 @@ def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> S
 def _measures(order: int, power: int, powers: Mapping[str, Fraction]) -> bool:
     """Whether base dimensions are those of force over the derivative of this order, along a line or
     about an axis."""
+    # [F]/[d^n x/dt^n] = kg m s^-2/(m s^-n) = kg s^(n-2); N m/rad adds m^2.
     mass, length, time = (power * powers.get(x, 0) for x in ("mass", "length", "time"))
     return (mass, time) == (1, order - 2) and length in (0, 2)
 
 
 def _otherwise(unit: str, own: str | None = "stiffness") -> str:
-    """A hint where the unit is that of another quantity."""
+    """A hint at the quantity that has this unit, except ``own``; empty where none has."""
     for name, (order, power) in QUANTITIES.items():
         fits = partial(_measures, order, power)
         with suppress(SceneError):
@@ -392,6 +416,7 @@ _DIMENSIONS = {
 
 
 def _record_scale(role: str, unit: str) -> Scale:
+    """The scale of a column of a record; that of a reference is 1, as any other would cancel."""
     if not unit or role == "reference":
         return Scale(1.0, unit or "SI")
     try:
@@ -402,7 +427,7 @@ def _record_scale(role: str, unit: str) -> Scale:
 
 
 def is_unit(cell: str) -> bool:
-    """Whether a cell names a unit, or none: so does each of a row of units."""
+    """Whether a cell can stand in a row of units: a unit, or nothing."""
     if cell.lower() in ("", "-", "db", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD):
         return True
     with suppress(SceneError):

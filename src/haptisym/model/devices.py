@@ -1,5 +1,5 @@
-"""Devices by name: what was read of each, every number with its source, and what it puts between
-environment and hand.
+"""Haptic devices by name: what was read of each, every number with its source, and the effects by
+which it stands between environment and hand.
 
 The hand carries a device's mass and damping beside whatever it renders: a shunt, the last effect of
 the chain. Its dry friction F is a describing function at the amplitude A of the motion, j 4 F/(pi
@@ -40,12 +40,12 @@ NUMBERS = {
     "stiffness": Dimension.STIFFNESS,
     "damping": Dimension.DAMPING,
 }
-"""What may be known of a device, and what each measures."""
+"""The numbers that may be known of a device, and what each measures."""
 
 
 class Sourced(NamedTuple):
-    """A number as it is written, its exact value in SI, where it stands, and how much of that was
-    read."""
+    """A number as it is ``written``, its exact ``value`` in SI, the ``source`` in which it stands,
+    and how much of that source was ``read``."""
 
     written: str
     value: Expr
@@ -55,7 +55,7 @@ class Sourced(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Device(Shown, Mapping[str, Sourced]):
-    """A device's numbers by their names (``NUMBERS``); one that was not read is not there.
+    """A device: a mapping from names in ``NUMBERS`` to numbers; what was not read is not there.
 
     >>> from haptisym.model.devices import devices
     >>> devices["one-axis"]["b"].value, "clock" in devices["one-axis"]
@@ -101,30 +101,34 @@ class Device(Shown, Mapping[str, Sourced]):
         >>> [x.name for x in devices["one-axis"].effects(amplitude="5 cm")]
         ['device', 'device-friction']
         """
-        own = {
-            key: given[key] if key in given else self[key].written
-            for key in _CARRIED
-            if key in given or key in self
-        }
-        carried = {key: own[key] for key in ("m", "b") if key in own}
+        numbers: dict[str, Any] = {}
+        for key in _CARRIED:
+            if key in given:
+                numbers[key] = given[key]
+            elif key in self:
+                # As it is written, so that its unit tells translation or rotation.
+                numbers[key] = self[key].written
+        carried = {key: numbers[key] for key in ("m", "b") if key in numbers}
         if not carried:
             raise SceneError(
                 f'device {self.name}: neither mass nor damping was read: give them, as m = "45 g"'
             )
-        if amplitude is not None and "friction" not in own:
+        # Friction alone has no linear dynamics: its describing function depends on the amplitude.
+        if amplitude is not None and "friction" not in numbers:
             raise SceneError(
                 f'device {self.name}: its friction was not read: give it, as friction = "0.2 N"'
             )
-        found = (shunt(**carried, name="device"),)
+        impedance = (shunt(**carried, name="device"),)
         if amplitude is None:
-            return found
-        return *found, coulomb_friction(own["friction"], amplitude, name="device-friction")
+            return impedance
+        return *impedance, coulomb_friction(numbers["friction"], amplitude, name="device-friction")
 
 
 _CARRIED = "m", "b", "friction"
 
 
 def _known() -> Mapping[str, Device]:
+    """The devices of the shipped table."""
     tables = tomllib.loads(
         (files("haptisym") / "data" / "devices.toml").read_text(encoding="utf-8")
     )
@@ -141,23 +145,19 @@ each renders.
 
 
 def _numbers(table: Mapping[str, Any]) -> Iterator[tuple[str, Sourced]]:
+    """The numbers of a device by name. A bare value has the device's source; one in a table of its
+    own may have another."""
     for key, dimension in NUMBERS.items():
         if key in table:
-            own = table[key] if isinstance(table[key], dict) else {"value": table[key]}
-            row = {"source": table["source"], "read": table["read"], **own}
-            yield (
-                key,
-                Sourced(
-                    row["value"],
-                    quantity(row["value"], dimension).value,
-                    row["source"],
-                    row["read"],
-                ),
-            )
+            entry = table[key] if isinstance(table[key], dict) else {"value": table[key]}
+            row = {"source": table["source"], "read": table["read"], **entry}
+            written = row["value"]
+            value = quantity(written, dimension).value
+            yield key, Sourced(written, value, row["source"], row["read"])
 
 
 def read_device(given: Mapping[str, Any]) -> tuple[Effect, ...]:
-    """The effects that a scene's table ``[device]`` says. SceneError names key, value and rule."""
+    """The effects of a scene's table ``[device]``. SceneError names key, value and rule."""
     valid = ("like", "amplitude", *_CARRIED)
     for key in given:
         if key not in valid:

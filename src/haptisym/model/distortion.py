@@ -1,7 +1,9 @@
 """Closed forms: what is felt instead of the environment, and by how much it differs.
 
 A ``Distortion`` is H_env, H_perc and dH = H_perc - H_env in lowest terms, with all closed forms of
-them.
+them: Re and Im of dH, the ratios r_r = |Re dH|/|H_env| and r_i = |Im dH|/|H_env| that the JND
+judges, their crossings of a threshold, bandwidth, changeover frequencies and asymptotes. All is
+exact; ``compile`` makes numbers of it. Begin with ``distort``.
 """
 
 from __future__ import annotations
@@ -57,9 +59,9 @@ from haptisym.programs.accuracy import Accuracy, Backend
 
 if TYPE_CHECKING:
     from haptisym.programs.steps import Steps
-    from haptisym.programs.values import (
-        Compiled,
-    )  # brings NumPy, which a certified answer does not need
+
+    # Brings NumPy, which a certified answer does not need.
+    from haptisym.programs.values import Compiled
 
 
 def distort(
@@ -94,8 +96,8 @@ def distort(
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
-    """The same, in free air too, where H_env is zero and no ratio is asked for: what a hand
-    holds."""
+    """The distortion as ``distort`` gives it, but in free air too, where H_env is zero and the
+    ratios do not exist: for questions about H_perc alone."""
     chain = _chain_of(*(elements := _elements(environment, effects, rendered)))
     return Distortion(*chain.dynamics(free_air=True), chain, elements=elements)
 
@@ -105,14 +107,15 @@ Elements: TypeAlias = tuple[Environment, tuple[Effect, ...], Environment | None]
 
 def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elements:
     """Environment, effects, and what is rendered where that is another one."""
-    own = given_environment("environment", environment)
-    felt = None if rendered is None else given_environment("rendered", rendered).tied_to(own)
-    return own, tuple(with_controller(given_effects(effects), felt or own)), felt
+    given = given_environment("environment", environment)
+    other = None if rendered is None else given_environment("rendered", rendered).tied_to(given)
+    return given, tuple(with_controller(given_effects(effects), other or given)), other
 
 
 def _chain_of(
     environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None
 ) -> Chain:
+    """The chain of elements with their parameters' values."""
     return Chain(
         environment.H,
         (rendered or environment).seen_by(effects).H,
@@ -146,7 +149,8 @@ class Distortion(Shown):
     frequency: Symbol = omega
     """The symbol of omega in closed forms."""
     elements: Elements | None = field(default=None, repr=False, compare=False)
-    """What the chain is made of, as far as that is known."""
+    """The environment, effects and rendered environment of which the chain is made; None where it
+    was given as dynamics."""
 
     @classmethod
     def of(cls, chain: Chain, ring: Ring | None = None) -> Distortion:
@@ -210,7 +214,7 @@ class Distortion(Shown):
     # Closed forms for people.
 
     def _told(self, form: Expr) -> Expr:
-        """In the symbol that was given for the frequency."""
+        """The form with omega replaced by the symbol that was given for the frequency."""
         return form if self.frequency == omega else form.xreplace({omega: self.frequency})
 
     @property
@@ -272,12 +276,16 @@ class Distortion(Shown):
         return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
     def _ratio(self, part: Part) -> Expr:
-        found, is_lowest = self.form(part)
-        size = magnitude(found, self.difference) if is_lowest else Abs(found, evaluate=False)
+        """|Re dH|/|H_env| or |Im dH|/|H_env| in ``kernel.rings.omega``."""
+        form, is_lowest = self.form(part)
+        # SymPy's Abs looks at every factor, which takes long for a form that is not in lowest
+        # terms.
+        size = magnitude(form, self.difference) if is_lowest else Abs(form, evaluate=False)
         return size / sqrt(self.squared_modulus.factored())
 
     def relative_form(self, part: Part) -> tuple[Expr, bool]:
-        """The same of Re or Im(dH/H_env)."""
+        """Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether that is
+        in lowest terms."""
         change = (self.difference / self.env).reduced()
 
         def lowest() -> Expr:
@@ -311,16 +319,17 @@ class Distortion(Shown):
                 f"steps: unknown quantity {quoted(name)}: {meant(str(name), known)}valid are "
                 f"{', '.join(known)}"
             )
-        found = self.chain.steps.only(names)
+        steps = self.chain.steps.only(names)
         if self.frequency == omega:
-            return found
-        taken = {x for x, _ in found.definitions if x.name == self.frequency.name}
+            return steps
+        # A step may have the very name that the user gave the frequency: it is renamed.
+        taken = {x for x, _ in steps.definitions if x.name == self.frequency.name}
         put = {omega: self.frequency, **{x: Symbol(f"{x.name}x") for x in taken}}
-        pairs = tuple((put.get(name, name), x.xreplace(put)) for name, x in found.definitions)
+        pairs = tuple((put.get(name, name), x.xreplace(put)) for name, x in steps.definitions)
         return replace(
-            found,
+            steps,
             definitions=pairs,
-            results={name: x.xreplace(put) for name, x in found.results.items()},
+            results={name: x.xreplace(put) for name, x in steps.results.items()},
         )
 
     @property
@@ -354,7 +363,7 @@ class Distortion(Shown):
         accuracy : what is promised of each float, an ``Accuracy`` or its name ("fast",
         "double-double", "certified").
         of : the fields wanted, all by default; the named tuple has just these.
-        engine : what runs the level fast, an ``Backend`` or its name: "numpy", or "numba" (the extra
+        engine : what runs the level fast, a ``Backend`` or its name: "numpy", or "numba" (the extra
         ``fast``).
         ``f.digits(omega, count, ...)`` gives decimal digits instead. Raises SceneError for a choice
         that there is not.
@@ -375,6 +384,7 @@ class Distortion(Shown):
     def needed_chain(self) -> Chain:
         """The chain with numbers for parameters that cancel: those of effects that undo each other
         may be any number."""
+        # H_perc does not depend on these parameters, so that any values will do.
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
         return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
@@ -392,20 +402,19 @@ class Distortion(Shown):
         (-omega**2/(10*omega**2 + 10*w**2), '2.0204')
         """
         need("values", values, Mapping, 'give names and values, as {"k": 100}')
-        own = {x.name: x for x in self.chain.parameters}
+        by_name = {x.name: x for x in self.chain.parameters}
         known = {}
         for key, given in values.items():
             name = str(key)
-            if name not in own:
-                valid = f"valid are {', '.join(own)}" if own else "there is none"
-                raise SceneError(f"unknown parameter {quoted(name)}: {meant(name, own)}{valid}")
+            if name not in by_name:
+                valid = f"valid are {', '.join(by_name)}" if by_name else "there is none"
+                raise SceneError(f"unknown parameter {quoted(name)}: {meant(name, by_name)}{valid}")
             with within(name):
-                known[own[name]] = _allowed(own[name], quantity(given, Dimension.ANY).value)
-        return (
-            replace(Distortion.of(self.chain.at(known)), frequency=self.frequency)
-            if known
-            else self
-        )
+                known[by_name[name]] = _allowed(by_name[name], quantity(given, Dimension.ANY).value)
+        # Without values the object itself, with all that it has computed so far.
+        if not known:
+            return self
+        return replace(Distortion.of(self.chain.at(known)), frequency=self.frequency)
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
         """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the
@@ -415,16 +424,16 @@ class Distortion(Shown):
             "environment": "env_response",
             "perceived": "perc_response",
         }
-        found = {}
+        functions = {}
         for name in names:
             kind, _, part = name.rpartition("_")
             if kind == "ratio":
-                found[name] = self.squared_ratios[Part(part)]
+                functions[name] = self.squared_ratios[Part(part)]
             else:
-                found[name] = part_of(
+                functions[name] = part_of(
                     getattr(self, responses.get(kind, "difference_response")), Part(part)
                 )
-        return found
+        return functions
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """The JNDs of stiffness, damping and mass for a threshold c."""
@@ -434,7 +443,7 @@ class Distortion(Shown):
     def crossings(
         self, part: Part | str, c: Any = symbol_c, *, band: tuple[Any, Any] | None = None
     ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
-        """Where a ratio meets a threshold c: all positive zeros of r^2 - c^2.
+        """All frequencies at which a ratio equals a threshold c: the positive zeros of r^2 - c^2.
 
         ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a
         ``Solution``: a closed form
@@ -452,6 +461,7 @@ class Distortion(Shown):
         >>> [x.digits(8) for x in own.crossings("real", 0.2)]
         ['10.000000']
         """
+        # Formulas can invert an angle in one delay only, and numbers need the delays as they are.
         level = self._threshold(c)
         squared = self.with_one_delay.squared_ratios[part_named(part)]
         free = level.free_symbols | unknown(squared)
@@ -466,23 +476,26 @@ class Distortion(Shown):
         return zeros(excess(self.squared_ratios[part_named(part)], level), band)
 
     def _threshold(self, c: Any) -> Expr:
-        """A threshold, whose symbols are neither a frequency nor a parameter."""
+        """Read a threshold; SceneError where a symbol in it is a frequency, a parameter or s."""
         taken = {x.name: "a parameter" for x in self.free_symbols}
         frequencies = {x.name: "the frequency" for x in (omega, self.frequency)}
         return threshold(c, {**taken, **frequencies, s.name: "the Laplace variable"})
 
     @cached_property
     def with_one_delay(self) -> Distortion:
-        """The same with one delay where several only act together, as in exp(-s tau_1) exp(-s
-        tau_2): formulas know one."""
+        """The distortion with one delay in place of several that only act together, as in
+        exp(-s tau_1) exp(-s tau_2); the same object where they act apart."""
         ring = ring_of(self.env)
         first, last = ring.size, ring.size + len(ring.lags)
         parts = [p for f in (self.env, self.perc) for p in (f.numerator, f.denominator)]
-        turns = {tuple(map(int, exponents[first:last])) for p in parts for exponents in p.monoms()}
-        turns.discard((0,) * len(ring.lags))
-        unit = min(turns, default=())
-        multiples = {tuple(n * x for x in unit): n for n in range(sum(max(turns, default=())) + 1)}
-        if sum(unit) < 2 or not turns <= multiples.keys():
+        # Each monomial has a vector of exponents of the delays. They act together where all vectors
+        # are multiples of the least one, which then is the unit delay.
+        delays = {tuple(map(int, exponents[first:last])) for p in parts for exponents in p.monoms()}
+        delays.discard((0,) * len(ring.lags))
+        unit = min(delays, default=())
+        multiples = {tuple(n * x for x in unit): n for n in range(sum(max(delays, default=())) + 1)}
+        # A unit with a single exponent 1 is one delay already.
+        if sum(unit) < 2 or not delays <= multiples.keys():
             return self
         other = Ring(
             ring.symbols,
@@ -492,6 +505,7 @@ class Distortion(Shown):
         )
 
         def same(p: Polynomial) -> Polynomial:
+            """The polynomial in the ring with the unit delay in place of the others."""
             terms = ((tuple(map(int, e)), x) for e, x in monomials(p))
             return other.context.from_dict(
                 {(*e[:first], multiples[e[first:last]], *e[last:]): x for e, x in terms}
@@ -502,13 +516,14 @@ class Distortion(Shown):
         )
         return replace(self, env=env, perc=perc)
 
-    def _in_own_frequency(self, found: Iterable[Solution]) -> tuple[Solution, ...]:
-        return tuple(replace(x, equation=self._told(x.equation)) for x in found)
+    def _in_own_frequency(self, solutions: Iterable[Solution]) -> tuple[Solution, ...]:
+        """The solutions with their equations in the symbol that was given for the frequency."""
+        return tuple(replace(x, equation=self._told(x.equation)) for x in solutions)
 
     @property
     def changeovers(self) -> Changeovers:
-        """Where Re H_env and Re H_perc change their sign, each all of them: formulas, or certified
-        numbers, as ``crossings``."""
+        """All frequencies at which Re H_env and Re H_perc change their sign: formulas, or certified
+        numbers, as of ``crossings``."""
         if not self.free_symbols:
             return Changeovers(
                 *(sign_changes(x.real) for x in (self.env_response, self.perc_response))
@@ -518,15 +533,16 @@ class Distortion(Shown):
         )
 
     def _sign_changes(self, system: str) -> tuple[Solution, ...]:
-        """Formulas of the zeros and poles of odd order of Re H."""
-        own = self.with_one_delay
-        H = getattr(own, system)
+        """Formulas of all zeros and poles of odd order of Re H; ``system`` : "env" or "perc"."""
+        reduced = self.with_one_delay
+        H = getattr(reduced, system)
         real = on_axis(H).real
         if real.is_zero:
             return ()
-        # a denominator is a squared modulus, which changes its sign only where the numerator takes
-        # part of it away
+        # A denominator is a squared modulus, which changes its sign only where the numerator takes
+        # part of it away.
         poles = () if _is_definite(H) else solve(RealFunction(real.axis.one / real.function))
+        # At a zero or pole of even order the sign stays.
         return tuple(x for x in (*solve(real), *poles) if x.order % 2)
 
     def changeover(self, system: str, values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
@@ -535,23 +551,22 @@ class Distortion(Shown):
 
         ``values`` : of all parameters; the formula is then the one that is in force for them.
         """
+        # With s^alpha the sign of a root depends on the order, which may be a symbol.
         if ring_of(self.env).orders:
-            return (
-                None  # with s^alpha the sign of a root depends on the order, which may be a symbol
-            )
+            return None
         return lowest(self._sign_changes(system), values)
 
     def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
-        """What vanishes where a ratio meets a threshold: a polynomial in W = omega^2, or with
-        delays an expression in omega.
+        """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays
+        an expression in omega.
 
         >>> from haptisym import effects, environments
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
         [-c**2, 1 - 2*c**2, -c**2]
         """
         squared = self.squared_ratios[part_named(part)]
-        found = threshold_polynomial(squared, self._threshold(c), self.chain.stand_in)
-        return found if isinstance(found, Poly) else self._told(found)
+        polynomial = threshold_polynomial(squared, self._threshold(c), self.chain.stand_in)
+        return polynomial if isinstance(polynomial, Poly) else self._told(polynomial)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
         """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c;
@@ -604,10 +619,11 @@ class Distortion(Shown):
                 f"unknown quantity {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}"
             )
         form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
+        # H_env(s), H_perc(s) and dH(s) are functions of s, all others of omega.
         variable = s if form.has(s) else self.frequency
-        if modules == "math" and form.has(
-            re, im
-        ):  # of a complex number, for which there are no functions in math
+        # A form that is left as Re or Im of H_perc(j omega) has complex numbers inside, for which
+        # math has no functions.
+        if modules == "math" and form.has(re, im):
             modules = [
                 {
                     "re": lambda z: complex(z).real,
@@ -616,21 +632,19 @@ class Distortion(Shown):
                 },
                 "math",
             ]
-        put = {
-            x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED
-        }  # what is called has that name already
-        made: Callable[..., Any] = lambdify(
-            [variable, *(put.get(x, x) for x in names)], form.xreplace(put), modules, cse=True
+        spelt = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}
+        function: Callable[..., Any] = lambdify(
+            [variable, *(spelt.get(x, x) for x in names)], form.xreplace(spelt), modules, cse=True
         )
-        return made
+        return function
 
     @property
     def changeover_environment(self) -> Expr | None:
         """The lowest frequency at which Re H_env changes sign, in square roots; None where it has
         no such form.
 
-        With symbols: where it is known which one is the lowest, while it is real (``changeovers``
-        has all, with conditions).
+        With symbols it is given where one formula is the lowest for all values of them, and holds
+        while it is real (``changeovers`` has all, with conditions).
 
         >>> from haptisym.environments import mass_spring_damper
         >>> from haptisym.kernel.rings import symbols
@@ -646,7 +660,10 @@ class Distortion(Shown):
         return self.changeover("perc")
 
 
-_CALLED = frozenset("Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split())  # noqa: SIM905
+# Names in the code that ``lambdify`` writes; a parameter of such a name would hide the function.
+_CALLED = frozenset(
+    "Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split()  # noqa: SIM905
+)
 _QUANTITIES = (
     "real",
     "imag",
@@ -691,6 +708,7 @@ def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) 
     above, below = form.as_numer_denom()
     if not _is_definite(dynamics):
         return Abs(above, evaluate=evaluate) / Abs(below)
+    # Below is definite: its sign at one point, no symbol of which is 0, is its sign everywhere.
     known = {x: Rational(n + 7, 5) for n, x in enumerate(sorted(below.free_symbols, key=str))}
     return Abs(above, evaluate=evaluate) / (
         below if below.xreplace(known).evalf(30) >= 0 else -below
@@ -699,13 +717,15 @@ def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) 
 
 def _is_definite(dynamics: RationalFunction) -> bool:
     """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest
-    terms, can change its sign.
+    terms, can change its sign; False where one might.
 
     The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of
     an even one, part may have been cancelled.
     """
     axis = on_axis(dynamics).raw_real.ring
     assert isinstance(axis, Axis)
+    # |D|^2 = c^2 + d^2 with D = c + j d on the axis. Delays are written in tangents of half angles;
+    # the factors 1 + tan^2 that this brings are positive and do not count.
     c, d = axis.parts([dynamics.denominator])[0]
     _, factors = axis.factors(axis.without_circles(c * c + d * d)[0])
     return all(n % 2 or factor == axis.variable for factor, n in factors)

@@ -1,7 +1,9 @@
-"""For which values of a number there is no scene: where its environment is zero everywhere, or it
-is divided by 0.
+"""The values of a parameter for which a scene does not exist: where its environment is zero at all
+frequencies, or where a dynamics divides by zero.
 
-Both are zeros of polynomials in the number and pi, whatever frequency and delays are.
+A polynomial in s, delays, pi and the parameter p vanishes at all frequencies where all its
+coefficients, which are polynomials in p and pi, vanish: at the real zeros of their greatest common
+divisor. These are found exactly. Begin with ``missing``.
 """
 
 from __future__ import annotations
@@ -21,8 +23,9 @@ from haptisym.model.scene import Knob, Scene
 
 
 def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumber]:
-    """All values at which there is none, of either sign; ``in_air`` : but for those with nothing to
-    feel.
+    """All real values of the parameter ``free`` at which there is no scene, certified, each once.
+
+    ``in_air`` : a scene with nothing to feel counts as one.
 
     >>> from haptisym import effects, environments
     >>> spring = environments.expression("k - 5", parameters={"k": "8 N/m"})
@@ -38,27 +41,32 @@ def missing(scene: Scene, free: Knob, *, in_air: bool = False) -> list[RealNumbe
     factors = list[Polynomial]()
     for p in _vanishing(chain, ring):
         factors += [f for f in _factors(p, index) if f not in factors]
-    found = (x for f in factors for x in real_roots(f, index, negative=True))
-    return [
-        x
-        for x in found
-        if not (_is_rational(x) and allowed(scene, free, x.value, in_air=in_air))  # type: ignore[attr-defined]
-    ]
+    # At a candidate the scene may exist all the same: a factor can cancel in the whole, and in free
+    # air the environment may be zero. Where it is rational the scene is built there to see; any
+    # other candidate counts as missing.
+    candidates = (x for f in factors for x in real_roots(f, index, negative=True))
+    without_scene = []
+    for x in candidates:
+        value = x.value if isinstance(x, ExactNumber) and x.value.is_Rational else None
+        if value is None or not allowed(scene, free, value, in_air=in_air):
+            without_scene.append(x)
+    return without_scene
 
 
 def allowed(scene: Scene, free: Knob, value: Expr, *, in_air: bool = False) -> bool:
-    """Whether the scene exists at a value of the parameter; ``in_air`` : with nothing to feel,
-    too."""
+    """Whether the scene exists at a value of the parameter; ``in_air`` : a scene with nothing to
+    feel counts as one."""
     try:
-        put = free.put(scene, value)
-        _ = put.closed if in_air else put.distortion()
+        changed = free.put(scene, value)
+        _ = changed.closed if in_air else changed.distortion()
     except SceneError:
         return False
     return True
 
 
 def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:
-    """What must not be zero everywhere: the environment, and all that is divided by."""
+    """The polynomials that must not vanish at all frequencies: the numerator of H_env, and all
+    denominators."""
     yield ring.convert(chain.environment).reduced().numerator
     yield chain.perceived(range(len(chain.matrices)), ring).denominator
     for entry in chain.entries():
@@ -66,14 +74,15 @@ def _vanishing(chain: Chain, ring: Ring) -> Iterator[Polynomial]:
 
 
 def _factors(polynomial: Polynomial, index: int) -> Iterator[Polynomial]:
-    """Those in one variable, and pi, alone: where they are zero the polynomial is, whatever the
-    other variables are."""
+    """The irreducible factors in the variable of that index, and pi, alone: where one is zero the
+    polynomial is zero, whatever the other variables are."""
+    # Sorted by monomials in the other variables; what all coefficients have in common is the gcd.
     rows: dict[tuple[int, ...], dict[tuple[int, ...], object]] = {}
     for exponents, value in monomials(polynomial):
-        own = [int(n) for n in exponents]
-        key = tuple(n if i in (1, index) else 0 for i, n in enumerate(own))
-        rest = tuple(0 if i in (1, index) else n for i, n in enumerate(own))
-        rows.setdefault(rest, {})[key] = value
+        powers = [int(n) for n in exponents]
+        powers_kept = tuple(n if i in (1, index) else 0 for i, n in enumerate(powers))
+        others = tuple(0 if i in (1, index) else n for i, n in enumerate(powers))
+        rows.setdefault(others, {})[powers_kept] = value
     context = polynomial.context()
     common = context.constant(0)
     for row in rows.values():
@@ -81,30 +90,31 @@ def _factors(polynomial: Polynomial, index: int) -> Iterator[Polynomial]:
     yield from (f for f, _ in common.factor()[1]) if common else ()
 
 
-def _is_rational(x: RealNumber) -> bool:
-    return isinstance(x, ExactNumber) and bool(x.value.is_Rational)
-
-
 def real_roots(factor: Polynomial, index: int, *, negative: bool) -> Iterator[RealNumber]:
     """The positive roots, and negative ones if wanted, of an irreducible polynomial in pi and the
     parameter of that index."""
-    own = [int(n) for n in factor.degrees()]
-    if not own[index]:
+    degrees = [int(n) for n in factor.degrees()]
+    if not degrees[index]:
         return
-    rows = [[0] * (own[1] + 1) for _ in range(own[index] + 1)]
+    # One row for each power of the parameter: its coefficient by ascending powers of pi, which is
+    # transcendental and so behaves as a variable of its own.
+    rows = [[0] * (degrees[1] + 1) for _ in range(degrees[index] + 1)]
     for exponents, value in monomials(factor):
         rows[int(exponents[index])][int(exponents[1])] = int(value.p)
+    # Degree one: the root is a number that can be written down.
     if len(rows) == 2:
         value = -_in_pi(rows[0]) / _in_pi(rows[1])
         yield ExactNumber(value.cancel() if value.has(pi) else value)
         return
     yield from _positive_roots(rows)
     if negative:
+        # The negative roots of p(x) are the positive ones of p(-x), negated.
         mirrored = [[-n for n in row] if i % 2 else row for i, row in enumerate(rows)]
         yield from map(Negative, _positive_roots(mirrored))
 
 
 def _in_pi(row: Sequence[int]) -> Expr:
+    """The number whose coefficients by ascending powers of pi are given."""
     return sum((Integer(n) * pi**i for i, n in enumerate(row)), Integer(0))
 
 

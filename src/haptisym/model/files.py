@@ -1,5 +1,5 @@
-"""Files that are written whole or not at all: beside their place, by one writer, and put there when
-they are complete."""
+"""Files that are written whole or not at all: under another name in the same folder, by one writer,
+and renamed when they are complete."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from haptisym.kernel.errors import SceneError
 
 
 def beside(path: Path) -> Path:
-    """A name of its own for what is not yet complete, in the same folder and with the same
-    ending."""
+    """An unused hidden name for an incomplete file, in the same folder and with the same ending."""
+    # In the same folder, as only within one file system a rename is atomic.
     return path.with_name(f".{uuid4().hex[:12]}{path.suffix}")
 
 
@@ -32,13 +32,17 @@ def replacing(path: str | Path) -> Iterator[Path]:
     left beside it. What is no file, as a pipe or a device, is written to as it is. A link stays a
     link, to the new file.
     """
+    # A pipe or a device cannot be replaced.
     given = Path(path)
     if given.exists() and not given.is_file():
         yield given
         return
+    # Through links, so that a link goes on pointing to the new file.
     target = given.resolve()
     fresh = beside(target)
     try:
+        # A rename needs no right to write the old file: without this test it would replace a file
+        # that is protected against writing.
         if target.exists() and not os.access(target, os.W_OK):
             raise PermissionError(EACCES, os.strerror(EACCES), str(given))
         yield fresh
@@ -46,7 +50,8 @@ def replacing(path: str | Path) -> Iterator[Path]:
             shutil.copymode(target, fresh)
         fresh.replace(target)
     except OSError as error:
-        if error.filename == str(fresh):  # nobody but us knows that name
+        # The user must read the name that was given, not the hidden one.
+        if error.filename == str(fresh):
             error.filename = str(given)
         raise
     finally:
@@ -61,7 +66,7 @@ def write_whole(path: str | Path, content: str, encoding: str = "utf-8") -> None
 
 @contextmanager
 def claimed(path: Path) -> Iterator[None]:
-    """As long as it lasts, nobody else makes this file: SceneError where another process is at it.
+    """A context in which no other process makes this file; SceneError where one is at it already.
 
     The system drops the claim of a process that was killed. The file that carries it is taken away
     at the end.
@@ -70,9 +75,9 @@ def claimed(path: Path) -> Iterator[None]:
     handle = os.open(lock, os.O_RDWR | os.O_CREAT, 0o666)
     try:
         _lock(handle)
-        if (
-            lock.stat().st_ino != os.fstat(handle).st_ino
-        ):  # whoever had it before is just taking it away
+        # The process that had it before may have removed the file between open and lock: the lock
+        # is then on a file without a name, which nobody else will look at.
+        if lock.stat().st_ino != os.fstat(handle).st_ino:
             raise BlockingIOError
     except OSError:
         os.close(handle)
@@ -81,13 +86,14 @@ def claimed(path: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        with suppress(OSError):  # Windows: of an open file
+        # Windows does not remove an open file.
+        with suppress(OSError):
             lock.unlink()
         os.close(handle)
 
 
 def _lock(handle: int) -> None:
-    """OSError where another process has it locked."""
+    """Lock an open file; OSError where another process has it locked."""
     if sys.platform == "win32":
         windows: Any = import_module("msvcrt")
         windows.locking(handle, windows.LK_NBLCK, 1)

@@ -3,13 +3,13 @@ it.
 
 A threshold is a region in the plane of x = Re dH/|H_env| and y = Im dH/|H_env|: the paper's square,
 or an ellipse, a diamond, a polygon; each number exact, or a rational formula in omega; read from
-``jnd = ...``, a number, a formula or a table.
+``jnd = ...``, a number, a formula or a table. Begin with ``Threshold``.
 
 Published thresholds go by name, each with the criterion at which it was taken. A change of size x
-is told with the probability Phi(x/sigma), so that the change told with probability p is z(p) sigma,
-z the inverse of Phi: thresholds at two proportions are to each other as their z. The quotient is
-transcendental; it is rounded to a decimal number of DIGITS digits, each proven, so that everything
-that follows is exact for that number.
+is noticed with the probability Phi(x/sigma), so that the change noticed with probability p is z(p)
+sigma, z the inverse of Phi: thresholds at two proportions have the quotient of their z. It is
+transcendental, and is rounded to a decimal number of DIGITS digits, each proven, so that
+everything that follows is exact for that number.
 """
 
 from __future__ import annotations
@@ -76,19 +76,19 @@ class Published(Shown):
 
     @property
     def written(self) -> str:
-        """In per cent."""
+        """The value or the range in per cent, four digits."""
         low, high = (f"{float(100 * x):.4g}" for x in (self.low, self.high))
         return f"{low} %" if low == high else f"{low} to {high} %"
 
     @property
     def given(self) -> Expr | ExactRange:
-        """As a threshold is given: a number, or the pair of its ends."""
+        """The value as a Threshold takes it: a number, or the pair of the ends of its range."""
         return self.low if self.low == self.high else (self.low, self.high)
 
 
 @cache
 def published_by_name() -> Mapping[str, Published]:
-    """All of them, in the order of the shipped table."""
+    """All published thresholds by name, in the order of the shipped table."""
     table = tomllib.loads(
         (files("haptisym") / "data" / "published.toml").read_text(encoding="utf-8")
     )
@@ -96,6 +96,7 @@ def published_by_name() -> Mapping[str, Published]:
 
 
 def _read_published(name: str, row: Mapping[str, Any]) -> Published:
+    """A published threshold from its row in the shipped table."""
     value, criterion = row["value"], row.get("criterion")
     low, high = map(decimal, (value, value) if isinstance(value, str) else value)
     return Published(
@@ -113,8 +114,8 @@ def _read_published(name: str, row: Mapping[str, Any]) -> Published:
 
 
 def like(name: object) -> Published:
-    """The one of that name, fit for a scene; SceneError for any other name, and where it is not
-    one."""
+    """The published threshold of that name; SceneError for any other name, and for one that is no
+    threshold for a scene."""
     known = published_by_name()
     if not isinstance(name, str) or name not in known:
         shown = str(name)[:60]
@@ -122,12 +123,14 @@ def like(name: object) -> Published:
             f'like: unknown published threshold "{shown}": {meant(shown, known)}valid are '
             f"{', '.join(known)}"
         )
-    found = known[name]
-    if found.apart:
-        raise SceneError(f'like: "{name}" is no threshold for a scene: {found.apart}')
-    return found
+    published = known[name]
+    if published.apart:
+        raise SceneError(f'like: "{name}" is no threshold for a scene: {published.apart}')
+    return published
 
 
+# Digits to which the factor of a conversion is rounded. Each is proven, and from there on the
+# factor is this decimal, exactly.
 DIGITS = 30
 
 
@@ -143,6 +146,8 @@ class Quotient(RealNumber):
     end: Expr
 
     def ball(self, bits: int) -> Ball:
+        # z(p) = sqrt(2) erfinv(2 p - 1), and sqrt(2) cancels. Balls are rigorous at any
+        # precision; 16 bits more than wanted keep the quotient as narrow as was asked.
         with flint.ctx.workprec(bits + 16):
             one, other = (2 * expression_ball(x) - arb(1) for x in (self.start, self.end))
             return other.erfinv() / one.erfinv()
@@ -150,8 +155,8 @@ class Quotient(RealNumber):
 
 @dataclass(frozen=True)
 class Conversion:
-    """From one proportion of right answers to another: times ``factor``, which is ``exact`` rounded
-    to DIGITS digits."""
+    """The conversion of a threshold from one proportion of right answers to another: a product
+    with ``factor``, which is ``exact`` rounded to DIGITS digits."""
 
     start: Expr
     end: Expr
@@ -167,7 +172,7 @@ class Conversion:
         return decimal(self.exact.digits(DIGITS)) if self.start != self.end else Rational(1)
 
     def row(self) -> dict[str, object]:
-        """As documents have it."""
+        """The conversion as JSON documents have it."""
         shown = {
             "factor": self.exact.digits(DIGITS),
             "enclosure": list(self.exact.enclosure(DIGITS)),
@@ -179,6 +184,7 @@ def read_proportion(key: str, given: Number) -> Expr:
     """A proportion of right answers, above one half and below 1; SceneError for any other."""
     with within(key):
         value = number(given, Dimension.RATIO).value
+    # At one half z = 0: no threshold can be scaled from there, and below it z is negative.
     if not value.is_Rational or not Rational(1, 2) < value < 1:
         raise SceneError(f'{key}: "{given}" must be rational, above 0.5 and below 1')
     return value
@@ -189,7 +195,7 @@ MOST_CORNERS = 24
 
 
 class Shape(Enum):
-    """Of the region. A further one that has corners is a row here and in ``_KEYS`` and
+    """The shape of the region. A further one that has corners is a row here and in ``_KEYS`` and
     ``_CORNERS``: nothing else names it."""
 
     SQUARE = "square"
@@ -199,12 +205,13 @@ class Shape(Enum):
 
     @property
     def corners(self) -> tuple[Corner, ...]:
-        """Counterclockwise, in half widths, where the shape alone tells them."""
+        """The corners, counterclockwise, in half widths; empty where the shape alone does not give
+        them."""
         return _CORNERS.get(self, ())
 
     @property
     def words(self) -> str:
-        """With its article: ``an ellipse``."""
+        """The name with its article: ``an ellipse``."""
         return f"{'an' if self.value[0] in 'aeio' else 'a'} {self.value}"
 
 
@@ -215,7 +222,8 @@ _CORNERS: Mapping[Shape, tuple[Corner, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class RegionDetails:
-    """What a region is besides its half widths; each number exact, or a rational formula in omega.
+    """All that defines a region besides its half widths; each number exact, or a rational formula
+    in omega.
 
     ``tilt`` : of an ellipse. ``corners`` : of a polygon, counterclockwise. ``lower`` : of a square,
     the limits of Re and Im for changes that make the part smaller; None where they are those for
@@ -236,19 +244,21 @@ class RegionDetails:
 
     @property
     def numbers(self) -> dict[str, Expr]:
-        """What must be positive besides the half widths, by name."""
+        """The numbers that must be positive besides the half widths, by name."""
         named = {"real: lower": self.lower[0], "imag: lower": self.lower[1], "floor": self.floor}
         return {name: x for name, x in named.items() if x is not None}
 
     def scaled(self, c: Expr) -> RegionDetails:
-        """That many times as large."""
+        """The same region c times as large, with its ranges."""
         corners = tuple((x * c, y * c) for x, y in self.corners)
-        one, other = (None if x is None else x * c for x in self.lower)
+        real, imag = (None if x is None else x * c for x in self.lower)
         floor = None if self.floor is None else self.floor * c
-        ranges = tuple(
-            (key, x if key == "scale" else (x[0] * c, x[1] * c)) for key, x in self.ranges
-        )
-        return replace(self, corners=corners, lower=(one, other), floor=floor, ranges=ranges)
+        # ``scale`` is a factor already, and tilt is dimensionless: both stay.
+        ranges = []
+        for key, interval in self.ranges:
+            low, high = interval
+            ranges.append((key, interval if key == "scale" else (low * c, high * c)))
+        return replace(self, corners=corners, lower=(real, imag), floor=floor, ranges=tuple(ranges))
 
     def check(self, low: Expr, high: Expr) -> None:
         """SceneError unless the region has 0 inside and is convex at every frequency of a band."""
@@ -272,6 +282,8 @@ def positive(value: Expr, low: Expr, high: Expr) -> bool:
     """
     if not value.has(omega):
         return sign_of_number(value) > 0
+    # Between neighbouring points of the chart neither zeros nor poles lie, so that the signs at its
+    # points, which include both ends of the band, decide; a negative order is a pole.
     table = chart({"": RealFunction(Ring().axis.convert(value).reduced())}, low, high)
     return all(point.at[""] > 0 and point.orders.get("", 0) >= 0 for point in table.points)
 
@@ -280,23 +292,27 @@ def turning(corners: Sequence[Corner], at: Expr) -> Expr:
     """Twice the area of a polygon at a frequency: positive where its corners go
     counterclockwise."""
     area = sum((_cross(p, q) for p, q in _edges(corners)), Integer(0))
-    found: Expr = area.subs(omega, at)
-    return found
+    value: Expr = area.subs(omega, at)
+    return value
 
 
 def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
     """SceneError unless corners go once around 0, convex, at every frequency of a band."""
+    # Equal corners first: they would make a cross product 0 below, and a message that hides why.
     everywhere = _everywhere(x for corner in corners for x in corner)
     for (i, p), (j, q) in combinations(enumerate(corners, 1), 2):
         if not positive((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2, low, high):
             where = " at some frequency" if everywhere else ""
             raise SceneError(f"corners: {i} and {j} are the same point, [{p[0]}, {p[1]}]{where}")
+    # With p x q > 0 on each edge 0 lies strictly to the left of all edges. That holds of a
+    # pentagram too, which goes around twice: the winding number must be 1.
     if (
         not all(positive(_cross(p, q), low, high) for p, q in _edges(corners))
         or _turns(corners, low, high) != 1
     ):
         order = "0 must be inside, not on an edge, and the corners in order around it"
         raise SceneError(f"corners: {_written(corners)}: {order}{everywhere}")
+    # A closed curve that winds once is convex where it turns to the left at every corner.
     steps = [(q[0] - p[0], q[1] - p[1]) for p, q in _edges(corners)]
     if not all(positive(_cross(p, q), low, high) for p, q in _edges(steps)):
         convex = "the polygon must be convex, without corners on a straight edge"
@@ -304,29 +320,34 @@ def _check_polygon(corners: Sequence[Corner], low: Expr, high: Expr) -> None:
 
 
 def _written(corners: Sequence[Corner]) -> str:
-    """``[[1/10, 0], [0, 1/10], ...]``: the first ones."""
-    more = ", ..." if len(corners) > _TOLD else ""
-    return f"[{', '.join(f'[{x}, {y}]' for x, y in corners[:_TOLD])}{more}]"
+    """The first corners as text: ``[[1/10, 0], [0, 1/10], ...]``."""
+    more = ", ..." if len(corners) > _MOST_SHOWN else ""
+    return f"[{', '.join(f'[{x}, {y}]' for x, y in corners[:_MOST_SHOWN])}{more}]"
 
 
-_TOLD = 5
+_MOST_SHOWN = 5
 
 
 def _everywhere(values: Iterable[Expr]) -> str:
+    """The end of a message on numbers that depend on the frequency; empty where none does."""
     return " on the whole band" if any(x.has(omega) for x in values) else ""
 
 
 def _edges(corners: Sequence[Corner]) -> list[tuple[Corner, Corner]]:
+    """The edges of a closed polygon, as pairs of corners."""
     return list(zip(corners, [*corners[1:], corners[0]], strict=True))
 
 
 def _cross(p: Corner, q: Corner) -> Expr:
+    """p x q, twice the area of the triangle (0, p, q): positive where q is to the left of p."""
     return (p[0] * q[1] - p[1] * q[0]).expand()
 
 
 def _turns(corners: Sequence[Corner], low: Expr, high: Expr) -> int:
-    """How often corners, each to the left of the one before, go around 0: how often they come up
-    over the axis of x."""
+    """The winding number around 0 of corners each of which is to the left of the one before: how
+    often their edges come up over the axis of x."""
+    # On a band whose edges never pass through 0 the winding number is constant: one frequency will
+    # do.
     heights = [sign_of_number(y.subs(omega, (low + high) / 2)) for _, y in corners]
     return sum(a < 0 <= b for a, b in zip(heights, [*heights[1:], heights[0]], strict=True))
 
@@ -334,9 +355,8 @@ def _turns(corners: Sequence[Corner], low: Expr, high: Expr) -> int:
 class Part(Enum):
     """Real part (stiffness and mass) or imaginary part (damping) of a dynamics."""
 
-    __hash__ = (
-        object.__hash__
-    )  # members are singletons; the hash by name is slow, and charts look up much
+    # Members are singletons; the hash by name is slow, and charts look up much.
+    __hash__ = object.__hash__
 
     REAL = "real"
     IMAG = "imag"
@@ -394,35 +414,39 @@ class Threshold(Viewed):
             object.__setattr__(self, key, value)
             if interval:
                 object.__setattr__(self, f"{key}_interval", interval)
+        # A tilted ellipse with one half width larger does not hold the smaller one, so that the
+        # ends of its ranges would not bound what is between them.
         if self.region.tilt and self.ranges and not ("scale" in self.ranges or self.is_scaled):
             raise SceneError(f"{_TILTED}: give both the same range, or a scale")
         if "scale" in self.ranges and len(self.ranges) > 1:
             raise SceneError("scale: leave out the other ranges of the JND")
 
     def __repr__(self) -> str:
-        own = "" if self.region == SQUARE else f", region={self.region!r}"
-        return f"Threshold(real={self.real}, imag={self.imag}{own})"
+        region = "" if self.region == SQUARE else f", region={self.region!r}"
+        return f"Threshold(real={self.real}, imag={self.imag}{region})"
 
     def __getitem__(self, part: Part) -> Expr:
         return {Part.REAL: self.real, Part.IMAG: self.imag}[part]
 
-    __iter__ = None  # its parts are named, not counted
+    # Python would iterate over __getitem__(0), (1), ...: its parts are named, not counted.
+    __iter__ = None
 
     def lower(self, part: Part) -> Expr | None:
-        """The limit for changes that make a part smaller, where that is another one."""
+        """The limit for changes that make a part smaller; None where it is the one for changes that
+        make it larger."""
         return self.region.lower[0 if part is Part.REAL else 1]
 
     @property
     def corners(self) -> tuple[Corner, ...]:
-        """Of a region that has corners and judges both parts at once, counterclockwise; of any
-        other none."""
+        """The corners of a region that judges both parts at once, counterclockwise, as fractions of
+        ``|H_env|``; empty for a square and an ellipse."""
         return self.region.corners or tuple(
             (x * self.real, y * self.imag) for x, y in self.region.shape.corners
         )
 
     @property
     def is_constant(self) -> bool:
-        """Whether no number depends on the frequency."""
+        """Whether no number of it depends on the frequency."""
         region = self.region
         numbers = (
             self.real,
@@ -435,20 +459,20 @@ class Threshold(Viewed):
 
     @property
     def is_plain(self) -> bool:
-        """Whether it is the paper's: a number for each part."""
+        """Whether it is the paper's square: a constant number for each part."""
         return self.region == SQUARE and self.is_constant
 
     @property
     def is_scaled(self) -> bool:
-        """Whether its half widths are one number, in a region that holds all smaller ones of its
-        kind."""
+        """Whether both half widths are one number, of an ellipse or a diamond: such a region holds
+        all smaller ones of its kind."""
         alike = self.real == self.imag and self.real_interval == self.imag_interval
         judges_both = self.region.shape is not Shape.SQUARE and not self.region.corners
         return alike and judges_both and not self.region.ranges
 
     @property
     def ranges(self) -> dict[str, ExactRange]:
-        """What may lie in a range, by its name: ``real``, ``imag``, and what the region has."""
+        """The ranges of its numbers by name: ``real``, ``imag``, and those of the region."""
         named = {"real": self.real_interval, "imag": self.imag_interval, **dict(self.region.ranges)}
         return {name: x for name, x in named.items() if x}
 
@@ -460,7 +484,7 @@ class Threshold(Viewed):
 
     @property
     def kind(self) -> str:
-        """What it is, in words: ``an ellipse``."""
+        """The kind of region in words: ``an ellipse``, ``a square with a floor``."""
         region = self.region
         if region.shape is not Shape.SQUARE:
             return region.shape.words
@@ -471,12 +495,12 @@ class Threshold(Viewed):
         return "a square" if self.real == self.imag else "a rectangle"
 
     def need_plain(self, question: str) -> None:
-        """SceneError, in a sentence, unless it is the paper's: for what is defined, or answered,
-        for that alone."""
+        """SceneError, beginning with the question, unless it is the paper's square: for what is
+        defined, or answered, for that alone."""
         if not self.is_plain:
-            own = self.kind if self.is_constant else f"{self.kind} that depends on omega"
+            kind = self.kind if self.is_constant else f"{self.kind} that depends on omega"
             raise SceneError(
-                f"{question}: the JND is {own}; give one number for each part, as jnd = 0.1"
+                f"{question}: the JND is {kind}; give one number for each part, as jnd = 0.1"
             )
 
     def check(self, low: Expr, high: Expr, motion: MotionKind | None) -> None:
@@ -493,19 +517,20 @@ class Threshold(Viewed):
             )
 
     def with_limits(self, limits: Mapping[Part, Number]) -> Threshold:
-        """The same with other thresholds (in place of ranges, formulas and limits for each way,
-        too) for some parts."""
+        """The threshold with other numbers for some parts, in place of their ranges, formulas and
+        limits for each direction."""
         if limits and self.region.shape is Shape.POLYGON:
             raise SceneError("jnd: a polygon has no limit for one part: change its corners")
+        # A new number has no range of its own and ends the old one; the other part keeps its own.
         given = {
             part: (limits[part], None) if part in limits else (self[part], self.interval(part))
             for part in Part
         }
         (real, real_interval), (imag, imag_interval) = given.values()
-        below = [None if part in limits else self.lower(part) for part in Part]
-        gone = {f"{part.value}.lower" for part in limits}
-        ranges = tuple((name, x) for name, x in self.region.ranges if name not in gone)
-        region = replace(self.region, lower=(below[0], below[1]), ranges=ranges)
+        lower = [None if part in limits else self.lower(part) for part in Part]
+        replaced = {f"{part.value}.lower" for part in limits}
+        ranges = tuple((name, x) for name, x in self.region.ranges if name not in replaced)
+        region = replace(self.region, lower=(lower[0], lower[1]), ranges=ranges)
         return Threshold(
             real,
             imag,
@@ -517,7 +542,8 @@ class Threshold(Viewed):
         )
 
     def scaled(self, c: Expr) -> Threshold:
-        """That many times as large, with no ranges."""
+        """The same threshold c times as large, without ranges."""
+        # The size of a region with corners is in its corners: its half widths stay what they are.
         region = replace(self.region, ranges=(), size=Integer(1)).scaled(c)
         widths = (self.real, self.imag) if region.corners else (self.real * c, self.imag * c)
         return Threshold(*widths, region=region, proportion=self.proportion)
@@ -526,20 +552,21 @@ class Threshold(Viewed):
         """The smallest (0) or the largest (1) one of its ranges: the region grows with each of
         them."""
         at = {name: interval[end] for name, interval in self.ranges.items()}
+        # All numbers are those of the nominal scale already.
         if "scale" in at:
             return self.scaled(at["scale"] / self.region.size)
-        below = [at.get(f"{part.value}.lower", self.lower(part)) for part in Part]
+        lower = [at.get(f"{part.value}.lower", self.lower(part)) for part in Part]
         region = replace(
             self.region,
-            lower=(below[0], below[1]),
+            lower=(lower[0], lower[1]),
             floor=at.get("floor", self.region.floor),
             ranges=(),
         )
         return Threshold(at.get("real", self.real), at.get("imag", self.imag), region=region)
 
     def at_proportion(self, end: Number) -> Threshold:
-        """The same at another proportion of right answers, by a cumulative Gaussian; SceneError
-        where its own is not told."""
+        """The threshold at another proportion of right answers, by a cumulative Gaussian;
+        SceneError where its own proportion is not given."""
         to = read_proportion("proportion", end)
         start = self.proportion or (like(self.source).criterion if self.source else None)
         if start is None:
@@ -547,34 +574,36 @@ class Threshold(Viewed):
                 "proportion: the JND has none of its own: add one to its table, as "
                 "proportion = 0.75"
             )
-        found = Conversion(read_proportion("proportion", start), to)
-        c = found.factor
-        real, imag = (x and (x[0] * c, x[1] * c) for x in (self.real_interval, self.imag_interval))
-        region, own = self.region.scaled(c), self.region.shape is not Shape.POLYGON
-        widths = (self.real * c, self.imag * c) if own else (self.real, self.imag)
-        return Threshold(*widths, real, imag, self.source, region, to, found)
+        conversion = Conversion(read_proportion("proportion", start), to)
+        c = conversion.factor
+        intervals = (self.real_interval, self.imag_interval)
+        real, imag = (x and (x[0] * c, x[1] * c) for x in intervals)
+        # A polygon is as large as its corners, which ``region`` scales; its half widths are 1.
+        region, has_widths = self.region.scaled(c), self.region.shape is not Shape.POLYGON
+        widths = (self.real * c, self.imag * c) if has_widths else (self.real, self.imag)
+        return Threshold(*widths, real, imag, self.source, region, to, conversion)
 
     def row(self) -> dict[str, Any]:
-        """As documents have it: the half widths, and what else the region is."""
-        found = self.region
-        taken: dict[str, Any] = (
+        """The threshold as JSON documents have it: the half widths, and what else the region is."""
+        region = self.region
+        proportion: dict[str, Any] = (
             {} if self.proportion is None else {"proportion": float(self.proportion)}
         )
-        taken |= {"conversion": self.conversion.row()} if self.conversion else {}
-        if found.shape is Shape.POLYGON:
+        proportion |= {"conversion": self.conversion.row()} if self.conversion else {}
+        if region.shape is Shape.POLYGON:
             return {
-                "shape": found.shape.value,
-                "corners": [[str(x), str(y)] for x, y in found.corners],
-            } | taken
+                "shape": region.shape.value,
+                "corners": [[str(x), str(y)] for x, y in region.corners],
+            } | proportion
         row: dict[str, Any] = {"real": str(self.real), "imag": str(self.imag)}
-        row |= {} if found.shape is Shape.SQUARE else {"shape": found.shape.value}
-        row |= {"tilt": str(found.tilt)} if found.tilt else {}
+        row |= {} if region.shape is Shape.SQUARE else {"shape": region.shape.value}
+        row |= {"tilt": str(region.tilt)} if region.tilt else {}
         lower = {part.value: str(x) for part in Part if (x := self.lower(part)) is not None}
         return (
             row
             | ({"lower": lower} if lower else {})
-            | ({"floor": str(found.floor)} if found.floor else {})
-            | taken
+            | ({"floor": str(region.floor)} if region.floor else {})
+            | proportion
         )
 
     def interval(self, part: Part) -> ExactRange | None:
@@ -586,27 +615,29 @@ _TILTED = "separate ranges of the half widths of a tilted ellipse are not suppor
 
 
 def threshold_value(key: str, given: Number) -> tuple[Expr, ExactRange | None]:
-    """A threshold and its range, if it has one; SceneError, with the key, unless both are > 0."""
-    found_formula = formula(key, given)
-    if found_formula is not None and found_formula.has(omega):
-        return found_formula, None
-    given = given if found_formula is None else found_formula
+    """Read a threshold and its range, None if it has none; SceneError, with the key, unless all
+    numbers are > 0. Whether a formula in omega is positive is not tested here: no band is known."""
+    # A formula in which omega cancels is a number, and is checked as one.
+    in_omega = formula(key, given)
+    if in_omega is not None and in_omega.has(omega):
+        return in_omega, None
+    given = given if in_omega is None else in_omega
     try:
-        found = ranged(given, Dimension.RATIO)
-        value = require_number(given, found.nominal).value
+        read = ranged(given, Dimension.RATIO)
+        value = require_number(given, read.nominal).value
     except SceneError as error:
         if isinstance(given, str) and _NAMES_SOMETHING.search(given):
             valid = "write a number, a percentage, or a formula in omega (rad/s)"
             raise SceneError(f'{key}: "{given[:60]}": {valid}, as "0.08 + 0.004*omega"') from None
         raise error.within(key) from None
-    if any(sign_of_number(x) <= 0 for x in (value, *(found.interval or ()))):
+    if any(sign_of_number(x) <= 0 for x in (value, *(read.interval or ()))):
         raise SceneError(f'{key}: "{given}" must be > 0')
-    return value, found.interval
+    return value, read.interval
 
 
 _NAMES_OMEGA = re.compile(r"(?<!\w)omega(?!\w)")
 _NAMES_SOMETHING = re.compile(r"[A-Za-z_ω]\w*\s*[-+*/^(]|[-+*/^(]\s*[A-Za-z_ω]")
-"""What reads as a formula, though not in omega."""
+"""Text that reads as a formula, though not one in omega."""
 
 
 def formula(key: str, given: object) -> Expr | None:
@@ -623,6 +654,7 @@ def formula(key: str, given: object) -> Expr | None:
             value = evaluate(given, number=decimal, name={omega.name: omega, "pi": pi}.__getitem__)
     else:
         return None
+    # Converted only to see that it is rational: roots, powers and unknown functions fail here.
     try:
         Ring().axis.convert(value)
     except SceneError:
@@ -654,8 +686,8 @@ def read_threshold(given: Any) -> Threshold:
     if not isinstance(given, Mapping):
         return Threshold.of(given)
     if "confidence" in given:
-        found = read_threshold({key: x for key, x in given.items() if key != "confidence"})
-        return replace(found, confidence=read_confidence("confidence", given["confidence"]))
+        read = read_threshold({key: x for key, x in given.items() if key != "confidence"})
+        return replace(read, confidence=read_confidence("confidence", given["confidence"]))
     if "like" in given:
         for key in given:
             if key != "like":
@@ -667,10 +699,12 @@ def read_threshold(given: Any) -> Threshold:
         scale, interval = threshold_value("scale", given["scale"])
         if not interval:
             raise SceneError('scale: give a range, as "1 +- 20 %" or [0.8, 1.2]')
-        found = _table({key: x for key, x in given.items() if key != "scale"})
-        if found.ranges:
+        read = _table({key: x for key, x in given.items() if key != "scale"})
+        if read.ranges:
             raise SceneError("scale: leave out the other ranges of the JND")
-        large = found.scaled(scale)
+        # All numbers are kept at the nominal scale; ``size`` remembers it, so that an end of the
+        # range can be reached by a quotient.
+        large = read.scaled(scale)
         return replace(
             large, region=replace(large.region, ranges=(("scale", interval),), size=scale)
         )
@@ -678,6 +712,8 @@ def read_threshold(given: Any) -> Threshold:
 
 
 def _table(given: Mapping[str, Any]) -> Threshold:
+    """Read a table that gives the region by its numbers, without ``like``, ``scale`` and
+    ``confidence``."""
     shape = _shape(given.get("shape", "square"))
     keys = _KEYS[shape]
     for key in given:
@@ -696,10 +732,12 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     missing = [key for key in keys if key not in given and key not in _OPTIONAL]
     if missing:
         raise SceneError("give both real and imag" if "real" in keys else "corners is missing")
-    taken = read_proportion("proportion", given["proportion"]) if "proportion" in given else None
+    proportion = (
+        read_proportion("proportion", given["proportion"]) if "proportion" in given else None
+    )
     if shape is Shape.POLYGON:
         region = RegionDetails(shape, corners=_corners(given["corners"]))
-        return Threshold(Integer(1), Integer(1), region=region, proportion=taken)
+        return Threshold(Integer(1), Integer(1), region=region, proportion=proportion)
     real, imag = (
         _sided(key, given[key], allowed=shape is Shape.SQUARE) for key in ("real", "imag")
     )
@@ -708,10 +746,11 @@ def _table(given: Mapping[str, Any]) -> Threshold:
     named = {"real.lower": real[2], "imag.lower": imag[2], "floor": lowest}
     ranges = tuple((name, x) for name, x in named.items() if x)
     region = RegionDetails(shape, tilt, (), (real[1], imag[1]), floor, motion, ranges)
-    return Threshold(real[0], imag[0], region=region, proportion=taken)
+    return Threshold(real[0], imag[0], region=region, proportion=proportion)
 
 
 def _shape(given: Any) -> Shape:
+    """The shape of that name."""
     valid = [x.value for x in Shape]
     if given not in valid:
         shown = str(given)[:60]
@@ -736,9 +775,9 @@ def _sided(key: str, given: Any, *, allowed: bool) -> tuple[Any, Expr | None, Ex
 
 def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
     """The least change that is noticed, N/m or N m/rad, and its range."""
-    found = formula("floor", given)
-    if found is not None and found.has(omega):
-        return found, None, None
+    in_omega = formula("floor", given)
+    if in_omega is not None and in_omega.has(omega):
+        return in_omega, None, None
     with within("floor"):
         read = ranged(given, Dimension.STIFFNESS)
         value = require_number(given, read.nominal).value
@@ -749,25 +788,25 @@ def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
 
 def _number(key: str, given: Any) -> Expr:
     """A number of any sign, or a formula."""
-    found = formula(key, given)
-    if found is not None:
-        return found
+    in_omega = formula(key, given)
+    if in_omega is not None:
+        return in_omega
     with within(key):
         return number(given, Dimension.RATIO).value
 
 
 def _corners(given: Any) -> tuple[Corner, ...]:
-    """The corners, counterclockwise at the middle of the paper's band."""
+    """Read the corners, and turn them round where they go clockwise at omega = 1 rad/s."""
     if (
         not isinstance(given, Sequence)
         or isinstance(given, str)
         or not 3 <= len(given) <= MOST_CORNERS
     ):
         raise SceneError(f"corners: give a list of 3 to {MOST_CORNERS} pairs [x, y]")
-    found: list[Corner] = []
+    corners: list[Corner] = []
     for i, pair in enumerate(given, 1):
         if not isinstance(pair, Sequence) or isinstance(pair, str) or len(pair) != 2:
             raise SceneError(f"corners: {i}: give a pair [x, y]")
-        found.append((_number(f"corners: {i}", pair[0]), _number(f"corners: {i}", pair[1])))
-    clockwise = sign_of_number(turning(found, Integer(1))) < 0
-    return tuple(reversed(found)) if clockwise else tuple(found)
+        corners.append((_number(f"corners: {i}", pair[0]), _number(f"corners: {i}", pair[1])))
+    clockwise = sign_of_number(turning(corners, Integer(1))) < 0
+    return tuple(reversed(corners)) if clockwise else tuple(corners)

@@ -1,10 +1,12 @@
 """A frequency response that was measured: lines at frequencies, and the disc around each in which
-the truth lies.
+the truth lies with a stated confidence.
 
-A disc comes from coherence and averages (``disc_radius``), from a radius that is given, or from
-nothing. How the response was estimated, where it comes from records in time, stands beside it
-(``Welch``), and so does a bound on its slope between the lines (``SlopeBound``), which whoever measured
-it states, and nothing tests.
+The size of the discs comes from coherence and averages (``disc_radius``) or from a radius that is
+given; a response without either has no discs. With it goes how it was estimated, where it comes
+from records in time (``Welch``), and a bound on |dH/domega| between the lines (``SlopeBound``), an
+assumption of the person who measured, which is not tested.
+
+``Measurement`` is valid by construction; ``measuring.measured`` makes one.
 """
 
 from __future__ import annotations
@@ -30,14 +32,16 @@ _WAYS = (
     'give |dH/domega| with its unit, as in "40 N*s/m" or "250 N/m/Hz", or as a share of |H|, as '
     'in "20 ms"'
 )
-_UP = 1 + 2e-15  # more than some roundings
+# Nine units in the last place: more than the roundings of the few operations that it follows, so
+# that a product with it is an upper bound.
+_UP = 1 + 2e-15
 
 
 @dataclass(frozen=True, slots=True)
 class SlopeBound:
     """``|dH/domega| <= bound`` (N s/m or N m s/rad), or, where ``relative``, ``<= bound |H|`` (s).
 
-    ``text`` : as it was stated. ``motion`` : as its unit tells.
+    ``text`` : the bound as it was stated. ``motion`` : the one that its unit implies, or None.
 
     >>> read_slope("250 N/m/Hz").bound, read_slope("20 ms").relative
     (39.78873577297384, True)
@@ -50,36 +54,41 @@ class SlopeBound:
 
     @property
     def unit(self) -> str:
-        """Of the bound, in SI."""
+        """The SI unit of the bound."""
         return (
             "s" if self.relative else Dimension.DAMPING.unit(self.motion or MotionKind.TRANSLATION)
         )
 
     def grown(self, size: Any, radius: Any, apart: Any) -> Any:
-        """The radius of a disc around H, ``size`` = ``|H|``, that holds the truth so many rad/s
-        beside the line.
+        """The radius of a disc around the H of a line that holds the true response at a distance of
+        ``apart`` rad/s from the line; ``size`` = ``|H|``, ``radius`` that of the line's own disc.
 
         radius + bound apart; or radius + (size + radius) (exp(bound apart) - 1), as ``|H|`` itself
-        may grow on the way. Rounded up.
+        may grow on the way (Gronwall's inequality). Rounded up.
         """
-        way = self.bound * apart * _UP
+        change = self.bound * apart * _UP
         if not self.relative:
-            return (radius + way) * _UP
+            return (radius + change) * _UP
+        # Overflow gives an infinite radius, which is true: far from the line nothing is known.
         with np.errstate(over="ignore"):
-            return (radius + (size + radius) * np.expm1(way)) * _UP
+            return (radius + (size + radius) * np.expm1(change)) * _UP
 
     def nearest(self, sizes: tuple[Any, Any], apart: Any) -> Any:
-        """How far after the first of two lines, ``sizes`` = ``|H|`` + radius, both grown radii
-        together are least."""
+        """The distance after the first of two lines, rad/s, at which the sum of both grown radii is
+        least; ``sizes`` : ``|H|`` + radius of each line, ``apart`` : the distance of the lines."""
+        # s1 exp(b x) + s2 exp(b (d - x)) is least at x = d/2 + log(s2/s1)/(2 b). An absolute bound
+        # gives the same sum everywhere.
         if not self.relative or not self.bound:
             return np.zeros_like(apart)
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = apart / 2 + np.log(sizes[1] / sizes[0]) / (2 * self.bound)
-        return np.clip(np.nan_to_num(found), 0, apart)
+            distance = apart / 2 + np.log(sizes[1] / sizes[0]) / (2 * self.bound)
+        # nan where both sizes are 0 or infinite: the sum is the same everywhere, and 0 will do.
+        return np.clip(np.nan_to_num(distance), 0, apart)
 
 
 def read_slope(given: Number) -> SlopeBound:
-    """What a user states. SceneError for a bare number, of which nothing tells what it bounds."""
+    """Read a bound on the slope from its text; SceneError for a bare number, whose meaning would be
+    open, and for a unit that is neither a damping's nor a time's."""
     if not isinstance(given, str) or not any(x.isalpha() for x in given):
         raise SceneError(f"slope: {quoted(given)} has no unit: {_WAYS}")
     for dimension in (Dimension.DAMPING, Dimension.TIME):
@@ -96,6 +105,7 @@ def read_slope(given: Number) -> SlopeBound:
 Reals: TypeAlias = NDArray[np.float64]
 Complexes: TypeAlias = NDArray[np.complex128]
 Named: TypeAlias = Callable[[int], str]
+"""A function that names a line by its index, for an error: ``line 3``."""
 
 CONFIDENCE = 0.95
 
@@ -114,8 +124,8 @@ def disc_radius(coherence: ArrayLike, averages: float, confidence: float = CONFI
     g2 = np.asarray(coherence, dtype=float)
     with np.errstate(divide="ignore"):
         noise = (1 - g2) / g2
-    found: Reals = np.sqrt(spread_of(averages, confidence) * noise)
-    return found
+    radius: Reals = np.sqrt(spread_of(averages, confidence) * noise)
+    return radius
 
 
 def coherence_for(radius: ArrayLike, averages: ArrayLike, confidence: float = CONFIDENCE) -> Reals:
@@ -139,17 +149,19 @@ def averages_for(radius: ArrayLike, coherence: ArrayLike, confidence: float = CO
     g2 = np.asarray(coherence, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = np.log1p(np.square(radius) * g2 / (1 - g2))
-        found: Reals = np.maximum(2.0, 1 + np.ceil(-np.log1p(-confidence) / reach))
-    return found
+        averages: Reals = np.maximum(2.0, 1 + np.ceil(-np.log1p(-confidence) / reach))
+    return averages
 
 
 def spread_of(averages: ArrayLike, confidence: float) -> Any:
-    """2/(n-2) F(2, n-2; confidence)."""
+    """2/(n-2) F(2, n-2; confidence), n = 2 averages: the squared relative radius of a disc for
+    (1-g2)/g2 = 1."""
+    # (1-confidence)^(-2/(n-2)) - 1, in logarithms, which keep all digits for many averages.
     return np.expm1(-np.log1p(-confidence) / (np.asarray(averages, dtype=float) - 1))
 
 
 class Estimator(Enum):
-    """What a response is estimated by.
+    """The estimator of a response from spectra.
 
     H1: the cross spectrum of motion and force over that of motion; H2: the spectrum of force over
     the cross spectrum of force and motion; joint: the cross spectrum of a reference with force over
@@ -163,12 +175,13 @@ class Estimator(Enum):
 
 @dataclass(frozen=True)
 class Welch:
-    """How spectra were estimated.
+    """How spectra were estimated by Welch's method.
 
     ``rate`` : samples a second. ``length``, ``shift`` : samples of a segment, and from one to the
-    next. ``averages`` : of how many independent segments the mean has the variance. ``every`` :
-    which lines are kept. ``cube`` : by how many standard errors the force follows the cube of what
-    the response predicts, below 0 where it stays behind; None where that is not asked.
+    next. ``averages`` : the number of independent segments whose mean would have the same variance.
+    ``every`` : one line of so many is kept. ``cube`` : the share of the cube of the predicted force
+    in the force, over its standard error; below 0 where the force stays behind, None where that was
+    not tested.
     """
 
     estimator: Estimator
@@ -184,12 +197,13 @@ class Welch:
 
     @property
     def cube_chance(self) -> float | None:
-        """Of so many standard errors or more, either way, where the display is linear."""
+        """The probability of so many standard errors or more, either way, if the display is linear
+        (the two-sided p-value); None where that was not tested."""
         return None if self.cube is None else erfc(abs(self.cube) / sqrt(2))
 
     @property
     def words(self) -> str:
-        """All settings in a sentence."""
+        """All settings in a sentence for a page."""
         kept = "every frequency" if self.every == 1 else f"one frequency of {self.every}"
         overlap = f"{100 * (1 - self.shift / self.length):.3g} %"
         return (
@@ -201,7 +215,7 @@ class Welch:
         )
 
     def row(self) -> dict[str, Any]:
-        """As documents have it."""
+        """The settings as JSON documents have them."""
         return {
             "estimator": self.estimator.value,
             "samples": self.samples,
@@ -239,10 +253,10 @@ class Measurement(Shown):
     name: str = "measured"
     path: Path | None = None
     welch: Welch | None = None
-    """How it was estimated, where it comes from records in time."""
+    """How it was estimated, where it comes from records in time; else None."""
     slope: Any = None
     understood: str = ""
-    """What was understood of its file: ``10 lines; Hz, dB, deg; sorted``."""
+    """How its file was understood, for a page: ``10 lines; Hz, dB, deg; sorted``."""
 
     def __post_init__(self) -> None:
         try:
@@ -271,9 +285,8 @@ class Measurement(Shown):
             self.coherence is not None, self.radius is not None, self.averages, self.confidence
         )
         check_lines(self.omega, self.H, self.coherence, self.radius, lambda i: f"line {i + 1}")
-        if (
-            self.coherence is not None and (self.coherence > 1).any()
-        ):  # by a rounding, or it would have been refused
+        # Above 1 by a rounding, or it would have been refused.
+        if self.coherence is not None and (self.coherence > 1).any():
             object.__setattr__(self, "coherence", np.minimum(self.coherence, 1.0))
         if self.slope is not None and not isinstance(self.slope, SlopeBound):
             object.__setattr__(self, "slope", read_slope(self.slope))
@@ -291,17 +304,19 @@ class Measurement(Shown):
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """That which it was read from."""
+        """The file that it was read from, if any."""
         return (self.path,) if self.path else ()
 
     @cached_property
     def discs(self) -> Reals | None:
-        """The radius of each line's disc, in the unit of H; None where nothing tells it."""
+        """The radius of each line's disc, in the unit of H; None where neither coherence nor radius
+        is given."""
         if self.coherence is None:
             found: Reals | None = self.radius
             return found
         assert self.averages is not None
         size = np.abs(self.H)
+        # Where coherence and H are both 0, 0 times infinity would be nan: the disc is the plane.
         with np.errstate(invalid="ignore"):
             relative = disc_radius(self.coherence, self.averages, self.confidence)
             return np.where(np.isinf(relative), np.inf, size * relative)
@@ -324,22 +339,23 @@ class Measurement(Shown):
         unit = "" if self.motion is None else Dimension.STIFFNESS.unit(self.motion)
         units = {"omega": "rad/s", "coherence": "1"}
         rows = zip(*(x.tolist() for x in columns.values()), strict=True)
-        told = [
+        lines = [
             *(f"# haptisym: {key} = {x}" for key, x in stated.items() if x is not None),
             ",".join(columns),
             ",".join(units.get(key, unit) for key in columns),
             *(",".join(map(repr, x)) for x in rows),
         ]
-        write_whole(path, "\n".join(told) + "\n")
+        write_whole(path, "\n".join(lines) + "\n")
         return Path(path)
 
     def on_band(self, low: float, high: float) -> Measurement:
-        """The lines on a band, rad/s; a share of 1e-9 beyond its ends is on it, as files round.
-        SceneError if there are none."""
+        """The lines on a band, rad/s; SceneError if there are none."""
         if high <= low:
             raise SceneError(
                 f"band: the high end, {high:.6g} rad/s, must be above the low end, {low:.6g} rad/s"
             )
+        # Files round frequencies, and 2 pi f rounds again: a line that stands at an end of the band
+        # is on it, up to a relative 1e-9.
         inside = (self.omega >= low * (1 - 1e-9)) & (self.omega <= high * (1 + 1e-9))
         if not inside.any():
             raise SceneError(
@@ -348,7 +364,7 @@ class Measurement(Shown):
         return self.at(inside)
 
     def at(self, lines: NDArray[Any]) -> Measurement:
-        """Some of its lines."""
+        """The measurement with some of its lines alone, chosen as NumPy indexes arrays."""
         coherence, radius = (None if x is None else x[lines] for x in (self.coherence, self.radius))
         return replace(
             self, omega=self.omega[lines], H=self.H[lines], coherence=coherence, radius=radius
@@ -361,7 +377,8 @@ def check_certainty(
     averages: float | None,
     confidence: float,
 ) -> None:
-    """SceneError unless what is given tells the radius of a disc in one way, or in none."""
+    """SceneError unless the radius of the discs is given in one way or in none: by a coherence with
+    averages, or by a radius. ``coherence``, ``radius`` : whether it is given."""
     if not isinstance(confidence, Real) or isinstance(confidence, bool) or not 0 < confidence < 1:
         raise SceneError(f"confidence: {confidence} must lie between 0 and 1")
     if coherence and radius:
@@ -385,14 +402,14 @@ def check_certainty(
 
 
 _ROUNDING = 2.0**-40
-"""How far above 1 a coherence may lie: it is a quotient of sums, and floats round."""
+"""The excess over 1 that a coherence may have: it is a quotient of sums, and floats round."""
 
 
 def check_lines(
     omega: Reals, H: Complexes, coherence: Reals | None, radius: Reals | None, place: Named
 ) -> None:
-    """SceneError, with the place of the first one, for lines that cannot be: not finite, or not in
-    rising order."""
+    """SceneError, with the place of the first such line, unless frequencies rise strictly and all
+    numbers are finite and in range. A radius may be infinite. ``place`` : names a line by index."""
     rules: list[tuple[str, Any, Callable[[Any], Any], str]] = [
         (
             "omega",
@@ -405,12 +422,12 @@ def check_lines(
         ("radius", radius, lambda x: x >= 0, "must be 0 or above"),
     ]
     for key, row, rule, words in rules:
-        if row is not None and not (right := rule(row)).all():
-            first = int(np.argmin(right))
+        if row is not None and not (is_right := rule(row)).all():
+            first = int(np.argmin(is_right))
             raise SceneError(f"{place(first)}: {key}: {row[first]:.6g} {words}")
-    rising = np.diff(omega) > 0
-    if not rising.all():
-        i = int(np.argmin(rising)) + 1
+    is_rising = np.diff(omega) > 0
+    if not is_rising.all():
+        i = int(np.argmin(is_rising)) + 1
         low, high = omega[i - 1], omega[i]
         what = (
             "is there twice: keep one" if low == high else f"follows {low:.10g}: sort by frequency"
@@ -420,15 +437,17 @@ def check_lines(
 
 def one_row(key: str, given: Any, kind: type) -> Any:
     """Numbers as a row of an array that cannot be written to; SceneError for anything else."""
+    # NumPy would drop an imaginary part with a warning only.
     try:
         if kind is float and np.iscomplexobj(given):
             raise SceneError(f"{key}: must be real")
-        found: Any = np.array(given, dtype=kind)
-    except (TypeError, ValueError) as error:
-        if isinstance(error, SceneError):
-            raise
+        row: Any = np.array(given, dtype=kind)
+    except SceneError:
+        raise
+    except (TypeError, ValueError):
         raise SceneError(f"{key}: must be a list or an array of numbers") from None
-    if found.ndim != 1:
-        raise SceneError(f"{key}: has the shape {found.shape}, and must be one row")
-    found.setflags(write=False)
-    return found
+    if row.ndim != 1:
+        raise SceneError(f"{key}: has the shape {row.shape}, and must be one row")
+    # A copy, and read-only: what was checked once stays valid.
+    row.setflags(write=False)
+    return row

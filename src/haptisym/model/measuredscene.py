@@ -1,5 +1,8 @@
-"""A scene whose perceived dynamics was measured: what it is compared with, line by line, on which
-band, by which threshold."""
+"""A scene whose perceived dynamics was measured: the environment with which it is compared, line by
+line, on a band, by a threshold.
+
+Between the lines nothing is known, unless the responses have a bound on their slope.
+"""
 
 from __future__ import annotations
 
@@ -21,19 +24,20 @@ from haptisym.model.scene import Scene
 
 if TYPE_CHECKING:
     from haptisym.model.measured import (
-        Measurement,  # needs NumPy, which a scene of formulas does not load
+        # Needs NumPy, which a scene of formulas does not load.
+        Measurement,
         SlopeBound,
     )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MeasuredScene(Shown):
-    """What is to be evaluated at measured frequencies alone. Valid by construction: SceneError
+    """A scene that is evaluated at measured frequencies alone. Valid by construction: SceneError
     names what is wrong.
 
     ``environment`` : what should be felt, a model or measured too. ``perceived`` : what is felt,
-    measured. ``band`` : only lines from the one to the other frequency; all lines if None.
-    ``threshold`` : as a Scene takes it.
+    measured. ``band`` : only lines from its low to its high end; all lines if None. ``threshold`` :
+    as a Scene takes it.
 
     >>> from haptisym.model.measuring import measured
     >>> felt = measured([2, 8], [92.8 + 30j, -10 + 120j], radius=[2, 2])
@@ -56,11 +60,13 @@ class MeasuredScene(Shown):
                 wanted = "a measured response: make one with measured(omega, H)"
                 also = "an environment or " if key == "environment" else ""
                 raise SceneError(f"{key}: {type(given).__name__} is not {also}{wanted}")
-        frame = self.frame  # which refuses what no scene may be
+        # Building the frame refuses whatever no scene may have.
+        frame = self.frame
         frame.knobs.need_numbers()
         object.__setattr__(self, "threshold", frame.threshold)
         if self.band is not None:
             object.__setattr__(self, "band", frame.band)
+        # dH is bounded between the lines only where both of its terms are.
         slope = self.perceived.slope
         if not isinstance(self.environment, Environment) and (slope is None) != (
             self.environment.slope is None
@@ -91,8 +97,8 @@ class MeasuredScene(Shown):
         return self.frame.frequency
 
     def _line(self) -> str:
-        own = self.environment
-        what = own.model if isinstance(own, Environment) else own.name
+        felt = self.environment
+        what = felt.model if isinstance(felt, Environment) else felt.name
         return (
             f"{titled(self.title)}: {what}, felt as measured at "
             f"{counted(len(self.perceived), 'line')}"
@@ -100,38 +106,43 @@ class MeasuredScene(Shown):
 
     @cached_property
     def frame(self) -> Scene:
-        """The scene without effects on the band: all that is known exactly, with a spring where the
-        environment is measured."""
-        own = self.environment
-        exact = own if isinstance(own, Environment) else environments.mass_spring_damper(k=1)
+        """A Scene of the parts that are exact: the environment (a spring in place of a measured
+        one), band and threshold, without effects."""
+        # Without a band its end is the last line; a single line at 0 needs some band all the same.
+        felt = self.environment
+        exact = felt if isinstance(felt, Environment) else environments.mass_spring_damper(k=1)
         last = float(self.perceived.omega[-1])
         band = self.band or (Integer(0), last or Integer(1))
         return Scene(exact, (), band, self.threshold, title=self.title, source=self.source)
 
     @property
     def slopes(self) -> dict[str, SlopeBound]:
-        """The bounds that are stated, by which response they are of."""
-        own = (
+        """The bounds on slopes that are stated, by the response that they are of."""
+        of_environment = (
             {}
             if isinstance(self.environment, Environment)
             else {"environment": self.environment.slope}
         )
         return {
-            key: x for key, x in {"perceived": self.perceived.slope, **own}.items() if x is not None
+            key: x
+            for key, x in {"perceived": self.perceived.slope, **of_environment}.items()
+            if x is not None
         }
 
     @property
     def _motion(self) -> MotionKind | None:
+        """The motion that a measured environment's units imply; None of a model."""
         return None if isinstance(self.environment, Environment) else self.environment.motion
 
     @property
     def motion(self) -> MotionKind | None:
-        """Whether the hand moves along a line or about an axis; None if no unit tells."""
+        """The kind of motion that the units imply, along a line or about an axis; None where none
+        does."""
         return self.frame.motion or self.perceived.motion or self._motion
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Those that its responses were read from."""
+        """The files that its responses were read from."""
         return tuple(
             x.path
             for x in (self.environment, self.perceived)
@@ -141,11 +152,11 @@ class MeasuredScene(Shown):
     def asides(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> list[str]:
-        """As ``Scene.asides``."""
+        """The notes to print with an answer, as ``Scene.asides``."""
         return self.frame.asides(besides, varied)
 
     def aside_keys(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> dict[str, Any]:
-        """As ``Scene.aside_keys``."""
+        """The notes as keys of a JSON document, as ``Scene.aside_keys``."""
         return self.frame.aside_keys(besides, varied)

@@ -1,5 +1,5 @@
-"""A measured response from wherever it is: arrays, data of python-control, a file; or sampled from
-a scene of formulas."""
+"""Measured responses from arrays, from python-control's data or from a file; and responses sampled
+from a scene of formulas. Begin with ``measured``."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def measured(
     if isinstance(omega, str | Path):
         if H is not None or coherence is not None or radius is not None:
             raise SceneError("a file has its own columns: leave out H, coherence and radius")
-        found = read_file(Path(omega), averages, confidence, records)
-        return found if slope is None else replace(found, slope=slope)
+        response = read_file(Path(omega), averages, confidence, records)
+        return response if slope is None else replace(response, slope=slope)
     if records:
         raise SceneError(
             f"{next(iter(records))}: goes with a file of records in time; for arrays there "
@@ -66,7 +66,9 @@ def measured(
 
 
 def _frd(system: Any) -> tuple[Any, Any]:
-    """Frequencies and responses of python-control's data."""
+    """The frequencies and the response of a FrequencyResponseData of python-control; SceneError for
+    anything else."""
+    # Such an object exists only where the package is loaded: it need not be imported to ask.
     package = sys.modules.get("control")
     if package is None or not isinstance(system, package.FrequencyResponseData):
         shown = type(system).__name__
@@ -99,9 +101,11 @@ def sampled(
     points = whole("points", points, 2)
     low, high = (float(x) for x in given.band)
     at = one_row("omega", np.linspace(low, high, points) if omega is None else omega, float)
-    Measurement(at, np.zeros(len(at)), name="sampled")  # refuses what no frequencies can be
+    # Refuses what no frequencies can be, before anything is computed at them.
+    Measurement(at, np.zeros(len(at)), name="sampled")
     values = given.distortion().compile("certified", of=["perceived_real", "perceived_imag"])(at)
     real, imag = values.perceived_real, values.perceived_imag
+    # At a pole on the axis H_perc is infinite: no measurement has such a line.
     known = np.isfinite(real) & np.isfinite(imag)
     return Measurement(
         at[known],
@@ -112,6 +116,6 @@ def sampled(
 
 
 def write_sampled(scene: Scene, path: Path, points: int) -> Path:
-    """The exact response of a scene in a CSV file."""
+    """Write the exact response of a scene at ``points`` frequencies to a CSV file; its path."""
     refuse_universal(path)
     return sampled(scene, points=points).to_csv(path)

@@ -1,7 +1,12 @@
-"""Motions of the hand: sines and sweeps with all their derivatives, and recordings, read with care,
-as splines.
+"""Prescribed motions of the hand: sums of sines, sweeps and recordings, each with its derivatives.
 
-A motion is a displacement X_h(t), m or rad, of time in s; before t = 0 the hand is at rest.
+A motion is a displacement X_h(t), m or rad, of time t, s; before t = 0 the hand is at rest. A
+simulation under a prescribed motion needs derivatives up to the order of the display. Sines and
+sweeps have them in closed form, y' = j phase' y differentiated by Leibniz; a fade-in f(t) with
+f = 0 before t = 0 starts them from rest. A recording becomes a spline of degree 5, of which three
+derivatives (four without rests) are continuous.
+
+Begin with ``sine`` and ``recording``; ``Motion`` says what every motion has.
 """
 
 from __future__ import annotations
@@ -22,7 +27,9 @@ from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.responsefile import read_motion
 from haptisym.programs.values import Array
 
-_SMOOTH = 7  # derivatives of a fade-in that vanish at its ends
+# How many derivatives of a fade-in vanish at its ends. A higher one jumps there, so that an
+# integrator that needs more of them sees a motion that is not smooth at two instants.
+_SMOOTH = 7
 
 
 @dataclass(frozen=True)
@@ -42,43 +49,48 @@ class Sines:
 
     @property
     def amplitude(self) -> float:
-        """The sum of all: a bound of the displacement, m or rad."""
+        """The sum of the amplitudes: an upper bound on the displacement, m or rad."""
         return float(sum(self.amplitudes))
 
     @property
     def span(self) -> tuple[float, float]:
-        """Its lowest and its highest frequency, rad/s."""
+        """The lowest and the highest frequency, rad/s."""
         return min(self.omegas), max(self.omegas)
 
     def phasor(self, omega: float) -> complex:
-        """X with X_h(t) = Im(X exp(j omega t)) once the fade-in is over."""
+        """The complex X with X_h(t) = Im(X exp(j omega t)) once the fade-in is over, m or rad."""
         i = self.omegas.index(omega)
         return complex(self.amplitudes[i] * np.exp(1j * self.phases[i]))
 
     def derivatives(self, t: Array, order: int) -> Array:
-        """Faded in over the first periods, so that it starts at rest."""
+        """The displacement and its derivatives at times t, s; faded in, so that it starts at
+        rest."""
         omega, weights = _lines(self.omegas, self.amplitudes, order)
-        both = (np.exp(1j * (np.multiply.outer(t, omega) + np.array(self.phases))) @ weights).imag
-        waves = both.transpose(-1, *range(both.ndim - 1))
-        return (
-            waves if bool((t >= self.fade).all()) else _product(_fade(t, self.fade, order), waves)
-        )
+        phases = np.multiply.outer(t, omega) + np.array(self.phases)
+        # One exponential serves all derivatives: (d/dt)^k only multiplies it by (j omega)^k.
+        values = (np.exp(1j * phases) @ weights).imag
+        waves: Array = values.transpose(-1, *range(values.ndim - 1))
+        # Behind the fade-in the factor is 1 and its derivatives are 0: for most of a simulation
+        # the product by Leibniz would cost time and change nothing.
+        if bool((t >= self.fade).all()):
+            return waves
+        return _product(_fade(t, self.fade, order), waves)
 
 
 @lru_cache(maxsize=16)
 def _lines(
     omegas: tuple[float, ...], amplitudes: tuple[float, ...], order: int
 ) -> tuple[Array, Array]:
-    """The frequencies of a sum of sines, and the weights of each in the derivatives up to an
-    order."""
+    """The frequencies of a sum of sines, rad/s, and their weights a (j omega)^k, one row for each
+    frequency and one column for each derivative k up to an order."""
     omega = np.array(omegas)
     return omega, np.array(amplitudes)[:, None] * np.power.outer(1j * omega, np.arange(order + 1))
 
 
 @dataclass(frozen=True)
 class Chirp:
-    """A sin(phase) whose frequency rises linearly from ``low`` to ``high`` rad/s, with the same
-    fade-in."""
+    """A sine of constant amplitude whose frequency rises linearly from ``low`` to ``high`` rad/s
+    within ``length`` seconds; faded in as a sum of sines."""
 
     amplitude: float
     low: float
@@ -92,28 +104,36 @@ class Chirp:
 
     @property
     def span(self) -> tuple[float, float]:
-        """Where it starts and where it ends, rad/s."""
+        """The first and the last frequency, rad/s."""
         return self.low, self.high
 
     @property
     def duration(self) -> float | None:
-        """Its length, s."""
+        """The length of the sweep, s."""
         return self.length
 
     def derivatives(self, t: Array, order: int) -> Array:
-        """Faded in, so that it starts at rest."""
+        """The displacement and its derivatives at times t, s; faded in, so that it starts at
+        rest."""
         rate = (self.high - self.low) / self.length
-        speed, wave = self.low + rate * t, np.zeros((order + 1, *t.shape), dtype=complex)
-        wave[0] = self.amplitude * np.exp(1j * (self.low * t + rate * t * t / 2))
-        for k in range(order):  # y' = j phase' y, differentiated k times
-            wave[k + 1] = 1j * (speed * wave[k] + (k * rate * wave[k - 1] if k else 0))
-        return _product(_fade(t, min(2 * pi / self.low, self.length / 4), order), wave.imag)
+        frequency = self.low + rate * t
+        phase = self.low * t + rate * t * t / 2
+        wave = np.zeros((order + 1, *t.shape), dtype=complex)
+        wave[0] = self.amplitude * np.exp(1j * phase)
+        # y' = j phase' y, differentiated k times: phase' is linear in t, so that of Leibniz' sum
+        # only the terms with phase' and with its constant derivative are left.
+        for k in range(order):
+            earlier = k * rate * wave[k - 1] if k else 0
+            wave[k + 1] = 1j * (frequency * wave[k] + earlier)
+        # The first period, as of sines; but a quarter of the sweep at most, where it starts slowly.
+        fade = min(2 * pi / self.low, self.length / 4)
+        return _product(_fade(t, fade, order), wave.imag)
 
 
 @dataclass(frozen=True)
 class LettingGo:
-    """The force with which the hand holds: constant, then fading within ``fade`` seconds. In the
-    place of a displacement."""
+    """The force of a hand that holds the display and lets go: constant before t = 0, then fading to
+    0 within ``fade`` seconds. It stands in the place of a displacement."""
 
     force: float
     fade: float
@@ -131,7 +151,7 @@ class LettingGo:
         return abs(self.force)
 
     def derivatives(self, t: Array, order: int) -> Array:
-        """The force and its derivatives."""
+        """The force, N or N m, and its derivatives at times t, s."""
         rows = -self.force * _fade(t, self.fade, order)
         rows[0] += self.force
         return rows
@@ -168,6 +188,8 @@ def multisine(amplitude: Number, omegas: Sequence[Number]) -> Sines:
     if not listed or len(set(listed)) < len(listed):
         raise SceneError("a multisine needs at least one frequency, each once")
     count = len(listed)
+    # With equal amplitudes these quadratic phases spread the energy over the whole period, as in a
+    # sweep: all sines in phase would add to a peak n times as high as each.
     phases = tuple(-pi * i * (i + 1) / count for i in range(count))
     name = "sine" if count == 1 else "multisine"
     return Sines((size / count,) * count, listed, phases, 2 * pi / min(listed), name, kind)
@@ -192,17 +214,19 @@ def chirp(amplitude: Number, low: Number, high: Number, duration: Number) -> Chi
 
 
 def _amplitude(given: Number) -> tuple[float, Kind | None]:
+    """An amplitude > 0, m or rad, and the motion that its unit implies."""
     return positive("amplitude", given, Dimension.DISPLACEMENT), quantity(
         given, Dimension.DISPLACEMENT
     ).motion
 
 
 def _frequency(given: Number) -> float:
+    """A frequency > 0, rad/s."""
     return positive("frequency", given, Dimension.FREQUENCY)
 
 
 def positive(key: str, given: Number, dimension: Dimension) -> float:
-    """A quantity > 0 as a float in SI units; SceneError names the key."""
+    """Return a quantity > 0 as a float in SI units; SceneError names the key."""
     with within(key):
         value = number(given, dimension).value
         if not value > 0:
@@ -211,46 +235,56 @@ def positive(key: str, given: Number, dimension: Dimension) -> float:
 
 
 def _fade(t: Array, length: float, order: int) -> Array:
-    """A polynomial step from 0 to 1 on [0, length] with as many vanishing derivatives at its ends
-    as ``_SMOOTH``, and its own."""
+    """The polynomial step S from 0 to 1 on [0, length] whose first ``_SMOOTH`` derivatives vanish
+    at both ends, and its derivatives up to an order, along a new first axis."""
     x = np.clip(t / length, 0.0, 1.0)
-    low, mirrored = _half_fade(np.minimum(x, 1 - x), order), x > 0.5
-    signs = np.array([-1.0, *((-1.0) ** (k + 1) for k in range(1, order + 1))]).reshape(
-        -1, *[1] * t.ndim
-    )
-    rows = np.where(mirrored, signs * low, low)  # 1 - S(1 - x), where the sum below would cancel
-    rows[0] += mirrored
+    is_mirrored = x > 0.5
+    along_orders = (-1, *[1] * t.ndim)
+    # S(x) = 1 - S(1 - x), and so its k-th derivative is (-1)^(k+1) that at 1 - x. Near x = 1 the
+    # powers of x nearly cancel each other, and near 1 - x = 0 they do not.
+    half = _half_fade(np.minimum(x, 1 - x), order)
+    signs = np.array([(-1.0) ** (k + 1) for k in range(order + 1)]).reshape(along_orders)
+    rows = np.where(is_mirrored, signs * half, half)
+    rows[0] += is_mirrored
     rows[1:] = np.where((x > 0) & (x < 1), rows[1:], 0.0)
-    return np.asarray(rows / length ** np.arange(order + 1.0).reshape(signs.shape))
+    # d/dt = (1/length) d/dx
+    scales = length ** np.arange(order + 1.0).reshape(along_orders)
+    return np.asarray(rows / scales)
 
 
 def _half_fade(x: Array, order: int) -> Array:
-    """The polynomial and its derivatives on its first half."""
+    """The step and its derivatives with respect to x for 0 <= x <= 1/2.
+
+    S(x) = sum over i of (-1)^i C(n + i, i) C(2 n + 1, n - i) x^(n + 1 + i), n = ``_SMOOTH``: the
+    polynomial of least degree with S(0) = 0, S(1) = 1 and n vanishing derivatives at both ends.
+    """
     n = _SMOOTH
-    terms = {n + 1 + i: (-1) ** i * comb(n + i, i) * comb(2 * n + 1, n - i) for i in range(n + 1)}
     rows = np.zeros((order + 1, *x.shape))
-    for k in range(order + 1):
-        for p, c in terms.items():
-            rows[k] += c * factorial(p) // factorial(p - k) * x ** (p - k) if p >= k else 0.0
+    for i in range(n + 1):
+        power = n + 1 + i
+        coefficient = (-1) ** i * comb(n + i, i) * comb(2 * n + 1, n - i)
+        for k in range(min(order, power) + 1):
+            falling = coefficient * factorial(power) // factorial(power - k)
+            rows[k] += falling * x ** (power - k)
     return rows
 
 
 def _product(one: Array, other: Array) -> Array:
-    """Derivatives of a product after Leibniz."""
-    orders = range(len(one))
-    return np.stack(
-        [
-            sum((comb(k, i) * one[i] * other[k - i] for i in range(k + 1)), np.zeros_like(one[0]))
-            for k in orders
-        ]
-    )
+    """Derivatives of a product after Leibniz: (f g)^(k) = sum over i of C(k, i) f^(i) g^(k-i)."""
+    derivatives = []
+    for k in range(len(one)):
+        terms = (comb(k, i) * one[i] * other[k - i] for i in range(k + 1))
+        derivatives.append(sum(terms, np.zeros_like(one[0])))
+    return np.stack(derivatives)
 
 
-_GAP = 1.5  # of the usual spacing of samples; a longer one is a gap
-_RESTING = (
-    10  # equal samples in a row: what a spline would swing there has faded to some thousandths
-)
-_STILL = 1e-12  # of the largest displacement: what a filter leaves of a rest
+# A step of time longer than this many usual ones is a gap: a spline would invent what is in it.
+_GAP = 1.5
+# Equal samples in a row that are a rest: with fewer, what one spline through all samples would
+# swing there has not yet faded to some thousandths.
+_RESTING = 10
+# A change below this share of the largest displacement is none: what a filter leaves of a rest.
+_STILL = 1e-12
 
 
 @dataclass(frozen=True)
@@ -273,7 +307,8 @@ class Lowpass:
 
     @classmethod
     def of(cls, cutoff: Number, order: int) -> Lowpass:
-        """From a frequency as a user writes it, and an order of 2, 4, 6 or 8."""
+        """Return the filter for a cutoff as a user writes it and an order of 2, 4, 6 or 8;
+        SceneError for any other."""
         if order not in (2, 4, 6, 8):
             raise SceneError(
                 f"order of the low-pass: {order} must be 2, 4, 6 or 8 (it runs forwards and "
@@ -282,8 +317,8 @@ class Lowpass:
         return cls(positive("lowpass", cutoff, Dimension.FREQUENCY), order)
 
     def smoothed(self, made: Recording) -> Recording:
-        """The recording at even spacing, smoothed. Raises SceneError for a cutoff that its spacing
-        cannot hold."""
+        """The recording, resampled evenly and smoothed. SceneError for a cutoff above the Nyquist
+        frequency, or below one period in the whole recording."""
         from scipy.signal import butter, sosfiltfilt
 
         count = len(made.times)
@@ -296,11 +331,13 @@ class Lowpass:
                 f"{2 * pi / made.times[-1]:.4g} rad/s, and its Nyquist frequency, "
                 f"{pi / dt:.4g} rad/s"
             )
-        each = np.tan(self.cutoff * dt / 2) / (2**0.5 - 1) ** (
-            1 / self.order
-        )  # twice this is 3 dB at the cutoff
-        sections = butter(self.order // 2, 2 * np.arctan(each) / pi, output="sos")
+        # Forth and back |G|^2 = 1/(1 + (u/u_c)^order) of one pass becomes the gain itself. It is
+        # 1/sqrt(2) at the cutoff where u_c = u/(sqrt(2) - 1)^(1/order), with u = tan(omega dt/2):
+        # the bilinear transform maps frequencies so, and butter takes them in Nyquist frequencies.
+        corner = np.tan(self.cutoff * dt / 2) / (2**0.5 - 1) ** (1 / self.order)
+        sections = butter(self.order // 2, 2 * np.arctan(corner) / pi, output="sos")
         even = made.derivatives(times, 0)[0]
+        # Three periods of the cutoff beyond each end, as far as the record can be turned about it.
         pad = min(count - 1, int(np.ceil(3 * 2 * pi / self.cutoff / dt)))
         return replace(
             made, times=times, values=sosfiltfilt(sections, even, padlen=pad), lowpass=self
@@ -322,29 +359,32 @@ class Recording:
     kind: Kind | None = None
     omegas: tuple[float, ...] = ()
     lowpass: Lowpass | None = None
-    """What smoothed it."""
+    """The filter that smoothed it, if any."""
 
     @cached_property
     def _rests(self) -> list[tuple[int, int]]:
-        """From which sample to which the hand rests."""
+        """The first and the last sample of each rest, in order."""
         moves = np.abs(np.diff(self.values)) > _STILL * self.amplitude
+        # Between two neighbouring moves a and b, samples a + 1 to b are equal: b - a of them.
         ends = [-1, *np.flatnonzero(moves), len(moves)]
         return [(int(a) + 1, int(b)) for a, b in pairwise(ends) if b - a >= _RESTING]
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Where a rest begins or ends, s: its third derivative jumps there."""
+        """The times at which a rest begins or ends, s: the third derivative jumps there."""
         return tuple(float(self.times[i]) for rest in self._rests for i in rest)
 
     @property
     def smoothness(self) -> int:
-        """How many of its derivatives exist."""
+        """The number of derivatives that exist everywhere."""
+        # A spline of degree 5 has four continuous ones; at the end of a rest, where the first two
+        # are made 0, the third jumps.
         return 3 if self._rests else 4
 
     @cached_property
     def _polynomials(self) -> tuple[Array, Array]:
-        """Where each begins, s, and the coefficients of its derivatives, ascending: (polynomials,
-        derivatives, powers)."""
+        """The times at which the polynomials begin, s, and the coefficients of their derivatives 0
+        to 5, by ascending powers: an array (polynomial, derivative, power)."""
         from scipy.interpolate import PPoly, make_interp_spline
 
         last = len(self.times) - 1
@@ -356,17 +396,23 @@ class Recording:
                 starts.append(t[:1])
                 rows.append(np.array([[x[0], 0.0, 0.0, 0.0, 0.0, 0.0]]))
                 continue
-            free = [(3, 0.0), (4, 0.0)]  # at an end of the recording
+            # Degree 5 needs two conditions at each end. Next to a rest velocity and acceleration
+            # vanish; at an end of the recording nothing is known of them, and the conditions
+            # are the natural ones, third and fourth derivative 0. Without rests SciPy's own
+            # conditions, not-a-knot, hold at both ends.
+            free = [(3, 0.0), (4, 0.0)]
             still = [(1, 0.0), (2, 0.0)]
-            ends = (
-                (free if a == 0 else still, free if b == last else still) if self._rests else None
-            )
-            made = PPoly.from_spline(make_interp_spline(t, x, k=5, bc_type=ends))
-            is_one = np.diff(made.x) > 0
-            starts.append(made.x[:-1][is_one])
-            rows.append(made.c[::-1, is_one].T)
+            conditions = None
+            if self._rests:
+                conditions = free if a == 0 else still, free if b == last else still
+            spline = PPoly.from_spline(make_interp_spline(t, x, k=5, bc_type=conditions))
+            # The knots at both ends are repeated: the polynomials between equal ones are empty.
+            has_length = np.diff(spline.x) > 0
+            starts.append(spline.x[:-1][has_length])
+            rows.append(spline.c[::-1, has_length].T)
         row = np.concatenate(rows)
         table = [row]
+        # (c_1, c_2, ...) -> (1 c_1, 2 c_2, ..., 0): each derivative from the one before
         for _ in range(5):
             row = np.pad(row[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
             table.append(row)
@@ -379,26 +425,27 @@ class Recording:
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """From one period in the whole record to the Nyquist frequency of its longest gap,
-        rad/s."""
+        """The lowest and the highest frequency of which it can tell: one period in the whole
+        record, and the Nyquist frequency of its longest step, rad/s."""
         return 2 * pi / self.times[-1], pi / float(np.diff(self.times).max())
 
     @property
     def duration(self) -> float | None:
-        """Until its last sample, s."""
+        """The time of the last sample, s."""
         return float(self.times[-1])
 
     def derivatives(self, t: Array, order: int) -> Array:
-        """Of the spline through its samples; at rest before the first."""
+        """The displacement and its derivatives at times t, s, by the spline through the samples; at
+        rest before the first."""
         inside = np.clip(t, self.times[0], self.times[-1])
         starts, table = self._polynomials
         which = np.maximum(np.searchsorted(starts, inside, side="right") - 1, 0)
         powers = np.power.outer(inside - starts[which], np.arange(6))
-        found = np.moveaxis((table[which, : order + 1] @ powers[..., None])[..., 0], -1, 0).copy()
-        found[1:] = np.where(
-            t >= self.times[0], found[1:], 0.0
-        )  # before its first sample the hand is at rest there
-        return found
+        values = (table[which, : order + 1] @ powers[..., None])[..., 0]
+        rows = np.moveaxis(values, -1, 0).copy()
+        # Before the first sample the hand rests at its displacement: only derivatives become 0.
+        rows[1:] = np.where(t >= self.times[0], rows[1:], 0.0)
+        return rows
 
 
 Motion: TypeAlias = Sines | Chirp | Recording | LettingGo
@@ -406,8 +453,9 @@ Motion: TypeAlias = Sines | Chirp | Recording | LettingGo
 
 ``amplitude`` : the largest displacement, m or rad. ``omegas`` : the frequencies of a sum of sines,
 rad/s. ``span`` : the lowest and the highest frequency. ``duration`` : s, None if it goes on.
-``smoothness`` : how many derivatives exist; ``breaks`` : where a higher one jumps, s. ``kind`` : of
-motion, where a unit told it. ``derivatives`` : up to an order, along a new first axis.
+``smoothness`` : how many derivatives exist; ``breaks`` : the times at which a higher one jumps, s.
+``kind`` : translation or rotation, None where no unit tells. ``derivatives`` : the displacement and
+its derivatives up to an order at given times, along a new first axis.
 """
 
 
@@ -430,9 +478,11 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
 
 
 def _read(path: str | Path) -> Recording:
+    """The recording in a file, its time from 0 on; SceneError with the line of what is wrong."""
     with within(str(path)):
         given = read_motion(Path(path))
         time, values = given.rows["time"], given.rows["position"]
+        # A spline of degree 5 has at least six coefficients.
         if len(time) < 6:
             raise SceneError(f"{len(time)} samples; a recorded motion needs at least 6")
         for row in (time, values):
@@ -449,6 +499,7 @@ def _refuse_gaps(time: Array, place: Callable[[int], str]) -> None:
     steps = np.diff(time)
     if (steps <= 0).any():
         raise SceneError(f"{place(int(np.argmax(steps <= 0)) + 1)}: time does not increase")
+    # The median: a mean would grow with the very gaps that are looked for.
     usual = float(np.median(steps))
     if (steps > _GAP * usual).any():
         i = int(np.argmax(steps > _GAP * usual))

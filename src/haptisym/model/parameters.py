@@ -1,10 +1,10 @@
 """A parameter of a model: its place in the signature, its rule, and how its value or range is read
 from what was given.
 
-The rule (what it measures, and which values it may have) is an annotation of the model's function.
-What is not known exactly is
-``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a list of the lowest and the highest value, with a
-third between them as the nominal one.
+The rule (what it measures, and which values it may have) is an annotation of the model's function,
+a ``Slot``. Values are exact, in SI: a rational number times a power of pi, or a symbol. What is not
+known exactly is ``"1.8 kg +- 5 %"``, ``"1.8 kg +- 0.1 kg"`` or a list of the lowest and the highest
+value, with a third between them as the nominal one. Begin with ``Parameter`` and ``ranged``.
 """
 
 from __future__ import annotations
@@ -75,6 +75,7 @@ def ranged(given: Any, dimension: Dimension) -> Ranged:
 
 
 def _around(text: str, dimension: Dimension) -> Ranged:
+    """Read a range that is written as a centre and a deviation."""
     parts = _PLUS_MINUS.split(text)
     if len(parts) != 2 or not all(part.strip() for part in parts):
         raise SceneError(
@@ -84,31 +85,35 @@ def _around(text: str, dimension: Dimension) -> Ranged:
     deviation = _deviation(text, centre, parts[1].strip(), dimension)
     if sign_of_number(deviation) < 0:
         raise SceneError(f'"{text[:60]}": the deviation after +- must be >= 0')
+    # A deviation of 0 is no range: the parameter has just that value.
     low, high = centre.value - deviation, centre.value + deviation
     return Ranged(centre, None if deviation == 0 else (low, high))
 
 
 def _deviation(text: str, centre: Quantity, given: str, dimension: Dimension) -> Expr:
+    """Read what stands behind +-, in SI: a share of the centre in per cent, or a quantity."""
     if given.endswith("%"):
         if centre.value == 0:
             raise SceneError(
                 f'"{text[:60]}": a percentage of zero is no range: give the deviation a unit'
             )
+        # "10 % +- 5 %" may mean 5 points or 5 % of 10 %: it is refused, with both written out.
         if _PLUS_MINUS.split(text)[0].rstrip().endswith("%"):
             raise SceneError(_two_readings(text, centre.value, decimal(given[:-1].strip()) / 100))
+        # A share of the centre's absolute value, so that the lower end stays below the upper one.
         return centre.value * sign_of_number(centre.value) * decimal(given[:-1].strip()) / 100
-    found = quantity(given, dimension)
-    if found.exponents != centre.exponents:
+    deviation = quantity(given, dimension)
+    if deviation.exponents != centre.exponents:
         raise SceneError(
             f'"{text[:60]}": give value and deviation in units of the same kind, or the '
             f"deviation in per cent"
         )
-    return found.value
+    return deviation.value
 
 
 def _two_readings(text: str, centre: Expr, deviation: Expr) -> str:
-    """What a deviation in per cent of a value in per cent may mean, each as it is written without
-    doubt."""
+    """The error for a deviation in per cent of a value in per cent: both meanings, each as a list
+    that has only that one."""
     ways = [
         ", ".join(f'"{float(100 * x):g} %"' for x in (centre - off, centre, centre + off))
         for off in (deviation, centre * deviation)
@@ -120,6 +125,7 @@ def _two_readings(text: str, centre: Expr, deviation: Expr) -> str:
 
 
 def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
+    """Read a range that is given by its two ends, and maybe a nominal value between them."""
     shown = f"[{', '.join(map(str, given))}]"[:60]
     if len(given) not in (2, 3):
         raise SceneError(
@@ -129,6 +135,8 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     low, *between, high = (quantity(x, dimension) for x in given)
     if any(x.value.free_symbols for x in (low, *between, high)):
         raise SceneError(f"{shown} is not a range: its ends must be numbers")
+    # Units may differ in size, as [900 g, 1.1 kg], but one bare number among them is refused: it
+    # would be SI whatever the others are.
     if any(x.exponents != low.exponents for x in (*between, high)):
         raise SceneError(f"{shown}: both ends of a range must have units of the same kind")
     if sign_of_number(high.value - low.value) < 0:
@@ -142,12 +150,13 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
 
 
 def spread(nominal: Expr, interval: ExactRange) -> str:
-    """How far a range goes, in words.
+    """How far a range goes, in words: by per cent of the nominal value where it lies in the middle.
 
     >>> from sympy import Rational
     >>> spread(Rational(9, 5), (Rational(171, 100), Rational(189, 100)))
     'by 5 %'
     """
+    # Per cent would mislead where the range holds 0 or where the nominal value is not its middle.
     low, high = interval
     if (
         nominal == 0
@@ -159,8 +168,9 @@ def spread(nominal: Expr, interval: ExactRange) -> str:
 
 
 def read_confidence(key: str, given: Any) -> Expr:
-    """Of the region that ranges are: a number between 0 and 1, "95 %". SceneError, with the key,
-    for any other.
+    """Read the confidence of estimated ranges: a number between 0 and 1, or "95 %".
+
+    SceneError, with the key, for any other.
 
     >>> read_confidence("confidence", "95 %")
     19/20
@@ -173,7 +183,7 @@ def read_confidence(key: str, given: Any) -> Expr:
 
 
 class Rule(Enum):
-    """What values a parameter may have."""
+    """The values that a parameter may have; the text is what an error says of it."""
 
     POSITIVE = "must be > 0"
     NONNEGATIVE = "must be >= 0"
@@ -191,6 +201,8 @@ class Rule(Enum):
         return min(
             self,
             other,
+            # From the strictest rule to none: of two rules that one value keeps, one implies the
+            # other.
             key=[
                 Rule.ORDER,
                 Rule.WHOLE,
@@ -202,9 +214,12 @@ class Rule(Enum):
         )
 
     def allows(self, value: Expr) -> bool:
-        """Whether an exact number keeps the rule; symbols are taken at their word."""
+        """Whether an exact number keeps the rule. A value with symbols does, except where a whole
+        number is needed: what the symbols stand for is not known."""
+        # An order or a number of samples shapes the formula itself: it cannot stay a symbol.
         if value.free_symbols:
             return self not in WHOLE_NUMBERS
+        # Exact, for numbers with pi too.
         sign = sign_of_number(value)
         if self is Rule.POSITIVE:
             return sign > 0
@@ -225,26 +240,26 @@ SIGNS = (Rule.POSITIVE, Rule.NONNEGATIVE)
 
 @dataclass(frozen=True)
 class Slot:
-    """A place for a parameter in a model: what it measures, what it may be, whether it may be
-    absent or a list."""
+    """A place for a parameter in a model: what it measures, which values it may have, whether it is
+    ``required``, one of ``several`` in a list, a formula, or one of some ``choices``."""
 
     dimension: Dimension
     rule: Rule = Rule.POSITIVE
     required: bool = True
     several: bool = False
     formula: bool = False
-    """Of s; with ``in_z`` of z."""
+    """Whether it is a formula, in s or with ``in_z`` in z."""
     in_z: bool = False
     choices: tuple[str, ...] = ()
 
     @property
     def is_setting(self) -> bool:
-        """Whether what stands here is chosen, and no number that may be varied."""
+        """Whether it takes a choice, a word or a whole number, and no number that may be varied."""
         return bool(self.choices) or self.rule in WHOLE_NUMBERS
 
 
 NAMED = Slot(Dimension.ANY, Rule.ANY)
-"""Of a name in a formula."""
+"""The place of a name in a formula: any dimension and any value."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -259,7 +274,7 @@ class Parameter(Shown):
     key: str = ""
     """Its name in the model, as a scene file writes it."""
     exponents: Exponents | None = None
-    """Of the base dimensions, as far as the unit that was given tells."""
+    """Exponents of the base dimensions; None where no unit was given."""
     rule: Rule = Rule.ANY
     interval: ExactRange | None = None
     """Where the value may lie, if the scene gives a range; ``value`` is then the nominal one."""
@@ -273,20 +288,20 @@ class Parameter(Shown):
         return self.stated()
 
     def unit_in(self, motion: MotionKind | None) -> str:
-        """Its unit; what the given one tells where the model knows no dimension, and empty where
-        nothing does."""
+        """The SI unit of its dimension; where the model has none, that of the unit it was given in,
+        and empty where it was given without one."""
         return self.dimension.unit(motion) or si_unit(self.exponents or ())
 
     def shown_unit(self, motion: MotionKind | None) -> Unit:
         """The unit in which pages print it: as it was written, else that of SI; without a name
         where none is known."""
-        own = self.unit_in(motion or MotionKind.TRANSLATION)
-        return self.written or Unit("" if own == "1" else own)
+        unit = self.unit_in(motion or MotionKind.TRANSLATION)
+        return self.written or Unit("" if unit == "1" else unit)
 
     def stated(self) -> str:
-        """``m = 9/5 kg``, and between which values it may lie."""
-        own = self.unit_in(self.motion or MotionKind.TRANSLATION)
-        unit = "" if own in ("", "1") or self.value == self.symbol else f" {own}"
+        """The parameter as a text, ``m = 9/5 kg``, with its range if it has one."""
+        si_unit_text = self.unit_in(self.motion or MotionKind.TRANSLATION)
+        unit = "" if si_unit_text in ("", "1") or self.value == self.symbol else f" {si_unit_text}"
         spread = f", from {self.interval[0]} to {self.interval[1]}{unit}" if self.interval else ""
         return (
             f"{self.symbol} = {self.value}{unit}{spread}"
@@ -295,15 +310,17 @@ class Parameter(Shown):
         )
 
     def with_value(self, given: Number) -> Parameter:
-        """The same parameter with another value (in place of a range, too), checked like the first
-        one."""
+        """The parameter with another value, in place of its range too; checked as the first one."""
         read = read_parameter(self.key, given, Slot(self.dimension, self.rule), self.symbol.name)
-        if read.exponents is None:  # a bare number is one in the unit that was there
+        # A bare number is in SI. What the unit before told of motion and dimension still holds, and
+        # pages go on printing in that unit.
+        if read.exponents is None:
             read = replace(read, motion=self.motion, exponents=self.exponents, written=self.written)
         return replace(read, symbol=self.symbol, tie=self.tie)
 
 
-_REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")  # no quantity begins with a name
+# A name with a dot, as environment.k. No quantity begins with a name, so that none is taken for it.
+_REFERENCE = re.compile(r"\s*[^\W\d]\w*\.[\w.\[\]-]+\s*")
 
 
 def enter_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
@@ -327,6 +344,8 @@ def refuse_references(parameters: Iterable[Parameter]) -> None:
 
 
 def _symbol(name: str, rule: Rule) -> Symbol:
+    """The symbol of a parameter, positive unless its rule allows any value; SceneError for a name
+    that cannot be written in a formula."""
     if not name.isidentifier() or name in ("s", "omega", "pi", "j"):
         raise SceneError(
             f'"{name}" is no name for a parameter: use letters, digits and _, not s, omega, pi or j'
@@ -343,6 +362,7 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
             raise SceneError(f"{quoted(given)} {slot.rule.value}, without a unit")
         found = ranged(given, slot.dimension)
     read = found.nominal
+    # A value may be a symbol of the user's; these three have a meaning in all closed forms.
     reserved = {x.name for x in read.value.free_symbols} & {"s", "omega", "X"}
     if reserved:
         raise SceneError(
@@ -351,6 +371,8 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
     if found.interval and slot.rule in WHOLE_NUMBERS:
         raise SceneError(f"{key}: {quoted(given)} {slot.rule.value}, without a range")
     if not all(slot.rule.allows(x) for x in (read.value, *(found.interval or ()))):
+        # A SignError carries what the message of an environment needs to offer a way out: the
+        # bound, and whether the value is 0.
         error = (SignError if slot.rule in SIGNS else SceneError)(
             f"{key}: {quoted(given)} {slot.rule.value}"
         )
@@ -374,13 +396,13 @@ def read_parameter(key: str, given: Number, slot: Slot, name: str) -> Parameter:
 
 
 def _shown(given: Any, slot: Slot) -> str:
-    """A value as it was written; a bare number in the SI unit of translation."""
+    """A value as it was written; a bare number with the SI unit of translation."""
     unit = slot.dimension.unit(MotionKind.TRANSLATION)
     return str(given) if isinstance(given, str) or unit in ("", "1") else f"{given} {unit}"
 
 
 def chosen(key: str, given: object, choices: Sequence[str]) -> str:
-    """One of some words; SceneError for any other."""
+    """Return the word that is given; SceneError where it is none of the choices."""
     if given not in choices:
         raise SceneError(
             f"{key}: {quoted(given)} is unknown: {meant(str(given), choices)}valid are "
@@ -390,7 +412,8 @@ def chosen(key: str, given: object, choices: Sequence[str]) -> str:
 
 
 def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:
-    """The entries of a list as parameters of their own."""
+    """The entries of a list as parameters ``key[1]``, ``key[2]``, ..., with symbols ``key_1``,
+    ``key_2``, ...; SceneError for an empty list and for one that is too long."""
     if not isinstance(given, Sequence) or isinstance(given, str) or not given:
         raise SceneError(f"{key}: {quoted(given)}: give a list of quantities, as [100, 50]")
     if len(given) > MOST_BRANCHES:
@@ -401,13 +424,13 @@ def enter_list(key: str, given: Any, slot: Slot) -> list[Parameter]:
     ]
 
 
-MOST_BRANCHES = (
-    20  # of a list parameter: as many Maxwell branches as any published tissue model has
-)
+# Entries of a list parameter: as many Maxwell branches as any published tissue model has.
+MOST_BRANCHES = 20
 
 
 def tied_to(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Parameter:
-    """The environment's parameter that one refers to, in its place."""
+    """The environment's parameter to which p refers, under the key of p. SceneError where there is
+    none, or where it does not fit the dimension or the rule of its new place."""
     shown, other = f'{p.key}: "{p.tie}"', known.get(p.tie)
     if other is None:
         valid = f"valid are {', '.join(known)}" if known else "it has none"
@@ -421,6 +444,7 @@ def tied_to(p: Parameter, known: Mapping[str, Parameter], slot: Slot) -> Paramet
     if not all(slot.rule.allows(x) for x in (other.value, *(other.interval or ()))):
         raise SceneError(f"{shown} {slot.rule.value}")
     motion = other.motion or implied_motion(slot.dimension, other.exponents)
+    # The rule becomes that of the new place: the value must keep both, which the scene sees to.
     return replace(other, key=p.key, tie=p.tie, rule=slot.rule, motion=motion)
 
 
@@ -430,27 +454,27 @@ def free_name(name: str, taken: Container[str], joint: str = "_") -> str:
 
 
 def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
-    """From each parameter's symbol to its value."""
+    """The values of parameters by their symbols."""
     return {p.symbol: p.value for p in parameters}
 
 
 def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
     """A formula with values in place of symbols; SceneError where they divide it by zero."""
-    found = form.xreplace(known)
-    if found.has(zoo, nan):
-        told = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
+    value = form.xreplace(known)
+    if value.has(zoo, nan):
+        zeros = ", ".join(sorted(f"{x} = {known[x]}" for x in form.free_symbols & known.keys()))
         raise SceneError(
-            f"{form} is divided by zero with {told}"
-            if told
+            f"{form} is divided by zero with {zeros}"
+            if zeros
             else f"it is divided by zero: {form} is no number"
         )
-    return found
+    return value
 
 
 def with_values(
     parameters: Sequence[Parameter], given: Mapping[str, Number]
 ) -> tuple[Parameter, ...]:
-    """The same parameters with other values for some."""
+    """The parameters with other values for those whose symbols have the given names."""
     return tuple(
         p.with_value(given[p.symbol.name]) if p.symbol.name in given else p for p in parameters
     )
@@ -459,7 +483,7 @@ def with_values(
 def renamed(
     parameters: Sequence[Parameter], names: Mapping[Symbol, Symbol]
 ) -> tuple[Parameter, ...]:
-    """The same parameters under other symbols."""
+    """The parameters with other symbols for some."""
     return tuple(replace(p, symbol=names.get(p.symbol, p.symbol)) for p in parameters)
 
 

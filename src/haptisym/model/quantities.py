@@ -1,8 +1,8 @@
 """What a user writes, read exactly: formulas, units and quantities. ``"1.8 kg"`` is 9/5, ``"15
 Hz"`` is 30 pi rad/s.
 
-Formulas and units are in one small grammar, and nothing is ever executed: a formula is data.
-Whoever evaluates it says what numbers and names mean::
+Formulas and units are in one small grammar, and nothing is ever executed: a formula is data. The
+caller of ``evaluate`` says what numbers and names mean. Begin with ``quantity``::
 
     sum      = product {("+" | "-") product}
     product  = signed {("*" | "/") signed}
@@ -56,15 +56,20 @@ from haptisym.kernel.rings import s
 T = TypeVar("T")
 
 _TOKEN = re.compile(
-    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)|(?P<name>[^\W\d]\w*|[°%])|(?P<operator>\*\*|[-+*/^()])|(?P<space>\s+)"
+    r"(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[^\W\d]\w*|[°%])|(?P<operator>\*\*|[-+*/^()])|(?P<space>\s+)"
 )
-_LARGEST = 99  # whole number in an exponent that is a quotient
-LONGEST = 4000  # characters of a formula
-DEEPEST = 60  # nested parentheses or signs; far below Python's recursion limit
-HIGHEST_DEGREE = (
-    60  # of the written-out formula; the threshold polynomial has about four times that degree
-)
-MOST_DIGITS = 2000  # of the numbers in the written-out formula
+# Bounds on a formula, which may come from a stranger's file: each keeps the time to read it small.
+# The largest whole number in an exponent that is a quotient
+_LARGEST = 99
+# Characters of a formula
+LONGEST = 4000
+# Nested parentheses or signs; far below Python's recursion limit
+DEEPEST = 60
+# Degree of the expanded formula; the threshold polynomial has about four times that degree
+HIGHEST_DEGREE = 60
+# Digits of all numbers in the expanded formula together
+MOST_DIGITS = 2000
 
 
 _DELAY = 'use an effect, [[effects]] with model = "delay" and tau, which is exact'
@@ -84,7 +89,7 @@ class _Token(NamedTuple):
 
 
 class _Value(NamedTuple):
-    """A value with bounds on what it would be when written out: its degree in the names, its
+    """A value with upper bounds on its expanded form: the degree in the names, and the number of
     digits."""
 
     value: Any
@@ -141,16 +146,19 @@ class _Reader(Generic[T]):
 
     @property
     def token(self) -> _Token:
+        """The token that is read next."""
         return self.tokens[self.position]
 
     def fail(self, why: str, at: int | None = None) -> NoReturn:
+        """ExpressionError with a caret under the place: that of the next token unless given."""
         at = self.token.at if at is None else at
         start = max(0, at - 50)
         shown = self.text[start : at + 30].replace("\n", " ").replace("\t", " ")
         raise ExpressionError(f"{why}\n    {shown}\n    {' ' * (at - start)}^") from None
 
     def _tokens(self) -> list[_Token]:
-        found, at = [], 0
+        """The formula in tokens without blanks, with one of the kind ``end`` behind them."""
+        tokens, at = [], 0
         while at < len(self.text):
             match = _TOKEN.match(self.text, at)
             if match is None:
@@ -160,11 +168,12 @@ class _Reader(Generic[T]):
                     f"- * / ^ and parentheses)"
                 )
             if match.lastgroup != "space":
-                found.append(_Token(str(match.lastgroup), match[0], at))
+                tokens.append(_Token(str(match.lastgroup), match[0], at))
             at = match.end()
-        return [*found, _Token("end", "the end", len(self.text))]
+        return [*tokens, _Token("end", "the end", len(self.text))]
 
     def take(self, *operators: str) -> _Token | None:
+        """Read the next token if it is one of these operators; else None, and nothing is read."""
         token = self.token
         if token.kind == "operator" and token.text in operators:
             self.position += 1
@@ -172,6 +181,7 @@ class _Reader(Generic[T]):
         return None
 
     def sum(self, depth: int) -> _Value:
+        """Read a sum; ``depth`` : of parentheses and signs around it."""
         left = self.product(depth)
         while sign := self.take(*self.signs):
             right = self.product(depth)
@@ -182,6 +192,7 @@ class _Reader(Generic[T]):
         return left
 
     def product(self, depth: int) -> _Value:
+        """Read a product."""
         left = self.signed(depth)
         while sign := self.take("*", "/"):
             right = self.signed(depth)
@@ -190,6 +201,7 @@ class _Reader(Generic[T]):
         return left
 
     def signed(self, depth: int) -> _Value:
+        """Read a power with signs before it: -x^2 is -(x^2)."""
         if depth > DEEPEST:
             self.fail(f"a formula may be nested at most {DEEPEST} deep")
         if sign := self.take(*self.signs):
@@ -198,6 +210,7 @@ class _Reader(Generic[T]):
         return self.power(depth)
 
     def power(self, depth: int) -> _Value:
+        """Read an atom, and an exponent if there is one."""
         base = self.atom(depth)
         sign = self.take("^", "**")
         if sign is None:
@@ -206,6 +219,8 @@ class _Reader(Generic[T]):
         if self.take("^", "**"):
             self.position -= 1
             self.fail("a power of a power needs parentheses")
+        # Bounds with the exponent's absolute value, a fractional one rounded up: 1/x has the degree
+        # of x.
         size = abs(int(exponent)) + 1 if exponent.denominator != 1 else abs(int(exponent))
         whole = int(exponent) if exponent.denominator == 1 else exponent
         return self._combine(
@@ -213,6 +228,8 @@ class _Reader(Generic[T]):
         )
 
     def exponent(self) -> Fraction:
+        """Read a number, or in parentheses a quotient of whole numbers: an exponent is never a
+        formula, so that degrees are known."""
         bracket = self.take("(")
         sign = self.take("+", "-")
         first, value = self.token, self._short()
@@ -238,7 +255,7 @@ class _Reader(Generic[T]):
         return -value if sign and sign.text == "-" else value
 
     def _short(self) -> Fraction:
-        """A number of an exponent."""
+        """Read a plain number in an exponent; short, as it bounds a degree."""
         token = self.token
         if token.kind != "number":
             self.fail("an exponent must be a number")
@@ -248,6 +265,7 @@ class _Reader(Generic[T]):
         return Fraction(token.text)
 
     def atom(self, depth: int) -> _Value:
+        """Read a number, a name or a sum in parentheses."""
         token = self.token
         if self.take("("):
             inner = self.sum(depth + 1)
@@ -281,6 +299,7 @@ class _Reader(Generic[T]):
             )
 
     def _meaning(self, read: Callable[[str], T], token: _Token, otherwise: str) -> T:
+        """What the caller makes of a number or name; ``otherwise`` : the error where it is none."""
         try:
             return read(token.text)
         except KeyError:
@@ -296,12 +315,15 @@ class _Reader(Generic[T]):
         grown: tuple[int, int],
         sign: _Token,
     ) -> _Value:
+        """Apply an operator; ``grown`` : bounds on degree and digits of the result."""
+        # Bounds first: 9^999999999 must be refused before anything so large is computed.
         degree, digits = grown
         if degree > HIGHEST_DEGREE:
             self.fail(f"the degree, {degree}, is higher than {HIGHEST_DEGREE}", sign.at)
         if digits > MOST_DIGITS:
             self.fail(f"expanded, this has more than {MOST_DIGITS} digits", sign.at)
         try:
+            # SymPy would answer zoo in silence where numbers of Python raise.
             if (operation is truediv and not right.value) or (
                 operation is pow and right.value < 0 and not left.value
             ):
@@ -343,54 +365,59 @@ def read_unit(
 
 def _reading(plain: str, text: str, fits: Callable[[Powers], bool]) -> tuple[Expr, Powers] | None:
     """The one meaning of a unit that fits, or any where none does; None where it is unknown."""
-    found: dict[tuple[Expr, tuple[tuple[str, Fraction], ...]], str] = {}
-    for one in chain([plain], _as_engineers_write(plain)):
+    # Readings that differ in spelling only, as N*m and m*N, have one key: value and dimensions.
+    readings: dict[tuple[Expr, tuple[tuple[str, Fraction], ...]], str] = {}
+    for spelt in chain([plain], _as_engineers_write(plain)):
         try:
             value, powers = _unit_value(
-                evaluate(one, number=_unit_number, name=_named_unit, sums=False), text
+                evaluate(spelt, number=_unit_number, name=_named_unit, sums=False), text
             )
         except (ExpressionError, ArithmeticError):
             continue
-        if one == plain and fits(powers):
+        # As it is written goes before all other readings.
+        if spelt == plain and fits(powers):
             return value, powers
-        found.setdefault((value, tuple(sorted(powers.items()))), one)
-    fitting = [x for x in found if fits(dict(x[1]))]
+        readings.setdefault((value, tuple(sorted(powers.items()))), spelt)
+    fitting = [x for x in readings if fits(dict(x[1]))]
     if len(fitting) > 1:
-        both = " or ".join(f'"{found[x]}"' for x in fitting[:2])
+        both = " or ".join(f'"{readings[x]}"' for x in fitting[:2])
         raise SceneError(f"{quoted(text)} has two meanings: write {both}")
-    for value, own in [
-        *fitting,
-        *found,
-    ]:  # where none fits, whoever asked says what the dimension is
-        return value, dict(own)
+    # Where none fits, the caller's error says which dimension is wanted.
+    for value, powers_of in [*fitting, *readings]:
+        return value, dict(powers_of)
     return None
 
 
 def _unit_value(size: _Size, text: str) -> tuple[Expr, Powers]:
+    """The exact value of a unit in SI, and its base dimensions."""
+    # A fractional power of a factor, as of ft^(1/2), is a float; only 1 is exact then.
     turns, *powers = size.powers
     if turns.denominator != 1 or (isinstance(size.factor, float) and size.factor != 1.0):
         raise SceneError(f"{quoted(text)}: use m, s, kg, N, rad in a fractional power")
     exact = Fraction(size.factor)
     value = Rational(exact.numerator, exact.denominator) * pi ** Integer(int(turns))
-    return value, {name: x for name, x in zip(("mass", "length", "time"), powers, strict=True) if x}
+    dimensions = zip(("mass", "length", "time"), powers, strict=True)
+    return value, {name: power for name, power in dimensions if power}
 
 
 _BETWEEN = re.compile(r"(?<=\w)[-.](?=[^\W\d_])")  # "N-m", "N.m", "m2.s"
 _POWER_BEHIND = re.compile(r"(?<=[^\W\d_])(-?\d)(?!\d)")  # "m2", "s-1"
 _RUN_TOGETHER = re.compile(r"[^\W\d_]+")
-_LONGEST_RUN = 8  # letters ("kgfcmsec"): a longer word would have more readings than anybody means
+# Letters of a word that is taken apart, as "kgfcmsec": the ways to do so double with each letter.
+_LONGEST_RUN = 8
 _GRAVITY = re.compile(r"\b(m?)g\b")
 
 
 def _as_engineers_write(plain: str) -> Iterator[str]:
     """Other readings of a unit: signs between names as products, names run together taken apart, g
     as an acceleration."""
-    below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)  # rad/Nm is rad/(N*m)
+    # rad/Nm is rad/(N*m): what is run together behind a stroke stands below it as a whole.
+    below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)
     spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", below))
     spelt = re.sub(r"\^(-\d)", r"^(\1)", spelt)
     words = list(dict.fromkeys(_RUN_TOGETHER.findall(spelt)))
-    ways = [[word, *_taken_apart(word)] for word in words if len(word) <= _LONGEST_RUN]
-    for chosen in islice(product(*ways), _MOST_READINGS):
+    spellings = [[word, *_taken_apart(word)] for word in words if len(word) <= _LONGEST_RUN]
+    for chosen in islice(product(*spellings), _MOST_READINGS):
         parts = dict(zip(words, chosen, strict=False))
         yield _respelt(spelt, parts)
     if _GRAVITY.search(spelt):
@@ -402,7 +429,7 @@ _MOST_READINGS = 200
 
 
 def _respelt(unit: str, parts: Mapping[str, str]) -> str:
-    """A unit with some of its names written otherwise."""
+    """The unit with some of its names replaced."""
     return _RUN_TOGETHER.sub(lambda found: parts.get(found[0], found[0]), unit)
 
 
@@ -419,6 +446,7 @@ def _taken_apart(word: str) -> Iterator[str]:
 
 
 def _is_named(name: str) -> bool:
+    """Whether a name is that of a known unit."""
     try:
         _named_unit(name)
     except KeyError:
@@ -427,21 +455,22 @@ def _is_named(name: str) -> bool:
 
 
 def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
-    """What may be meant: the unit with the names that are none spelt otherwise, where that fits.
+    """A hint at what may be meant: the unit with its unknown names replaced by the nearest known
+    ones, where that fits; else empty.
 
     All else stays as it was written, so that a proposal has the size of what was meant.
     """
-    one = _RUN_TOGETHER.sub(lambda found: _nearest(found[0]), plain)
+    respelt = _RUN_TOGETHER.sub(lambda found: _nearest(found[0]), plain)
     with suppress(SceneError):
-        known = None if one == plain else _reading(one, one, fits)
+        known = None if respelt == plain else _reading(respelt, respelt, fits)
         if known is not None and fits(known[1]):
-            return f'did you mean "{one}"?'
+            return f'did you mean "{respelt}"?'
     return ""
 
 
 def _nearest(word: str) -> str:
-    """The name of a unit that one which is none may stand for: in other letters, or in another
-    spelling."""
+    """The known unit nearest to an unknown name: the same in other letters (khz), or the most
+    similar spelling; the name itself where there is none."""
     if _is_named(word):
         return word
     same = [x for x in _SPELT if x.lower() == word.lower()]
@@ -468,24 +497,27 @@ class _Size:
 
 
 def _unit_number(text: str) -> _Size:
+    """The number 1 in a unit, as in 1/s; ValueError for another, which belongs to the quantity."""
     if text != "1":
         raise ValueError("a unit has no number but 1")
     return _Size(Fraction(1))
 
 
 def _named_unit(name: str) -> _Size:
-    """A unit by name or symbol, also with a prefix or in the plural; KeyError where it is none."""
-    known, prefixes = _units(), _PREFIXES
-    for own in (name, *([name[:-1]] if name.endswith("s") and len(name) > 2 else [])):
-        if own in known:
-            return known[own]
-        for prefix, power in prefixes.items():
-            if (
-                own.startswith(prefix)
-                and (own == name or len(own) > len(prefix) + 1)
-                and own[len(prefix) :] in known
-            ):
-                return _Size(Fraction(10) ** power) * known[own[len(prefix) :]]
+    """The size of a unit by its name or symbol, also with a prefix or in the plural; KeyError for
+    an unknown name."""
+    known = _units()
+    # The name itself first: "ms" is a millisecond. Only words have a plural: "mms" is no plural of
+    # mm, as a prefix before a single letter makes a symbol.
+    singular = [name[:-1]] if name.endswith("s") and len(name) > 2 else []
+    for spelt in (name, *singular):
+        if spelt in known:
+            return known[spelt]
+        for prefix, power in _PREFIXES.items():
+            unit = spelt[len(prefix) :]
+            is_word = spelt == name or len(unit) > 1
+            if spelt.startswith(prefix) and is_word and unit in known:
+                return _Size(Fraction(10) ** power) * known[unit]
     raise KeyError(name)
 
 
@@ -535,6 +567,7 @@ _DEFINED = (
 
 @cache
 def _units() -> dict[str, _Size]:
+    """All units by name, without prefixes."""
     one = Fraction(1)
     base = {
         name: _Size(one, tuple(Fraction(i == k) for k in range(4)))
@@ -560,17 +593,19 @@ def si_unit(exponents: tuple[tuple[str, Fraction], ...]) -> str:
     >>> si_unit((("time", Fraction(-1)),)), si_unit((("length", Fraction(-1)), ("mass", Fraction(1))))
     ('rad/s', 'N*s^2/m^2')
     """
-    left = dict(exponents)
-    for name, own in _OWN.items():
-        if left == own:
+    remaining = dict(exponents)
+    for name, dimensions in _OWN.items():
+        if remaining == dimensions:
             return name
-    newtons = left.pop("mass", Fraction(0))
+    # kg = N s^2/m: mass is written in newtons, as an engineer writes N*s/m for kg/s.
+    newtons = remaining.pop("mass", Fraction(0))
     metres, seconds = (
-        left.pop("length", Fraction(0)) - newtons,
-        left.pop("time", Fraction(0)) + 2 * newtons,
+        remaining.pop("length", Fraction(0)) - newtons,
+        remaining.pop("time", Fraction(0)) + 2 * newtons,
     )
+    # Units are printed with superscripts of one digit.
     powers = {"N": newtons, "m": metres, "s": seconds}
-    if left or any(x.denominator > 1 or abs(x) > 9 for x in powers.values()):
+    if remaining or any(x.denominator > 1 or abs(x) > 9 for x in powers.values()):
         return ""
     above, below = (
         [name if abs(x) == 1 else f"{name}^{abs(x)}" for name, x in powers.items() if sign * x > 0]
@@ -584,7 +619,7 @@ _SPELT = [
     for unit in ("Hz", "N", "J", "m", "s", "g", "rad")
     for prefix in ("", "k", "m", "M", "c", "u")
 ]
-"""As they are meant by those who write them in other letters."""
+"""The spellings that are meant where a unit is written in other letters, as HZ or khz."""
 
 
 Number: TypeAlias = "str | int | float | Decimal | Fraction | Expr"
@@ -596,8 +631,10 @@ _NUMBER = re.compile(
     re.DOTALL,
 )
 _POWER = re.compile(r"\^(\d)")
-_LONGEST = 200  # characters of a number; 200 digits are more than any measurement has
-_LARGEST_EXPONENT = 300  # of ten; beyond it a float could not show the result
+# Characters of a number; 200 digits are more than any measurement has.
+_LONGEST = 200
+# Of ten; beyond it a float could not show the result.
+_LARGEST_EXPONENT = 300
 
 
 class MotionKind(Enum):
@@ -633,7 +670,7 @@ class Dimension(Enum):
 
 
 def unit_text(unit: str) -> str:
-    """A unit as it is printed.
+    """The name of a unit as it is printed.
 
     >>> unit_text("kg*m^2"), unit_text("N s/m^3"), unit_text("N/m or N*m/rad")
     ('kg·m²', 'N·s/m³', 'N/m or N·m/rad')
@@ -651,7 +688,7 @@ class Unit:
 
     @property
     def text(self) -> str:
-        """As it is printed."""
+        """The name as it is printed: ``N·m/rad``."""
         return unit_text(self.name)
 
 
@@ -666,9 +703,10 @@ class Quantity:
     value: Expr
     motion: MotionKind | None = None
     exponents: Exponents | None = None
-    """Of the base dimensions, as far as the unit tells: ``(("mass", 1), ("time", -2))`` for N/m."""
+    """Exponents of the base dimensions, ``(("mass", 1), ("time", -2))`` for N/m; None where no unit
+    was given."""
     unit: Unit | None = field(default=None, repr=False, compare=False)
-    """As it was written, where that is no SI unit: what pages print it in."""
+    """The unit as it was written, in which pages print; None where it is the SI unit."""
 
 
 def quantity(given: Number, dimension: Dimension) -> Quantity:
@@ -696,12 +734,13 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
         return Quantity(Rational(given.numerator, given.denominator))
     if isinstance(given, Real | Decimal) and not isinstance(given, bool):
         return Quantity(decimal(str(given)))
-    shown = str(given).lower() if isinstance(given, bool) else quoted(given)  # as TOML writes it
+    # A bool is an int of Python, and is no number here; it is shown as TOML writes it.
+    shown = str(given).lower() if isinstance(given, bool) else quoted(given)
     raise SceneError(f"{shown} is not a quantity: give a number, or a string of number and unit")
 
 
 def number(given: Number, dimension: Dimension) -> Quantity:
-    """The same; SceneError for a symbol, too.
+    """Read a number, or a string of number and unit, as ``quantity``; SceneError for a symbol, too.
 
     >>> from sympy import Symbol
     >>> number(Symbol("k"), Dimension.STIFFNESS)
@@ -713,7 +752,7 @@ def number(given: Number, dimension: Dimension) -> Quantity:
 
 
 def require_number(given: object, read: Quantity) -> Quantity:
-    """What was read; SceneError where it is a symbol."""
+    """Return the quantity that was read from ``given``; SceneError where it has a symbol in it."""
     if read.value.free_symbols:
         raise SceneError(f"{quoted(given)} must be a number")
     return read
@@ -746,6 +785,8 @@ def with_decimals(given: Expr) -> Expr:
 
 
 def _rational(match: re.Match[str], text: str) -> Rational:
+    """The exact number of a match of _NUMBER, a decimal or a decimal over a whole number."""
+    # Lengths first: Fraction("1e999999999") would be computed to its last digit.
     number = match[1]
     exponent = re.split("[eE]", number)[1:] or ["0"]
     if len(number) > _LONGEST or len(match[2] or "") > _LONGEST:
@@ -763,10 +804,12 @@ def _rational(match: re.Match[str], text: str) -> Rational:
 
 
 def _from_text(text: str, dimension: Dimension) -> Quantity:
+    """Read a string of a number and maybe a unit."""
     match = _NUMBER.fullmatch(text)
     if match is None:
         unit = "" if dimension.value[0] in ("", "1") else " with a unit"
         raise SceneError(f"{quoted(text)} is not a finite number{unit}.{expected(dimension)}")
+    # "1,8 kg" matches as 1 with the unit ",8 kg".
     if match[3] and re.match(r",\d", match[3]):
         raise SceneError(
             f"{quoted(text)}: decimals are written with a point, as in {text.replace(',', '.', 1)}"
@@ -777,6 +820,7 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     factor, exponents = read_unit(
         unit, text, expected(dimension), lambda powers: _has_dimension(powers, dimension)
     )
+    # A sampling time given as a rate, "1 kHz": the message says the period.
     if dimension is Dimension.TIME and exponents == {"time": -1} and value > 0:
         raise SceneError(
             f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} "
@@ -788,10 +832,15 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
 
 
 def _has_dimension(powers: Powers, dimension: Dimension) -> bool:
+    """Whether a unit with these base dimensions is one of a dimension, for either motion."""
     return dimension is Dimension.ANY or powers in _dimension_exponents(dimension)
 
 
 def _motion(exponents: dict[str, Fraction], text: str, dimension: Dimension) -> MotionKind | None:
+    """The motion that a unit implies for a dimension; None where both have the same unit.
+
+    SceneError where the unit is another dimension's.
+    """
     translation, rotation = _dimension_exponents(dimension)
     if dimension is Dimension.ANY:
         return None
@@ -834,12 +883,15 @@ def implied_motion(dimension: Dimension, exponents: Exponents | None) -> MotionK
     >>> implied_motion(Dimension.MASS, (("length", Fraction(2)), ("mass", Fraction(1))))
     <MotionKind.ROTATION: 'rotational'>
     """
-    found = [motion for motion in MotionKind if dimension_exponents(dimension, motion) == exponents]
-    return found[0] if len(found) == 1 else None
+    motions = [
+        motion for motion in MotionKind if dimension_exponents(dimension, motion) == exponents
+    ]
+    return motions[0] if len(motions) == 1 else None
 
 
 @cache
 def _dimension_exponents(dimension: Dimension) -> tuple[dict[str, Fraction], dict[str, Fraction]]:
+    """The base dimensions of its units for translation and for rotation, from the units' names."""
     translation, rotation = (
         {} if unit in ("", "1") else read_unit(unit, unit, "")[1] for unit in dimension.value
     )
@@ -880,6 +932,8 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
       ...
     haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I: write it in s, with real numbers
     """
+    # A user's own Symbol("s") is the Laplace variable where no other one is named. With an
+    # assumption, as real, it was meant as a parameter, and two symbols called s are ambiguous.
     called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
     if called_s and (variable is not None or len(called_s) > 1):
         raise SceneError(
@@ -891,30 +945,31 @@ def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
     if known := sorted({x.name for x in others} & {"omega", "j", "X"}):
         raise SceneError(f"{quoted(given)} contains {known[0]}: write the system in s")
     refuse_unreal(others)
-    found = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
-    found = with_decimals(found)
-    if (degree := _degree(found)) > HIGHEST_DEGREE:
+    form = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
+    form = with_decimals(form)
+    if (degree := _degree(form)) > HIGHEST_DEGREE:
         most = HIGHEST_DEGREE
         raise SceneError(
             f"{quoted(given)} has the degree {degree} in s; at most {most} is possible"
         )
-    return _without_i(found, given) if found.has(I) else found
+    return _without_i(form, given) if form.has(I) else form
 
 
 def _degree(x: Expr) -> int:
-    """What the degree in s is at most when all is written out: of sums the largest, of products and
-    quotients the sum."""
+    """An upper bound on the degree in s of the expanded expression: of sums the largest, of
+    products and quotients the sum."""
     if x == s:
         return 1
     if isinstance(x, Pow) and x.exp.is_Rational:
         degree: int = ceil(abs(x.exp) * _degree(x.base))
         return degree
-    own = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
-    return sum(own) if isinstance(x, Mul) else max(own, default=0)
+    degrees = [_degree(y) for y in x.args] if isinstance(x, Add | Mul) else []
+    return sum(degrees) if isinstance(x, Mul) else max(degrees, default=0)
 
 
 def _without_i(expression: Expr, given: Expr) -> Expr:
-    """The same as a quotient of real polynomials; SceneError where it is none."""
+    """The expression as a quotient of real polynomials; SceneError where an I does not cancel."""
+    # Over one denominator and expanded, I^2 = -1 is put in and pairs of conjugates become real.
     above, below = (expand(x) for x in fraction(together(expression)))
     if above.has(I) or below.has(I):
         way = "write it in s, with real numbers"
@@ -923,10 +978,11 @@ def _without_i(expression: Expr, given: Expr) -> Expr:
 
 
 def _exact_expression(given: Expr) -> Expr:
-    """The expression with its floats read as decimals; a number must be finite and rational in
-    pi."""
+    """The expression with its floats read as decimals; SceneError for a number that is not finite,
+    not real or not rational in pi."""
     refuse_unreal(given.free_symbols)
     exact = with_decimals(given)
+    # Values are rational, or rational in pi, which all rings hold as a variable; nothing else.
     known = all(
         isinstance(x, Rational) or x == pi or x.args
         for x in preorder_traversal(exact)
@@ -940,7 +996,7 @@ def _exact_expression(given: Expr) -> Expr:
 
 
 def _sized(value: Expr, text: str) -> Expr:
-    """A number that a float can show, or an error."""
+    """Return the value; SceneError where it is not 0 and no float could show it."""
     if value != 0 and not Float("1e-300") < abs(value.evalf(5)) < Float("1e300"):
         raise SceneError(f"{quoted(text)}: in SI units it must lie between 1e-300 and 1e300")
     return value

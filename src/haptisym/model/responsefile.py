@@ -50,13 +50,15 @@ from haptisym.model.measured import CONFIDENCE, Estimator, Measurement, check_ce
 from haptisym.model.quantities import Dimension, MotionKind, quantity
 
 LARGEST = 500_000_000
-"""Bytes of a file."""
+"""The most bytes that a file may have."""
+# How archives, images, files of MATLAB, HDF5 or pickles, and UTF-16 begin.
 _NOT_TEXT = (b"PK", b"\x89", b"MATLAB", b"\x80", b"\xff\xfe", b"\xfe\xff")
 _COMMENTS = "#%*"
 
 
 def refuse(path: Path, *, text: bool = True) -> None:
-    """SceneError unless a file is there that can be read: of ``text``, if that is wanted."""
+    """SceneError unless there is a regular file of a size that can be read, and of ``text`` if that
+    is wanted."""
     if path.is_dir():
         raise SceneError("this is a folder: name a file in it")
     if not path.exists():
@@ -73,6 +75,7 @@ def refuse(path: Path, *, text: bool = True) -> None:
 
 
 def _near(path: Path) -> str:
+    """The end of a message on a missing file: a similar name in its folder, or the folder."""
     folder = path.parent
     if not folder.is_dir():
         return f", and no folder {folder}"
@@ -84,8 +87,8 @@ def _near(path: Path) -> str:
 
 
 class Head(NamedTuple):
-    """What stands before the numbers: the columns, their separator (blanks: None), the first line
-    of numbers, and which it is."""
+    """What stands before the numbers: the columns, the separator of cells (None for blanks), and
+    the first line of numbers with its line number."""
 
     columns: tuple[ColumnHeader, ...]
     separator: str | None
@@ -95,8 +98,8 @@ class Head(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Given:
-    """What a file has: its columns, the numbers of those in use in SI, and the place of each row in
-    words."""
+    """The content of a file: its columns, the numbers in SI of those in use by role, and ``place``,
+    which gives the place of a row in words."""
 
     path: Path
     head: Sequence[ColumnHeader]
@@ -107,26 +110,30 @@ class Given:
     notes: tuple[str, ...] = ()
 
     def understood(self, *more: str) -> str:
-        """``10 lines; Hz, dB, deg; sorted``."""
-        shown = dict.fromkeys(
-            x.unit for role, x in self.scales.items() if x.unit and role != "radius"
-        )
-        left = [x.text for i, x in enumerate(self.head) if x.text and i not in self.roles.values()]
-        spare = f"not used: {', '.join(left[:5])}{', ...' * (len(left) > 5)}" if left else ""
+        """How the file was understood, for a page: ``10 lines; Hz, dB, deg; sorted``."""
+        units = [x.unit for role, x in self.scales.items() if x.unit and role != "radius"]
+        used = self.roles.values()
+        unused = [x.text for i, x in enumerate(self.head) if x.text and i not in used]
+        spare = ""
+        if unused:
+            spare = f"not used: {', '.join(unused[:5])}"
+            spare += ", ..." if len(unused) > 5 else ""
         lines = counted(len(next(iter(self.rows.values()))), "line")
-        return "; ".join(x for x in (lines, ", ".join(shown), *self.notes, *more, spare) if x)
+        notes = (lines, ", ".join(dict.fromkeys(units)), *self.notes, *more, spare)
+        return "; ".join(x for x in notes if x)
 
     @property
     def motion(self) -> MotionKind | None:
-        """As the units imply."""
+        """The motion that the units imply; None where none does."""
         return next((x.motion for x in self.scales.values() if x.motion), None)
 
 
 Check = Callable[[Sequence[ColumnHeader], Layout], dict[str, int]]
-"""Which column has which role. SceneError where one is missing."""
+"""A function that finds the column of each role. SceneError where one is missing."""
 
 
 def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
+    """Read a table of text; ``example`` : a header for the message where there is none."""
     try:
         refuse(path)
         with path.open(encoding="utf-8-sig") as file:
@@ -142,11 +149,11 @@ def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
         raise SceneError(str(getattr(error, "strerror", "") or error).lower()) from None
 
     def place(row: int) -> str:
+        """The line of a row of numbers: read again, as only an error asks for it."""
         with path.open(encoding="utf-8-sig") as again:
-            return (
-                f"line "
-                f"{next(islice(_numbered(islice(again, head.line - 1, None), head.line), row, None))[0]}"
-            )
+            lines = _numbered(islice(again, head.line - 1, None), head.line)
+            number, _ = next(islice(lines, row, None))
+            return f"line {number}"
 
     notes = ["decimal commas"] if head.separator != "," and "," in head.first else []
     notes += [f"{counted(blank, 'blank row')} left out"] if blank else []
@@ -158,6 +165,8 @@ def _understood_head(
 ) -> tuple[Head, dict[str, int]]:
     """The header and its roles: at the top, or else above the first line of numbers, after what an
     instrument writes before."""
+    # The first try is a header in the first line; its error is raised where no other line can be
+    # the header, as it says what most users must mend.
     try:
         head = _head(file, path, layout, example)
         _need_numbers(path, head)
@@ -173,11 +182,11 @@ def _understood_head(
 
 
 def _line_of_header(file: TextIO) -> int | None:
-    """Which line names the columns, where others come before it: the last one above the numbers, or
-    the one above its units.
+    """The number of the line that names the columns, where others come before it: the last one
+    above the numbers, or the one above a row of units; None where there are no two lines above.
 
-    Numbers begin with two lines in a row that have as many: a preamble may hold a line of numbers,
-    too.
+    Numbers begin with two lines in a row that have as many cells: a preamble may hold a line of
+    numbers, too.
     """
     before: list[tuple[int, list[str]]] = []
     above_numbers, width = before, 0
@@ -207,16 +216,20 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1
             continue
         separator = _separator(line)
         cells = _cells(line, separator)
+        # A line without a number is the header; the first line of numbers tells the separator, as
+        # a header may have blanks, or brackets with commas, in its names.
         if not any(map(_is_number, cells)):
             number, first = next(_numbered(file, at + 1), (at, ""))
             if not first:
                 break
             names = _names(line)
-            if names[-1] == "Comment" and len(
-                _cells(first.rstrip(), _separator(first, line))
-            ) < len(names):
-                names.pop()  # LabVIEW names a column for remarks and leaves it out of the lines
+            # LabVIEW names a column for remarks and leaves it out of the lines.
+            if names[-1] == "Comment":
+                count = len(_cells(first.rstrip(), _separator(first, line)))
+                if count < len(names):
+                    names.pop()
             return Head(tuple(map(column_of, names)), _separator(first, line), first, number)
+        # Numbers at once: the kind of file, a comment above or the scene must name the columns.
         if len(cells) > 1 and path.suffix.lower() in (".frd", ".zma"):
             kind = "Magnitude (dB)" if path.suffix.lower() == ".frd" else "Magnitude"
             names = ["Frequency (Hz)", kind, "Phase (deg)"]
@@ -233,8 +246,10 @@ def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1
 
 
 def _need_numbers(path: Path, head: Head) -> None:
-    """SceneError unless numbers follow, which repeats nothing of what is no table: a scene may name
-    any file."""
+    """SceneError unless one of the two lines below the header has two numbers or more.
+
+    The message repeats nothing of the file: a scene from a stranger may name any file.
+    """
     with path.open(encoding="utf-8-sig") as again:
         first = [x for _, x in islice(_numbered(islice(again, head.line - 1, None), head.line), 2)]
     if not any(sum(map(_is_number, _cells(x, _separator(x) or head.separator))) > 1 for x in first):
@@ -244,25 +259,25 @@ def _need_numbers(path: Path, head: Head) -> None:
 
 
 def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:
-    """With the units of a row below the header, which has no number where the first column in use
-    has one."""
-    found, first = _cells(head.first, head.separator), min(roles.values())
+    """The header with the units of the row below it, where that row has no number in the first
+    column in use; else the header as it is."""
+    units, first = _cells(head.first, head.separator), min(roles.values())
     if (
-        first >= len(found)
-        or not found[first]
-        or _is_number(found[first])
-        or _has_comma(found[first])
+        first >= len(units)
+        or not units[first]
+        or _is_number(units[first])
+        or _has_comma(units[first])
     ):
         return head
     if any(x.unit for x in head.columns if x.text.endswith(("]", ")"))):
         raise SceneError(f"units are in the header and in line {head.line}: leave out one of them")
-    if len(found) != len(head.columns):
+    if len(units) != len(head.columns):
         raise SceneError(
-            f"line {head.line} has {len(found)} units, the header {len(head.columns)} columns"
+            f"line {head.line} has {len(units)} units, the header {len(head.columns)} columns"
         )
     columns = tuple(
         x._replace(unit=agreed(x.text, x.unit or unit, unit))
-        for x, unit in zip(head.columns, found, strict=True)
+        for x, unit in zip(head.columns, units, strict=True)
     )
     number, line = next(_numbered(file, head.line + 1), (0, ""))
     if not line:
@@ -278,9 +293,12 @@ def _rows(
     blank: list[int] = []
 
     def lines() -> Iterator[str]:
+        """The lines of numbers as NumPy reads them."""
         for number, text in _numbered(chain([head.first], file), head.line, blank):
-            # where another separator stands, a comma can only stand before decimals
+            # Where another separator stands, a comma can only stand before decimals.
             plain = text if head.separator == "," else text.replace(",", ".")
+            # NumPy counts only the columns that it uses: where some are left out, a line of another
+            # length is found here.
             if len(used) < width and '"' not in text and len(plain.split(head.separator)) != width:
                 _refuse_line(number, _cells(text, head.separator), head, used)
             yield _without_i(plain, head.separator) if is_complex else plain
@@ -302,12 +320,15 @@ def _rows(
         raise
     except ValueError:
         is_whole = False
+    # NumPy is fast and its messages are about arrays: the file is read again, slowly, to name line
+    # and column of what is wrong.
     if not is_whole:
         with path.open(encoding="utf-8-sig") as again:
             for number, own in _numbered(islice(again, head.line - 1, None), head.line):
                 _refuse_line(number, _cells(own, head.separator), head, used)
         raise SceneError("not a table of numbers")
     rows = {role: table[:, used.index(i)] for role, i in roles.items()}
+    # A column called H with real numbers alone is most likely a magnitude; 799+0j says it is not.
     if is_complex and not rows["H"].imag.any() and not re.search(r"\d\s*\*?[ijIJ]", head.first):
         raise SceneError(
             f"{head.columns[roles['H']].text}: has no complex numbers, as 799+30j: add a "
@@ -319,7 +340,8 @@ def _rows(
 
 
 def _without_i(text: str, separator: str | None) -> str:
-    """``(799 + 30i)`` as NumPy reads it."""
+    """A line with complex numbers like ``(799 + 30i)`` as NumPy reads them, ``799+30j``."""
+    # Blanks inside a number can be taken out unless they, or tabs, separate the cells.
     bare = re.sub(r"[()]" if separator in (None, "\t") else r"[() ]", "", text)
     return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
@@ -327,8 +349,8 @@ def _without_i(text: str, separator: str | None) -> str:
 def _numbered(
     lines: Iterable[str], first: int, blank: list[int] | None = None
 ) -> Iterator[tuple[int, str]]:
-    """Those of numbers, as text, and which line it is; the numbers of those with separators alone
-    go to ``blank``."""
+    """The lines that are not empty and no comments, without comments at their ends, each with its
+    line number; the line numbers of those that hold separators alone go to ``blank``."""
     for number, line in enumerate(lines, first):
         text = line.partition("#")[0]
         if not text.strip() or text.lstrip()[0] in _COMMENTS:
@@ -340,7 +362,8 @@ def _numbered(
 
 
 def _refuse_line(number: int, cells: Sequence[str], head: Head, used: Sequence[int]) -> None:
-    """SceneError if the line holds what is no number, or too many of them."""
+    """SceneError if a line has too few or too many cells, or a cell in use that is no number."""
+    # Twice as many cells as columns: each number with a decimal comma was cut in two.
     hint = ""
     if (
         len(cells) > len(head.columns)
@@ -369,9 +392,11 @@ def _refuse_line(number: int, cells: Sequence[str], head: Head, used: Sequence[i
 
 
 def _separator(line: str, header: str = "") -> str | None:
-    """Of the cells of a line of numbers; None where blanks stand between them."""
-    if found := next((x for x in "\t;" if x in line), None):
-        return found
+    """The separator of the cells of a line of numbers; None for blanks."""
+    # A tab or semicolon separates whatever else is there. Then numbers between blanks: in "1,5 2,5"
+    # the commas are decimal. Only then a comma; and where the line does not tell, the header does.
+    if separator := next((x for x in "\t;" if x in line), None):
+        return separator
     words = line.split()
     if len(words) > 1 and all(map(_is_number, words)):
         return None
@@ -381,12 +406,14 @@ def _separator(line: str, header: str = "") -> str | None:
 
 
 def _names(header: str) -> list[str]:
+    """The names of a header's columns; between blanks, a unit in brackets belongs to its name."""
     if set("\t;,") & set(header):
         return _cells(header, max("\t;,", key=header.count))
     return re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", header.replace('"', ""))
 
 
 def _cells(line: str, separator: str | None) -> list[str]:
+    """The cells of a line; quotes are those of CSV."""
     if separator is None:
         return line.split()
     return [
@@ -395,16 +422,18 @@ def _cells(line: str, separator: str | None) -> list[str]:
 
 
 def _is_number(cell: str) -> bool:
-    """Real or complex, with a point or a comma."""
+    """Whether a cell is a real or complex number, with a decimal point or comma."""
     plain = _without_i(cell.strip().replace(",", "."), ",")
     try:
         complex(plain)
     except ValueError:
         return False
+    # Python reads 1_000 as a number, and j as one: no file means that.
     return "_" not in plain and plain.lower() not in ("j", "+j", "-j")
 
 
 def _has_comma(cell: str) -> bool:
+    """Whether a cell is a number with a decimal comma."""
     return re.fullmatch(r"[+-]?\d*,\d+([eE][+-]?\d+)?", cell) is not None
 
 
@@ -414,37 +443,39 @@ _ARRAYS = (".mat", ".npz")
 
 
 def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
-    """Variables by their names, or the fields of the one struct. SciPy reads files up to version
-    7."""
+    """Read the variables of a file of MATLAB or NumPy, or the fields of its one struct, by their
+    names."""
     refuse(path, text=False)
-    found = _variables(path)
-    structs = [x for x in found.values() if x.dtype.names and x.size == 1]
-    if len(structs) == 1 and not {known_role(x) for x in found} & {"frequency", "time"}:
-        own = structs[0].reshape(-1)[0]
-        found = {x: np.asarray(own[x]) for x in own.dtype.names}
+    variables = _variables(path)
+    structs = [x for x in variables.values() if x.dtype.names and x.size == 1]
+    if len(structs) == 1 and not {known_role(x) for x in variables} & {"frequency", "time"}:
+        fields = structs[0].reshape(-1)[0]
+        variables = {x: np.asarray(fields[x]) for x in fields.dtype.names}
     unit = ""
-    if {"ResponseData", "Frequency"} <= set(
-        found
-    ):  # an frd; its other fields say nothing of the response
-        unit = _unit_of_frd(found)
-        found = {x: found[x] for x in ("Frequency", "ResponseData")}
+    # An frd of MATLAB; its other fields say nothing of the response.
+    if {"ResponseData", "Frequency"} <= set(variables):
+        unit = _unit_of_frd(variables)
+        variables = {x: variables[x] for x in ("Frequency", "ResponseData")}
     columns = tuple(
         x._replace(unit=unit) if unit and x.name == "Frequency" else x
-        for x in map(column_of, found)
+        for x in map(column_of, variables)
     )
     roles = check(columns, layout)
     scales = scales_of(columns, roles, layout)
     names = {role: columns[i].text for role, i in roles.items()}
-    rows = {role: _numbers(x, role, found[x]) * scales[role].factor for role, x in names.items()}
+    rows = {
+        role: _numbers(x, role, variables[x]) * scales[role].factor for role, x in names.items()
+    }
     if len({len(x) for x in rows.values()}) > 1:
         counts = ", ".join(f"{x} has {len(rows[role])}" for role, x in names.items())
         raise SceneError(f"give as many numbers in each variable: {counts}")
     return Given(path, columns, roles, scales, rows, lambda i: f"line {i + 1}")
 
 
-def _unit_of_frd(found: Mapping[str, Any]) -> str:
-    """The unit of the frequencies in an frd of MATLAB, which may refer to that of time."""
-    unit, time = (_word(found.get(x)) for x in ("FrequencyUnit", "TimeUnit"))
+def _unit_of_frd(variables: Mapping[str, Any]) -> str:
+    """The unit of the frequencies in an frd of MATLAB, which may refer to the unit of time;
+    SceneError where that is not seconds."""
+    unit, time = (_word(variables.get(x)) for x in ("FrequencyUnit", "TimeUnit"))
     if time not in ("", "seconds") and (not unit or "TimeUnit" in unit):
         raise SceneError(
             f"TimeUnit: the frequencies are per {time}: set FrequencyUnit to rad/s or Hz"
@@ -453,25 +484,27 @@ def _unit_of_frd(found: Mapping[str, Any]) -> str:
 
 
 def _word(given: Any) -> str:
+    """A text that MATLAB keeps in an array; empty where there is none."""
     return "" if given is None or not np.size(given) else str(np.ravel(given)[0])
 
 
 def _variables(path: Path) -> dict[str, Any]:
+    """The variables of a file of MATLAB up to version 7, or of an archive of NumPy, by name."""
     if path.suffix.lower() == ".npz":
         return _arrays_of_numpy(path)
     from scipy.io import loadmat
 
     try:
-        found = loadmat(path)
+        variables = loadmat(path)
     except NotImplementedError:
         raise SceneError("version 7.3, which SciPy does not read: save it with -v7") from None
     except Exception as error:  # noqa: BLE001  whatever SciPy raises for what is none
         raise SceneError(f"not a readable MATLAB file: {str(error).lower()}") from None
-    return {key: np.asarray(x) for key, x in found.items() if not key.startswith("__")}
+    return {key: np.asarray(x) for key, x in variables.items() if not key.startswith("__")}
 
 
 def _arrays_of_numpy(path: Path) -> dict[str, Any]:
-    """Those of an archive of NumPy; never objects, which would run what is in them."""
+    """The arrays of an archive of NumPy; never objects, as unpickling runs code from the file."""
     try:
         with np.load(path, allow_pickle=False) as archive:
             return dict(archive)
@@ -480,6 +513,7 @@ def _arrays_of_numpy(path: Path) -> dict[str, Any]:
 
 
 def _numbers(key: str, role: str, given: Any) -> Any:
+    """A variable as a row of numbers: one dimension longer than 1 at most, real unless it is H."""
     row = np.asarray(given)
     if row.dtype.kind not in "biufc" or row.size != max(row.shape, default=0):
         raise SceneError(f"{key}: must be one row or column of numbers")
@@ -492,6 +526,7 @@ def _numbers(key: str, role: str, given: Any) -> Any:
 
 
 def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, int]:
+    """The columns of a response: a frequency, and H, real and imag, or magnitude and phase."""
     roles = assigned(columns, RESPONSE, layout)
     listed = ", ".join(x.text for x in columns)
     if "frequency" not in roles:
@@ -503,6 +538,7 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
             )
         ways = "give one, omega (rad/s) or frequency_hz, or name it, as columns = { frequency = 1 }"
         raise SceneError(f"no column of frequencies: {ways}: there are {listed}")
+    # "FRF" beside a phase is a magnitude.
     if "H" in roles and "phase" in roles and "magnitude" not in roles:
         roles["magnitude"] = roles.pop("H")
     forms = [x for x in ({"H"}, {"real", "imag"}, {"magnitude", "phase"}) if x & set(roles)]
@@ -517,6 +553,7 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
 def _measurement(
     given: Given, layout: Layout, averages: float | None, confidence: float
 ) -> Measurement:
+    """The measured response of a file: checked, in rising order, as force per position."""
     rows = given.rows
     omega, H, coherence, radius = (
         rows["frequency"],
@@ -525,6 +562,8 @@ def _measurement(
         rows.get("radius"),
     )
     check_certainty(coherence is not None, radius is not None, averages, confidence)
+    # A sweep from high to low is a response as well: it is turned round, and errors still name the
+    # lines of the file.
     place, notes = given.place, []
     last = len(omega) - 1
     if last and (np.diff(omega) < 0).all():
@@ -534,25 +573,28 @@ def _measurement(
         place = lambda i: given.place(last - i)  # noqa: E731
         notes.append("sorted")
     check_lines(omega, H, coherence, radius, place)
-    own = Measurement(
+    response = Measurement(
         omega, H, coherence, averages, confidence, radius, given.motion, given.path.name, given.path
     )
     if layout.sign < 0:
-        own = replace(own, H=-own.H)
+        response = replace(response, H=-response.H)
         notes.append("sign turned round")
     if (layout.quantity or "stiffness") != "stiffness":
-        own, left = _converted(own, str(layout.quantity), place)
+        response, left = _converted(response, str(layout.quantity), place)
         notes += [str(layout.quantity).replace("-", " "), left]
-    return replace(own, understood=given.understood(*notes))
+    return replace(response, understood=given.understood(*notes))
 
 
 def _response(given: Given) -> Any:
+    """The complex response of a file, in its own quantity and SI."""
     rows = given.rows
     if "H" in rows:
         return rows["H"]
     if "real" in rows:
         return rows["real"] + 1j * rows["imag"]
     size, scale = rows["magnitude"], given.scales["magnitude"]
+    # The factor of the unit in dB re 1 N/mm, say, was put on the dB themselves: it is taken off,
+    # and put on the number that they mean.
     if scale.decibel:
         size = scale.factor * 10 ** (size / scale.factor / 20)
     elif (size < 0).any():
@@ -565,8 +607,8 @@ def _response(given: Given) -> Any:
 
 
 def _converted(m: Measurement, kind: str, place: Callable[[int], str]) -> tuple[Measurement, str]:
-    """Force per position of another quantity, and what was left out: at 0 rad/s a derivative of
-    motion shows none."""
+    """The response as force per position, from another quantity, and a note on what was left out:
+    at 0 rad/s a derivative of motion is 0 whatever the motion."""
     order, power = QUANTITIES[kind]
     kept = m.omega > 0 if order else np.isfinite(m.omega)
     if not kept.any():
@@ -574,28 +616,31 @@ def _converted(m: Measurement, kind: str, place: Callable[[int], str]) -> tuple[
     if power < 0 and not m.H[kept].all():
         first = int(np.argmax(kept & (m.H == 0)))
         raise SceneError(f"{place(first)}: {kind}: is 0, and force per position would be infinite")
-    own = m.at(kept)
-    factor = (1j * own.omega) ** order
-    left = "" if kept.all() else "line at 0 left out"
+    lines = m.at(kept)
+    factor = (1j * lines.omega) ** order
+    note = "" if kept.all() else "line at 0 left out"
     if power > 0:
-        radius = None if own.radius is None else own.radius * np.abs(factor)
-        return replace(own, H=own.H * factor, radius=radius), left
-    H, radius = factor / own.H, None
-    if own.discs is not None:
+        radius = None if lines.radius is None else lines.radius * np.abs(factor)
+        return replace(lines, H=lines.H * factor, radius=radius), note
+    H, radius = factor / lines.H, None
+    # The disc of relative radius rho about Y becomes one within rho/(1 - rho) of 1/Y, unbounded
+    # where it holds 0. It is given as a radius: coherence does not describe a disc off its centre.
+    if lines.discs is not None:
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = own.discs / np.abs(own.H)
+            share = lines.discs / np.abs(lines.H)
             radius = np.where(share < 1, np.abs(H) * share / (1 - share), np.inf)
-    return replace(own, H=H, coherence=None, averages=None, radius=radius), left
+    return replace(lines, H=H, coherence=None, averages=None, radius=radius), note
 
 
 # Records in time.
 
 _OFF = 0.75
-"""Of the spacing: how far a sample may stand from its even place, or a step be from the mean step;
-times are rounded in files."""
+"""The share of the spacing by which a sample may stand off its even place, or a step differ from
+the mean step: times are rounded in files."""
 
 
 def _record_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, int]:
+    """The columns of records in time: time, position, force, and a reference if there is one."""
     roles = assigned(columns, RECORD, layout)
     listed = ", ".join(x.text for x in columns[:20])
     if missing := [x for x in ("time", "position", "force") if x not in roles]:
@@ -613,9 +658,9 @@ def read_record(
 ) -> Measurement:
     """The response of the records in a file; ``settings`` : as of ``estimated``. SceneError says
     what is wrong, and where."""
-    own = layout or Layout()
+    stated = layout or Layout()
     try:
-        given = _read(path, own, _record_roles, "t,position,force")
+        given = _read(path, stated, _record_roles, "t,position,force")
         rows = given.rows
         joint = estimator.lower() == Estimator.JOINT.value
         if joint and "reference" not in rows:
@@ -623,9 +668,9 @@ def read_record(
                 "estimator: joint needs the column reference, the signal that drives the loop"
             )
         rate, note = _rate(given)
-        found = estimated(
+        response = estimated(
             rows["position"],
-            own.sign * rows["force"],
+            stated.sign * rows["force"],
             rate,
             estimator=estimator,
             reference=rows["reference"] if joint else None,
@@ -635,13 +680,13 @@ def read_record(
         )
     except SceneError as error:
         raise error.within(path.name or str(path)) from None
-    turned = "sign turned round" if own.sign < 0 else ""
-    return replace(found, path=path, understood=given.understood(note, turned))
+    turned = "sign turned round" if stated.sign < 0 else ""
+    return replace(response, path=path, understood=given.understood(note, turned))
 
 
 def _rate(given: Given) -> tuple[float, str]:
-    """Samples a second, and which part of a second times are in that count from 1970. SceneError
-    where samples are not even."""
+    """The samples a second, and a note where times without a unit count ns, us or ms from 1970, as
+    logging programs write them. SceneError where samples are not evenly spaced."""
     t = given.rows["time"]
     for key, row in given.rows.items():
         if not np.isfinite(row).all():
@@ -649,21 +694,24 @@ def _rate(given: Given) -> tuple[float, str]:
                 f"{given.place(int(np.argmin(np.isfinite(row))))}: "
                 f"{'t' if key == 'time' else key}: must be finite"
             )
-    parts = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"))
-    part, note = next(
-        ((x, f"time in {unit} since 1970") for least, x, unit in parts if t[0] > least), (1.0, "")
+    # Each bound is 3.2 years in its unit: no record is so long, and every clock since 1973 is
+    # above.
+    counts = ((1e17, 1e-9, "ns"), (1e14, 1e-6, "us"), (1e11, 1e-3, "ms"))
+    unit_in_s, note = next(
+        ((x, f"time in {unit} since 1970") for least, x, unit in counts if t[0] > least), (1.0, "")
     )
     if not note or given.scales["time"].unit != "SI":
-        part, note = 1.0, ""
-    t = (t - t[0]) * part if note else t
+        unit_in_s, note = 1.0, ""
+    # The difference first: of nearby doubles it is exact, and products would be rounded again.
+    t = (t - t[0]) * unit_in_s if note else t
     if len(t) < 2 or t[-1] <= t[0]:
         raise SceneError("t: must rise from sample to sample")
     step = (t[-1] - t[0]) / (len(t) - 1)
     even = t[0] + step * np.arange(len(t))
-    off = np.abs(t - even) > _OFF * step
+    is_off = np.abs(t - even) > _OFF * step
     jumps = np.abs(np.diff(t) - step) > _OFF * step
-    if jumps.any() or off.any():
-        first = int(np.argmax(jumps)) + 1 if jumps.any() else int(np.argmax(off))
+    if jumps.any() or is_off.any():
+        first = int(np.argmax(jumps)) + 1 if jumps.any() else int(np.argmax(is_off))
         gap = f"{t[first]:.6g} s follows {t[first - 1]:.6g} s, and samples are {step:.4g} s apart"
         raise SceneError(f"{given.place(first)}: t: {gap}: resample the record evenly")
     return float(1 / step), note
@@ -679,6 +727,7 @@ def read_motion(path: Path) -> Given:
 
 
 def _motion_roles(columns: Sequence[ColumnHeader], _: Layout) -> dict[str, int]:
+    """The columns of a motion: of two columns the first is time, of more they go by their names."""
     if len(columns) == 2 and known_role(columns[1].text) != "time":
         return {"time": 0, "position": 1}
     roles = assigned(columns, {key: RECORD[key] for key in ("time", "position")}, Layout())
@@ -689,12 +738,13 @@ def _motion_roles(columns: Sequence[ColumnHeader], _: Layout) -> dict[str, int]:
 
 
 RECORDS = ("estimator", "segment", "overlap", "window", "every")
-"""Keys of a response that is estimated from records in time."""
+"""The keys, in a scene, of a response that is estimated from records in time."""
 LAYOUT = ("columns", "unit", "quantity", "sign")
-"""Keys of what a file has."""
+"""The keys, in a scene, that say what the columns of a file are."""
 
 
 def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
+    """Read a file of any kind, by its ending."""
     if path.suffix.lower() in _ARRAYS:
         return _read_variables(path, layout, check)
     return _read_text(path, layout, check, example)
@@ -704,10 +754,11 @@ _STATED = re.compile(r"# haptisym: (averages|confidence|slope)\s*=\s*(\S.*)")
 
 
 def _stated(path: Path) -> dict[str, str]:
-    """What comments before all else state of the lines, as ``Measurement.to_csv`` writes it."""
+    """The certainty that comments at the head of a file state, as ``Measurement.to_csv`` writes
+    them: values by the keys averages, confidence and slope."""
     with path.open(encoding="utf-8-sig") as file:
-        found = takewhile(bool, map(_STATED.match, file))
-        return {x[1]: x[2].strip() for x in found if x}
+        matches = takewhile(bool, map(_STATED.match, file))
+        return {x[1]: x[2].strip() for x in matches if x}
 
 
 def read_file(
@@ -730,10 +781,10 @@ def read_file(
         refuse_universal(path)
         try:
             given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
-            own = {} if path.suffix.lower() in _ARRAYS else _stated(path)
-            slope = own.pop("slope", None)
+            comments = {} if path.suffix.lower() in _ARRAYS else _stated(path)
+            slope = comments.pop("slope", None)
             stated = {
-                key: float(quantity(text, Dimension.RATIO).value) for key, text in own.items()
+                key: float(quantity(text, Dimension.RATIO).value) for key, text in comments.items()
             }
             averages = stated.get("averages") if averages is None else averages
             level = stated.get("confidence", CONFIDENCE) if confidence is None else confidence

@@ -1,11 +1,11 @@
 """A scene: the environment to be felt, the effects in between, the band of interest, the threshold
 and the hands.
 
-Each effect has a name and each parameter a symbol of its own. ``Knobs`` are everything in a scene
-that a question may vary, by one set of names: the numbers of its elements, and the thresholds.
-``caveats`` are what an exact answer about a scene does not say: where its formulas stand for more
-than they hold. Friction is noticed by a Weber law and a floor of its own, not by the JND of
-damping.
+Each effect has a name and each parameter a symbol of its own, so that closed forms of the whole
+scene are unambiguous. ``Knobs`` are everything in a scene that a question may vary, by one set of
+names: the numbers of its elements, and the thresholds. ``caveats`` are the limits of an exact
+answer about a scene: where its formulas are approximations or do not apply. Friction is noticed by
+a Weber law and a floor of its own, not by the JND of damping. Begin with ``Scene``.
 """
 
 from __future__ import annotations
@@ -73,21 +73,22 @@ class Knob(Parameter):
 
     @property
     def path(self) -> str:
-        """``effects.filter.omega_n``."""
+        """The path in a scene file: ``effects.filter.omega_n``."""
         return f"{self.place}.{self.key}"
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """Its own path and those of what refers to it."""
+        """The path, and the paths of the parameters that refer to it."""
         return self.path, *self.also
 
     @property
     def is_of_hand(self) -> bool:
-        """Whether it is a hand's, which changes nothing of what is felt."""
+        """Whether it is a parameter of a hand, on which what is felt does not depend."""
         return self.model == "hand"
 
     def felt(self) -> Knob:
-        """The same; SceneError for a hand's, of which what is felt holds nothing."""
+        """Return the knob itself; SceneError for one of a hand, which changes nothing that is
+        felt."""
         if self.is_of_hand:
             raise SceneError(
                 f"{self.path} does not change what is felt; haptisym stability examines it"
@@ -96,8 +97,7 @@ class Knob(Parameter):
 
     @property
     def name(self) -> str:
-        """The name of its symbol; ``c_real`` and ``c_imag`` tell the thresholds of the parts
-        apart."""
+        """The name of its symbol; of the threshold of a single part ``c_real`` or ``c_imag``."""
         return f"c_{self.parts[0].value}" if len(self.parts) == 1 else self.symbol.name
 
     @property
@@ -106,7 +106,8 @@ class Knob(Parameter):
         return self.unit_in(self.motion) or "SI"
 
     def number(self, given: Number) -> Expr:
-        """A number for it, SI, exact; SceneError for a unit that does not fit, and for a symbol."""
+        """Read a number for it, exact, in SI; SceneError for a unit that does not fit, and for a
+        symbol."""
         with within(self.path):
             read = number(given, self.dimension)
         if read.motion and self.motion and read.motion is not self.motion:
@@ -116,7 +117,7 @@ class Knob(Parameter):
         return read.value
 
     def check(self, given: Number) -> None:
-        """SceneError, with the path, unless its rule allows the value: a number, a range or a
+        """SceneError, with the path, unless its rule allows a value: a number, a range or a
         symbol."""
         if self.parts:
             threshold_value(self.path, given)
@@ -124,13 +125,13 @@ class Knob(Parameter):
             read_parameter(self.path, given, Slot(self.dimension, self.rule), self.symbol.name)
 
     def put(self, scene: Scene, given: Number) -> Scene:
-        """The scene with this value for it; SceneError where the model does not allow it."""
+        """The scene with this value for the knob; SceneError where the model does not allow it."""
         return scene.with_values({self.path: given})
 
 
 def threshold_knobs(threshold: Threshold) -> tuple[Knob, ...]:
-    """Both thresholds as one (the value is the real part's), then each; none of a polygon, which is
-    given by its corners."""
+    """The knobs of a threshold: both parts as one (with the real part's value), then each part;
+    none of a polygon, which is given by its corners."""
     if threshold.region.corners:
         return ()
     keys = {"jnd": tuple(Part), **{f"jnd.{part.value}": (part,) for part in Part}}
@@ -175,19 +176,22 @@ class Knobs(Collection[Knob]):
         return knob in self.all
 
     def __getitem__(self, name: str) -> Knob:
+        # A full path goes before a symbol's name, and that before the end of a path.
         given = str(name)
-        named = [x for x in self if given == x.name]
-        ended = [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
-        if any(
-            x.parts for x in named
-        ):  # a number of the scene that is written c as well is no threshold
-            named = [x for x in self if x in named or x in ended]
-        found = [x for x in self if given in x.paths] or named or ended
-        if len(found) > 1:
-            raise SceneError(f'"{given}" is ambiguous: write {" or ".join(x.path for x in found)}')
-        if not found:
+        by_name = [x for x in self if given == x.name]
+        by_end = [x for x in self if any(path.endswith(f".{given}") for path in x.paths)]
+        # Where a parameter of the scene is called c as well as the threshold, the name is
+        # ambiguous: both go into the list, and the error lists their paths.
+        if any(x.parts for x in by_name):
+            by_name = [x for x in self if x in by_name or x in by_end]
+        matches = [x for x in self if given in x.paths] or by_name or by_end
+        if len(matches) > 1:
+            raise SceneError(
+                f'"{given}" is ambiguous: write {" or ".join(x.path for x in matches)}'
+            )
+        if not matches:
             paths = [path for x in self for path in x.paths]
-            called = next(
+            by_dimension = next(
                 (
                     f'did you mean "{x.path}"? '
                     for x in self
@@ -195,33 +199,34 @@ class Knobs(Collection[Knob]):
                 ),
                 "",
             )
-            hint = called or meant(given, [*paths, *(x.name for x in self)])
+            hint = by_dimension or meant(given, [*paths, *(x.name for x in self)])
             raise SceneError(
                 f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}'
             )
-        return found[0]
+        return matches[0]
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
-        """Those of the display: all but the thresholds and the hands'."""
+        """The parameters of the display: all knobs but the thresholds and the hands'."""
         return tuple(x for x in self if not x.parts and not x.is_of_hand)
 
     @property
     def limits(self) -> dict[Part, Knob]:
-        """Of each part the threshold: one for both where they are alike, else its own; none of a
-        polygon."""
-        found = [x for x in self if x.parts]
-        if not found:
+        """The threshold's knob of each part: one for both where they are equal, else each its own;
+        empty for a polygon."""
+        thresholds = [x for x in self if x.parts]
+        if not thresholds:
             return {}
-        both, *each = found
-        alike = len({(x.value, x.interval) for x in each}) == 1
-        return {part: both if alike else own for part, own in zip(Part, each, strict=True)}
+        # The first one stands for both parts, as ``threshold_knobs`` lists them.
+        both, *each = thresholds
+        are_equal = len({(x.value, x.interval) for x in each}) == 1
+        return {part: both if are_equal else knob for part, knob in zip(Part, each, strict=True)}
 
     def chosen(self, names: Iterable[str]) -> tuple[Knob, ...]:
-        """Several, each by its name; SceneError where two names mean one number."""
-        found: list[Knob] = []
+        """The knobs of several names, in order; SceneError where two names mean one number."""
+        knobs: list[Knob] = []
         for knob in map(self.__getitem__, names):
-            for other in found:
+            for other in knobs:
                 if other.path == knob.path:
                     raise SceneError(f"{knob.path} is given twice")
                 if set(other.parts) & set(knob.parts):
@@ -229,11 +234,11 @@ class Knobs(Collection[Knob]):
                         f"{THRESHOLD} sets both thresholds: give it, or {THRESHOLD}.real and "
                         f"{THRESHOLD}.imag"
                     )
-            found.append(knob)
-        return tuple(found)
+            knobs.append(knob)
+        return tuple(knobs)
 
     def need_numbers(self, besides: Collection[Knob] = ()) -> None:
-        """SceneError where one that is not ``besides`` is a symbol."""
+        """SceneError where the value of a knob is a symbol, unless it is among ``besides``."""
         for x in self:
             if x.value.free_symbols - {omega} and x not in besides:
                 raise SceneError(
@@ -264,12 +269,12 @@ class FrictionThreshold:
 
     @property
     def least(self) -> Expr:
-        """The least difference that is noticed, N or N m."""
+        """The least difference of force that is noticed, N or N m."""
         return Max(self.floor, self.weber * self.reference)
 
 
 def read_friction(given: Any) -> FrictionThreshold:
-    """As a scene gives it: a table. SceneError names key and rule.
+    """Read the friction threshold from the table of a scene. SceneError names key and rule.
 
     >>> read_friction({"weber": "20 %", "floor": "50 mN", "reference": "0.4 N"}).least
     2/25
@@ -278,8 +283,8 @@ def read_friction(given: Any) -> FrictionThreshold:
         return given
     if not isinstance(given, Mapping) or not given:
         raise SceneError('friction: give a table, as { weber = 0.2, floor = "0.05 N" }')
-    found: dict[str, Any] = {}
-    kinds = set()
+    numbers: dict[str, Any] = {}
+    motions = set()
     for key, x in given.items():
         if key not in _FRICTION_KEYS:
             raise SceneError(
@@ -290,11 +295,11 @@ def read_friction(given: Any) -> FrictionThreshold:
             read = number(x, _FRICTION_KEYS[key])
         if read.value.free_symbols or sign_of_number(read.value) < 0:
             raise SceneError(f'friction: {key}: "{x}" must be a number >= 0')
-        found[key] = read.value
-        kinds |= {read.motion} - {None}
-    if len(kinds) > 1:
+        numbers[key] = read.value
+        motions |= {read.motion} - {None}
+    if len(motions) > 1:
         raise SceneError("friction: floor and reference: give both as forces, or both as torques")
-    return FrictionThreshold(**found, motion=next(iter(kinds), None))
+    return FrictionThreshold(**numbers, motion=next(iter(motions), None))
 
 
 class HasParameters(Protocol):
@@ -302,7 +307,7 @@ class HasParameters(Protocol):
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """Its parameters, in the order of the catalogue."""
+        """The parameters, in the order of the catalogue."""
 
 
 def with_names(effects: Iterable[Effect]) -> list[Effect]:
@@ -311,11 +316,11 @@ def with_names(effects: Iterable[Effect]) -> list[Effect]:
     taken = {effect.name for effect in listed}
     named: list[Effect] = []
     for effect in listed:
-        own = effect.name
-        if any(own == other.name for other in named):
-            own = free_name(own, taken, "-")
-            taken.add(own)
-        named.append(replace(effect, name=own))
+        name = effect.name
+        if any(name == other.name for other in named):
+            name = free_name(name, taken, "-")
+            taken.add(name)
+        named.append(replace(effect, name=name))
     return named
 
 
@@ -328,27 +333,27 @@ def symbol_names(
     The first element, which has no label, is the environment: it keeps its names but for the
     threshold's, as ``c``, which becomes ``c_env``.
     """
+    # The thresholds' names count as used once, so that a parameter called c is always renamed.
     listed = list(elements)
     uses = Counter([p.symbol.name for _, element in listed if element for p in element.parameters])
     uses.update(_OF_THRESHOLDS)
     taken = set(uses)
     renamed: list[dict[Symbol, Symbol]] = []
     for label, element in listed:
-        suffix, held = (
-            "_" + re.sub(r"\W", "_", label or "env"),
-            element.parameters if element else (),
-        )
-        own = [p.symbol for p in held if not p.tie and (label or p.symbol.name in _OF_THRESHOLDS)]
+        suffix = "_" + re.sub(r"\W", "_", label or "env")
+        parameters = element.parameters if element else ()
+        own = [
+            p.symbol for p in parameters if not p.tie and (label or p.symbol.name in _OF_THRESHOLDS)
+        ]
         shared = [symbol for symbol in own if uses[symbol.name] > 1]
         names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
         taken |= set(names.values())
-        tied = {p.symbol: renamed[0][p.symbol] for p in held if p.tie and p.symbol in renamed[0]}
-        renamed.append(
-            {
-                **tied,
-                **{symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()},
-            }
-        )
+        # A tied parameter is the environment's, which comes first: it follows that one's new name.
+        tied = {
+            p.symbol: renamed[0][p.symbol] for p in parameters if p.tie and p.symbol in renamed[0]
+        }
+        fresh = {symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()}
+        renamed.append({**tied, **fresh})
     return renamed
 
 
@@ -357,7 +362,8 @@ _OF_THRESHOLDS = ("c", "c_real", "c_imag")
 
 @dataclass(frozen=True, repr=False)
 class Scene(Shown):
-    """What is to be evaluated. Valid by construction: SceneError names what is wrong.
+    """A display to be evaluated: environment, effects, band, threshold and hands. Valid by
+    construction: SceneError names what is wrong.
 
     ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in
     rad/s or strings with a unit. ``threshold`` : a Threshold, or what a scene file says of the JND:
@@ -382,13 +388,13 @@ class Scene(Shown):
     source: str = ""
     hands: tuple[Hand, ...] = ()
     confidence: Any = None
-    """Of the region that the ranges are, where they were estimated: 0.95 of a scene that
-    ``identify`` wrote."""
+    """The confidence of the region that its ranges are, where they were estimated: 0.95 of a scene
+    that ``identify`` wrote."""
     friction: Any = None
     """When friction is noticed, a FrictionThreshold or its table; None where the scene does not
     say."""
     text: str = field(default="", repr=False, compare=False)
-    """Of the file that it was read from, as it was then."""
+    """The text of the file that it was read from, as it was then."""
     frequency: Unit = field(default=RADIANS, repr=False, compare=False)
     """The unit of frequency in which pages print: that in which the band is given."""
 
@@ -400,18 +406,20 @@ class Scene(Shown):
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        """Its fields: what was computed from them holds what cannot be pickled, and is found
-        again."""
+        """The fields alone: cached results hold what cannot be pickled, and are computed again."""
         return {x.name: getattr(self, x.name) for x in fields(self)}
 
     @spared()
     def __post_init__(self) -> None:
+        # A frozen dataclass: fields are brought to their final form here, and never after.
         object.__setattr__(self, "environment", given_environment("environment", self.environment))
         if self.rendered is not None:
             object.__setattr__(self, "rendered", given_environment("rendered", self.rendered))
         object.__setattr__(self, "effects", given_effects(self.effects))
         object.__setattr__(self, "hands", given_hands(self.hands))
         object.__setattr__(self, "band", given_band(self.band))
+        # What was written is kept for messages, and its unit for pages, before the band becomes
+        # numbers in rad/s.
         shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
         object.__setattr__(
             self, "frequency", next(filter(None, map(frequency_unit, self.band)), self.frequency)
@@ -430,18 +438,20 @@ class Scene(Shown):
             raise SceneError(
                 f"band: the high end, {shown[1]}, must be above the low end, {shown[0]}"
             )
+        # References first: only then has every parameter of what is rendered a value and a motion.
         self._tie()
         _different(self.hands)
         _one_motion((*self.elements(), *self.held()))
         self.threshold.check(low, high, self.motion)
-        kinds = (self.friction.motion if self.friction else None), self.motion
-        if None not in kinds and kinds[0] is not kinds[1]:
-            own, scenes = (x.value for x in kinds if x)
-            raise SceneError(f"friction: its unit is {own}, the scene {scenes}")
+        motions = (self.friction.motion if self.friction else None), self.motion
+        if None not in motions and motions[0] is not motions[1]:
+            of_friction, of_scene = (x.value for x in motions if x)
+            raise SceneError(f"friction: its unit is {of_friction}, the scene {of_scene}")
+        # Symbols last, as suffixes are the names that effects have by then.
         effects = with_names(self.effects)
-        listed: list[Effect | Hand] = [*effects, *self.hands]
-        whose = ((x.name, x) for x in listed)
-        names = symbol_names([("", self.environment), ("rendered", self.rendered), *whose])
+        named: list[Effect | Hand] = [*effects, *self.hands]
+        labelled = ((x.name, x) for x in named)
+        names = symbol_names([("", self.environment), ("rendered", self.rendered), *labelled])
         renamed = iter(names)
         object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
         rendered = next(renamed)
@@ -455,7 +465,8 @@ class Scene(Shown):
         object.__setattr__(self, "hands", tuple(hand.renamed(next(renamed)) for hand in self.hands))
 
     def _tie(self) -> None:
-        """What is rendered gets the environment's parameters where it refers to them."""
+        """Resolve the references of what is rendered to the environment's parameters; SceneError
+        for a reference anywhere else."""
         try:
             place = "environment"
             refuse_references(self.environment.parameters)
@@ -484,33 +495,32 @@ class Scene(Shown):
 
     @cached_property
     def knobs(self) -> Knobs:
-        """Everything that may be varied, by name: each parameter once, and the thresholds."""
+        """Everything that may be varied, by name: each parameter once, then the thresholds."""
         return Knobs((*self._knobs(), *self._hand_knobs(), *threshold_knobs(self.threshold)))
 
     def _hand_knobs(self) -> Iterator[Knob]:
+        """The parameters of the hands."""
         for place, hand in self.held():
             for p in hand.parameters:
                 also = (f"hands.{hand.name}.{p.key}",) if place == "hand" else ()
-                own = vars(replace(p, motion=p.motion or self.motion))
-                yield Knob(**own, place=place, model=hand.model, also=also)
+                fields_of_p = vars(replace(p, motion=p.motion or self.motion))
+                yield Knob(**fields_of_p, place=place, model=hand.model, also=also)
 
     def _knobs(self) -> Iterator[Knob]:
+        """The parameters of the display, each once."""
+        rendered = self.rendered.parameters if self.rendered else ()
         for place, element in self.elements():
             for p in element.parameters:
-                if not p.tie:
-                    tied = [
-                        q
-                        for q in (self.rendered.parameters if self.rendered else ())
-                        if q.tie == f"{place}.{p.key}"
-                    ]
-                    rule = reduce(Rule.and_also, (q.rule for q in tied), p.rule)
-                    own = vars(replace(p, rule=rule, motion=p.motion or self.motion))
-                    yield Knob(
-                        **own,
-                        place=place,
-                        model=element.model,
-                        also=tuple(f"rendered.{q.key}" for q in tied),
-                    )
+                # A tied parameter is listed where it belongs, with the paths of all that refer to
+                # it.
+                if p.tie:
+                    continue
+                tied = [q for q in rendered if q.tie == f"{place}.{p.key}"]
+                # A value must suit all its places: the strictest of their rules holds.
+                rule = reduce(Rule.and_also, (q.rule for q in tied), p.rule)
+                fields_of_p = vars(replace(p, rule=rule, motion=p.motion or self.motion))
+                also = tuple(f"rendered.{q.key}" for q in tied)
+                yield Knob(**fields_of_p, place=place, model=element.model, also=also)
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
@@ -518,19 +528,19 @@ class Scene(Shown):
         return self.knobs.parameters
 
     def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
-        """What environment and [rendered] have by one name and yet twice: pairs of paths, of which
-        one is among ``varied``."""
-        own = {p.key for p in self.rendered.own} if self.rendered else set()
+        """The parameters that environment and [rendered] have by one name but not tied: pairs of
+        paths, of which one is among ``varied`` (None: all pairs)."""
+        own_keys = {p.key for p in self.rendered.own} if self.rendered else set()
         pairs = [
             (f"environment.{p.key}", f"rendered.{p.key}")
             for p in self.environment.parameters
-            if p.key in own
+            if p.key in own_keys
         ]
         return tuple(pair for pair in pairs if varied is None or not set(varied).isdisjoint(pair))
 
     def untied_note(self, varied: Collection[str] | None = None) -> str:
-        """That these are two parameters each, and how to make them one; empty where there are
-        none."""
+        """A note that these are two parameters each, and how to make them one; empty where there
+        are none."""
         pairs = self.untied(varied)
         if not pairs:
             return ""
@@ -543,35 +553,40 @@ class Scene(Shown):
         )
 
     def ranges(self, besides: Collection[str] = ()) -> dict[str, Knob]:
-        """What has a range, by its path; not those ``besides`` (``evaluation.jnd`` is both
-        thresholds)."""
-        but = [self.knobs[path] for path in besides]
-        asked = {part for x in but for part in x.parts}
-        parts = [part for part in Part if part not in asked]
+        """The knobs that have a range, by path, except those ``besides`` (``evaluation.jnd`` stands
+        for both thresholds)."""
+        left_out = [self.knobs[path] for path in besides]
+        parts_left_out = {part for x in left_out for part in x.parts}
+        parts = [part for part in Part if part not in parts_left_out]
         limits = (
             self.knobs.limits.values()
-            if not asked
+            if not parts_left_out
             else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
         )
-        return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in but}
+        return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in left_out}
 
     def nominal_but(self, besides: Collection[str] = ()) -> str:
-        """The same of all parameters but some, by their paths: those that a question is about."""
-        told: dict[str, list[str]] = {}
+        """A note that an answer is about nominal values, with the ranges that it leaves out; empty
+        where nothing else has a range. ``besides`` : paths of what the question varies."""
+        # Parameters that vary by the same per cent share a phrase. The limits for changes to
+        # smaller values, the floor and the scale of a JND are no knobs: they come from its region.
+        names_by_range: dict[str, list[str]] = {}
         for x in self.ranges(besides).values():
             assert x.interval
-            told.setdefault(spread(x.value, x.interval), []).append(x.name)
+            names_by_range.setdefault(spread(x.value, x.interval), []).append(x.name)
         for name, (low, high) in () if THRESHOLD in besides else self.threshold.region.ranges:
-            told.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(
+            names_by_range.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(
                 f"{name} of the JND"
             )
-        if not told:
+        if not names_by_range:
             return ""
         listed = "; ".join(
             f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}"
-            for by, names in told.items()
+            for by, names in names_by_range.items()
         )
         what = "these are the nominal values" if besides else "this is the nominal scene"
+        # ``tolerances`` examines boxes of numbers; a JND that no box describes is left to
+        # ``evaluate``.
         if not self.threshold.is_box:
             return f"{listed}: {what}; `haptisym evaluate` prints which bandwidths the JND gives."
         return f"{listed}: {what}; see `haptisym tolerances`."
@@ -579,8 +594,8 @@ class Scene(Shown):
     def asides(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> list[str]:
-        """What is to be said beside an answer: what is nominal, and which of what is ``varied``
-        (None: all) has a double."""
+        """The notes to print with an answer: what is estimated, what is nominal, and which of the
+        ``varied`` parameters (None: all) exist twice."""
         return [
             x for x in (self.estimated, self.nominal_but(besides), self.untied_note(varied)) if x
         ]
@@ -588,7 +603,7 @@ class Scene(Shown):
     def aside_keys(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> dict[str, Any]:
-        """The same as keys of a document, where they say something.
+        """The notes as keys of a JSON document; a key that would be empty is left out.
 
         ``confidence`` ; ``nominal``, ranges by path; ``untied``, pairs of paths.
         """
@@ -607,15 +622,15 @@ class Scene(Shown):
 
     @property
     def level(self) -> Expr | None:
-        """The confidence with which its ranges and those of its JND were estimated, the lower one;
-        None where none was."""
+        """The lower of the confidences with which its ranges and those of its JND were estimated;
+        None where none were."""
         return min(
             (x for x in (self.confidence, self.threshold.confidence) if x is not None), default=None
         )
 
     @property
     def estimated(self) -> str:
-        """What that means of all that is said; empty where nothing was estimated."""
+        """A note what estimated ranges mean for every answer; empty where nothing was estimated."""
         if self.level is None:
             return ""
         region = f"the {float(100 * self.level):g} % region of the fit"
@@ -627,8 +642,8 @@ class Scene(Shown):
 
     @property
     def motion(self) -> MotionKind | None:
-        """Whether the hand moves along a line or about an axis; None if no unit in the scene
-        tells."""
+        """The kind of motion that the units imply, along a line or about an axis; None where none
+        does."""
         return next(
             (p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None),
             None,
@@ -643,7 +658,7 @@ class Scene(Shown):
 
     @cached_property
     def closed(self) -> Distortion:
-        """The same for what asks about H_perc alone, in free air too."""
+        """The closed forms for questions about H_perc alone, in free air too."""
         return felt_instead(self.environment, self.effects, self.rendered)
 
     def symbolic_distortion(self) -> Distortion:
@@ -661,8 +676,8 @@ class Scene(Shown):
 
     @property
     def rendering(self) -> Environment:
-        """What is rendered, in s: the environment if nothing else is; a difference equation with z
-        = exp(s T)."""
+        """What the controller renders, in s: [rendered] where the scene has it, else the
+        environment; a difference equation with z = exp(s T)."""
         return (self.rendered or self.environment).seen_by(self.effects)
 
     def with_values(self, values: Mapping[str, Number]) -> Scene:
@@ -676,9 +691,12 @@ class Scene(Shown):
         >>> load_scene("fu2019").with_values({"omega_n": "40 Hz"}).effects[0].matrix[0]
         6400*pi**2/(s**2 + 80*pi*s + 6400*pi**2)
         """
+        # All values are checked before any is put in, so that errors name paths of this scene.
         given = dict(zip(self.knobs.chosen(values), values.values(), strict=True))
         for knob, value in given.items():
             knob.check(value)
+        # Symbols are unique in a scene, and tied parameters share one: by its name a value reaches
+        # all its places.
         named = {knob.name: value for knob, value in given.items() if not knob.parts}
         limits = {part: value for knob, value in given.items() for part in knob.parts}
         return replace(
@@ -696,7 +714,7 @@ class Scene(Shown):
 
     def at_proportion(self, end: Number) -> Scene:
         """The same scene with its threshold at another proportion of right answers; SceneError
-        where its own is not told."""
+        where the threshold's own is not given."""
         with within("jnd"):
             return replace(self, threshold=self.threshold.at_proportion(end))
 
@@ -719,6 +737,7 @@ def frequency_unit(given: Any) -> Unit | None:
     """
     if not isinstance(given, str):
         return None
+    # What is wrong with it is said where the frequency itself is read.
     with suppress(SceneError):
         read = number(given, Dimension.FREQUENCY)
         return read.unit or (RADIANS if read.exponents else None)
@@ -726,12 +745,15 @@ def frequency_unit(given: Any) -> Unit | None:
 
 
 def _different(hands: Iterable[Hand]) -> None:
+    """SceneError where two hands have one name."""
     for name, times in Counter(x.name for x in hands).items():
         if times > 1:
             raise SceneError(f'hands: "{name}" is there twice: give each hand another name')
 
 
 def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> None:
+    """SceneError where units of translation and of rotation meet."""
+    # The first parameter of each motion is shown. One without a unit fits both.
     seen: dict[MotionKind, str] = {}
     for place, element in elements:
         for parameter in element.parameters:
@@ -743,13 +765,13 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:
-    """A sentence for each: thresholds of 100 % and more, bands beyond a Nyquist frequency, clocks,
-    holds inside a loop."""
+    """The limits of exact answers about a scene, a sentence for each: thresholds of 100 % and more,
+    bands beyond a Nyquist frequency, samplers, holds inside a loop, delayed admittance displays."""
     return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene), *_late_mass(scene))
 
 
 def _late_mass(scene: Scene) -> list[str]:
-    """What people report of a delay is not what step 2 makes of it."""
+    """A caveat for delays of an admittance display: people report more mass, step 2 less."""
     models = {x.model for x in scene.effects}
     if not {"admittance-display", "delay"} <= models:
         return []
@@ -763,7 +785,7 @@ def _late_mass(scene: Scene) -> list[str]:
 
 
 def clocks(scene: Scene) -> tuple[Expr, ...]:
-    """The periods at which parts of a display work by a clock, s."""
+    """The sampling periods of a display's samplers, s, in the order of its effects."""
     return tuple(
         x.value
         for effect in scene.effects
@@ -774,8 +796,10 @@ def clocks(scene: Scene) -> tuple[Expr, ...]:
 
 
 def unclocked(scene: Scene) -> Scene:
-    """The scene; without its clock and what is before it where that holds no force, whatever the
-    symbols in it stand for."""
+    """The scene without its first sampler and all before it, where these give no force at any value
+    of the symbols in them; else the scene itself."""
+    # With H = 0 rendered and B = 0 in every matrix before the sampler, (A H + B)/(C H + D) up to it
+    # is 0: the sampler holds no force.
     place = next((i for i, x in enumerate(scene.effects) if x.model in CLOCKS), None)
     if (
         place is None
@@ -789,12 +813,13 @@ def unclocked(scene: Scene) -> Scene:
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
-    """A clock that holds a force, and what brings that back to a clock: an element that yields, or
-    another clock, beyond it.
+    """A sampler that holds a force, and the element that brings this back to a sampler: a
+    compliance (C is not 0) or another sampler beyond it. None where there is no such pair.
 
     Images of the samples then fold back into the band. The closed form (1 - exp(-s T))/(s T) leaves
     them out, and its poles are not those of the sampled loop.
     """
+    # Effects are in order from the environment on: those after the sampler lie towards the hand.
     for i, effect in enumerate(scene.effects):
         if effect.model not in CLOCKS:
             continue
@@ -805,10 +830,11 @@ def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
 
 
 def _loops(scene: Scene) -> list[str]:
-    found = sampled_loop(scene)
-    if found is None:
+    """A caveat where a sampled loop is closed inside the display."""
+    pair = sampled_loop(scene)
+    if pair is None:
         return []
-    hold, other = (x.name for x in found)
+    hold, other = (x.name for x in pair)
     words = (
         f"{hold} holds a force that {other} returns to a sampler: images of the samples fold "
         f"back into the band, and the "
@@ -820,36 +846,37 @@ def _loops(scene: Scene) -> list[str]:
 
 
 def _hand(scene: Scene) -> list[str]:
-    """The hand closes the sampled loop, which may be unstable however stable the force under
-    prescribed motion is."""
-    clocks = [x.name for x in scene.effects if x.model in CLOCKS]
-    if not clocks:
+    """A caveat for every sampler: a hand closes the sampled loop, which may be unstable however
+    stable the force under prescribed motion is."""
+    samplers = [x.name for x in scene.effects if x.model in CLOCKS]
+    if not samplers:
         return []
     return [
         (
-            f"sampled ({', '.join(clocks)}): for prescribed motion; a hand closes the loop "
+            f"sampled ({', '.join(samplers)}): for prescribed motion; a hand closes the loop "
             f"(haptisym stability)."
         )
     ]
 
 
 def _bands(scene: Scene) -> list[str]:
+    """A caveat for each sampler whose Nyquist frequency pi/T is below the band's high end."""
     high = scene.band[1]
-    holds = [
-        (x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS
-    ]  # their one parameter is T
+    # The one parameter of a sampler is its period T.
+    samplers = [(x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS]
     return [
         f"The band exceeds {float(nyquist / scene.frequency.size):.5g} "
         f"{scene.frequency.text}, the Nyquist frequency of {name}: "
         "above it a motion is sampled as one of a lower frequency, and the closed form gives "
         "the component at the motion's "
         "frequency only."
-        for name, nyquist in holds
+        for name, nyquist in samplers
         if not nyquist.free_symbols and sign_of_number(high - nyquist) > 0
     ]
 
 
 def _thresholds(scene: Scene) -> list[str]:
+    """A caveat for each threshold of 100 % or more: most likely per cent were meant."""
     return [
         f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is "
         f"{float(100 * c):.5g} % of |H_env|: "

@@ -1,9 +1,9 @@
 """Scene files: TOML tables to scenes, with every error naming file, key, value and rule.
 
-A scene goes by the name of a shipped one, by the path of a file, or is read from a text. A file
-with several environments is a
-``SceneFamily``: one display, and everything that should be felt through it. One with
-``[perceived]`` is measured, line by line.
+A scene is given by the name of a shipped one, by the path of a file, or as a text. Numbers are read
+as decimals, and so are exact. A file with several environments is a ``SceneFamily``: one display,
+and everything that should be felt through it. One with ``[perceived]`` is a ``MeasuredScene``,
+compared with its environment line by line. Begin with ``load_scene`` and ``parse_scene``.
 """
 
 from __future__ import annotations
@@ -43,9 +43,8 @@ from haptisym.model.scene import Scene, frequency, read_friction
 from haptisym.model.shipped import SHIPPED, bench_names, family_names, scene_names, shipped_text
 
 if TYPE_CHECKING:
-    from haptisym.model.measured import (
-        Measurement,
-    )  # needs NumPy, which a scene of formulas does not load
+    # Needs NumPy, which a scene of formulas does not load.
+    from haptisym.model.measured import Measurement
 
 
 MOST_ENVIRONMENTS = 100
@@ -130,8 +129,8 @@ class SceneFamily(Shown):
         return threshold
 
     def at_proportion(self, end: Number) -> SceneFamily:
-        """The same with the threshold at another proportion of right answers; SceneError where its
-        own is not told."""
+        """The family with its threshold at another proportion of right answers; SceneError where
+        the threshold's own is not given."""
         return replace(
             self, scenes={name: scene.at_proportion(end) for name, scene in self.scenes.items()}
         )
@@ -139,8 +138,8 @@ class SceneFamily(Shown):
     def asides(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> list[str]:
-        """What is to be said beside an answer for all, each thing once: of which scenes, unless it
-        is of all of them."""
+        """The notes to print with an answer for all scenes, each once, with the names of the scenes
+        that it is about unless it is about all."""
         whose: dict[str, list[str]] = {}
         for name, scene in self.scenes.items():
             for note in scene.asides(besides, varied):
@@ -153,19 +152,20 @@ class SceneFamily(Shown):
     def aside_keys(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
     ) -> dict[str, Any]:
-        """The same as the key ``nominal`` of a document: the ranges of each scene in which
-        something varies."""
-        found = {
+        """The notes as keys of a JSON document: ``confidence``, and ``nominal``, the ranges of each
+        scene in which something varies."""
+        nominal = {
             name: scene.aside_keys(besides, varied).get("nominal")
             for name, scene in self.scenes.items()
         }
-        ranges = {name: own for name, own in found.items() if own}
+        ranges = {name: of_scene for name, of_scene in nominal.items() if of_scene}
         keys = {"confidence": self.level and float(self.level), "nominal": ranges}
         return {key: x for key, x in keys.items() if x}
 
     @property
     def level(self) -> Expr | None:
-        """As of a scene, the lowest."""
+        """The lowest confidence with which ranges of a scene were estimated; None where there are
+        none."""
         return min((x.level for x in self.scenes.values() if x.level is not None), default=None)
 
     def listed(self) -> str:
@@ -200,8 +200,9 @@ class SceneFamily(Shown):
 
 
 def _display(scene: Scene) -> tuple[object, ...]:
-    """What the scenes of a family share; effects by their matrices, as symbols differ where an
-    environment uses them too."""
+    """What the scenes of a family must share: effects, band and threshold."""
+    # Effects by their matrices with values, as symbols differ where an environment has a parameter
+    # of the same name. The matrix of a sampled loop holds its environment: of it only the values.
     effects = (
         (e.name, e.settings, tuple(p.value for p in e.parameters) if e.renders else e.matrix)
         for e in scene.effects
@@ -211,10 +212,10 @@ def _display(scene: Scene) -> tuple[object, ...]:
 
 def named(scenes: Iterable[tuple[str, Scene]], title: str = "", source: str = "") -> SceneFamily:
     """A family of scenes under names of their own: the second "liver" becomes "liver-2"."""
-    found: dict[str, Scene] = {}
+    family: dict[str, Scene] = {}
     for name, scene in scenes:
-        found[free_name(name, found, "-")] = replace(scene, title=title, source=source)
-    return SceneFamily(found, title, source)
+        family[free_name(name, family, "-")] = replace(scene, title=title, source=source)
+    return SceneFamily(family, title, source)
 
 
 Table: TypeAlias = Mapping[str, Any]
@@ -240,9 +241,12 @@ MEASURED = (
 )
 _APART = ("environments", "rendered", "effects", "device", "hand", "hands")
 """Tables that a scene with a measured response does not have."""
-_DEFAULT_BAND = (Integer(0), Integer(15))  # rad/s, the band of the paper
+# The band of the paper, rad/s
+_DEFAULT_BAND = (Integer(0), Integer(15))
 _TOML_HINTS = {
-    "Expected newline or end of document": '; a value with a unit goes in quotes, as in k = "100 N/m"',
+    "Expected newline or end of document": (
+        '; a value with a unit goes in quotes, as in k = "100 N/m"'
+    ),
     "Invalid value": '; a value with a unit goes in quotes, as in k = "100 N/m"',
     "('effects',) twice": "; each effect begins with [[effects]]",
     "Cannot overwrite a value": "; each of several effects begins with [[effects]]",
@@ -259,31 +263,41 @@ _MEASURED_LINES = (
 
 
 def _is_table_of_lines(text: str) -> bool:
-    """Whether it begins as CSV does: columns, and nothing that TOML begins with."""
+    """Whether a text that is no TOML begins as CSV does: with separators, and none of the signs
+    of a line of TOML."""
     first = next((x for line in text.splitlines() if (x := line.partition("#")[0].strip())), "")
     return any(x in first for x in ",;\t") and not any(x in first for x in "=[{")
 
 
 DEEPEST = 20
-"""Parts of a key with dots; the time to read one grows with the square of them."""
+"""The most parts of a key with dots; the time that tomllib takes grows with the square of them."""
+# Possessive quantifiers (*+) never give back what they took: on a string that does not end, the
+# search does not try all shorter ones, and its time stays proportional to the length of the text.
 _QUOTED = re.compile(
-    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?|'{3}(?:[^']|'(?!''))*+(?:'{3,5})?|"(?:[^"\\\n]|\\[^\n])*+"?|'[^'\n]*+'?|#[^\n]*+""",
+    r""""{3}(?:[^"\\]|\\.|"(?!""))*+(?:"{3,5})?"""
+    r"""|'{3}(?:[^']|'(?!''))*+(?:'{3,5})?"""
+    r"""|"(?:[^"\\\n]|\\[^\n])*+"?"""
+    r"""|'[^'\n]*+'?|#[^\n]*+""",
     re.DOTALL,
 )
-"""A string of TOML, or a comment; one without its end goes to where it must have been, so that none
-is read twice."""
+"""A string of TOML, or a comment; one without its end goes to where that must have been, so that
+nothing is read twice."""
 
 
 def _deepest(text: str) -> int:
-    """Of the keys of a text, or whatever else has dots outside of strings, the most parts."""
+    """The most parts between dots of any word outside of strings: an upper bound for keys."""
     words = re.split(r"[\s,=\[\]{}]+", _QUOTED.sub("", text).replace(" ", "").replace("\t", ""))
     return 1 + max(x.count(".") for x in words)
 
 
 def _toml(text: str) -> Table:
+    """The tables of a TOML text, decimals exact; SceneError for what is no TOML, with a hint."""
     need("scene", text, str, "give the text of a scene file; load_scene reads a file")
+    # Before parsing: for a key of many parts tomllib takes a time that grows with their square.
     if _deepest(text) > DEEPEST:
         raise SceneError(f"not a scene: a key has more than {DEEPEST} parts")
+    # Some editors write a byte order mark, which TOML does not allow. Decimals, not floats: 0.1 is
+    # then exactly 1/10.
     try:
         return tomllib.loads(text.removeprefix("\N{BYTE ORDER MARK}"), parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
@@ -293,7 +307,8 @@ def _toml(text: str) -> Table:
         raise SceneError(f"not valid TOML: {error}{hint}") from None
     except RecursionError:
         raise SceneError("not valid TOML: nested too deeply") from None
-    except ValueError as error:  # a whole number with thousands of digits
+    except ValueError as error:
+        # Python refuses whole numbers with thousands of digits.
         raise SceneError(f"not valid TOML: {error}") from None
 
 
@@ -307,8 +322,10 @@ def read_scenes(text: str) -> SceneFamily:
 
 
 def read_any(text: str, folder: Path, *, files: bool = True) -> SceneFamily | MeasuredScene:
-    """The same; or a scene whose responses are measured, in ``files`` of that folder; SceneError if
-    these are not read."""
+    """The scenes of a TOML text, or the one whose responses are measured, in files of that folder.
+
+    ``files`` : whether files that a scene names may be read; SceneError for such a scene if not.
+    """
     table = _toml(text)
     if not files and _is_measured(table):
         raise SceneError("file: names a file, and with --no-files none that a scene names is read")
@@ -316,22 +333,26 @@ def read_any(text: str, folder: Path, *, files: bool = True) -> SceneFamily | Me
 
 
 def _is_measured(table: Table) -> bool:
-    own = table.get("environment")
-    return "perceived" in table or (isinstance(own, Mapping) and "file" in own)
+    """Whether a scene has a measured response, perceived or as its environment."""
+    environment = table.get("environment")
+    return "perceived" in table or (isinstance(environment, Mapping) and "file" in environment)
 
 
 def _formulas(table: Table, text: str) -> SceneFamily:
+    """The scenes of formulas that tables describe."""
     _only(table, _TABLES, "")
     evaluation = _table(table.get("evaluation", {}), "evaluation")
     _only(evaluation, ("band", "jnd", "confidence", "friction"), "evaluation")
     effects = tuple(_effects(table.get("effects", [])))
+    # A device's mass and damping are at the hand: the last of the effects.
     if "device" in table:
         effects = *effects, *read_device(_table(table["device"], "device"))
     band = _band(evaluation["band"]) if "band" in evaluation else _DEFAULT_BAND
     with within("evaluation: jnd"):
         threshold = read_threshold(evaluation["jnd"]) if "jnd" in evaluation else Threshold()
+    # Everything that is not an environment is read once, and shared by all scenes.
     title, source = _text(table, "title"), _text(table, "source")
-    rows = _environments(table) if "environments" in table else [_one_environment(table)]
+    environments = _environments(table) if "environments" in table else [_one_environment(table)]
     hands = tuple(_hands(table))
     shared: dict[str, Any] = {"hands": hands, "text": text}
     if "friction" in evaluation:
@@ -340,13 +361,14 @@ def _formulas(table: Table, text: str) -> SceneFamily:
     if "confidence" in evaluation:
         shared["confidence"] = read_confidence("evaluation: confidence", evaluation["confidence"])
     scenes = (
-        (name, Scene(own, effects, band, threshold, rendered, **shared))
-        for name, own, rendered in rows
+        (name, Scene(environment, effects, band, threshold, rendered, **shared))
+        for name, environment, rendered in environments
     )
     return named(scenes, title, source)
 
 
 def _one_environment(table: Table) -> tuple[str, Environment, Environment | None]:
+    """Name, environment and what is rendered for it, of a scene with one."""
     if "environment" not in table:
         raise SceneError(
             '[environment] is missing: add it, with a model, as model = "mass-spring-damper"'
@@ -368,32 +390,33 @@ def _environments(table: Table) -> Iterable[tuple[str, Environment, Environment 
                 f"{key}: give either [{key}] or [[environments]], each with its own {key}"
             )
     for position, one in enumerate(given, 1):
-        own = dict(_table(one, f"environments[{position}]"))
-        name, rendered = own.pop("name", None), own.pop("rendered", None)
-        name = str(own.get("model", position)) if name is None else name
+        keys = dict(_table(one, f"environments[{position}]"))
+        name, rendered = keys.pop("name", None), keys.pop("rendered", None)
+        name = str(keys.get("model", position)) if name is None else name
         place = f'environments[{position}] "{str(name)[:60]}"'
         if not isinstance(name, str) or not name:
             raise SceneError(f'environments[{position}]: name: "{name}": give a name, as "mine"')
-        environment = _environment(own, place)
-        yield (
-            name,
-            environment,
-            None if rendered is None else _rendered(rendered, environment, f"{place}: rendered"),
-        )
+        # Tied here, where the error can name the environment that lacks what is referred to.
+        environment = _environment(keys, place)
+        if rendered is not None:
+            rendered = _rendered(rendered, environment, f"{place}: rendered")
+        yield name, environment, rendered
 
 
 def _rendered(given: Any, environment: Environment, place: str) -> Environment:
-    """What is rendered for an environment; its references are to that environment's values."""
+    """What is rendered for an environment, its references resolved to that environment's values."""
     with within(place):
         return _environment(given, place).tied_to(environment)
 
 
 def _environment(given: Any, place: str) -> Environment:
+    """The environment that a table describes; ``place`` is what errors call it."""
     model, parameters = _model(given, ENVIRONMENTS, place)
     return _built(model, parameters, place)  # type: ignore[no-any-return]
 
 
 def _effects(given: Any) -> Iterable[Effect]:
+    """The effects that a list of tables describes, in its order."""
     if not isinstance(given, list):
         raise SceneError("effects: write [[effects]] once for each effect")
     if len(given) > MOST_EFFECTS:
@@ -407,6 +430,7 @@ def _effects(given: Any) -> Iterable[Effect]:
 
 
 def _hands(table: Table) -> Iterable[Hand]:
+    """The hands of a scene: one in [hand], or several in [[hands]]."""
     if "hand" in table and "hands" in table:
         raise SceneError("hand: give either [hand] or [[hands]], each with a name")
     if isinstance(table.get("hand"), list):
@@ -416,12 +440,12 @@ def _hands(table: Table) -> Iterable[Hand]:
     rows = [("hand", table["hand"])] if "hand" in table else []
     rows += [(f"hands[{i}]", x) for i, x in enumerate(table.get("hands", []), 1)]
     for place, given in rows:
-        own = dict(_table(given, place))
-        name = own.pop("name", "hand" if place == "hand" else None)
+        keys = dict(_table(given, place))
+        name = keys.pop("name", "hand" if place == "hand" else None)
         if not isinstance(name, str) or not name:
             raise SceneError(f"{place}: name is missing: each of several hands needs one")
         with within(place):
-            yield read_hand(name, own)
+            yield read_hand(name, keys)
 
 
 _COMMON = {
@@ -452,13 +476,15 @@ _COMMON = {
 
 
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
+    """The model that a table names, and the table's other keys."""
     table = dict(_table(given, place))
     name = table.pop("model", None)
     if name is None:
         raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
     if not isinstance(name, str) or name not in catalogue:
-        common = (x for word, x in _COMMON.items() if word in str(name).lower() and x in catalogue)
-        hint = next((f'did you mean "{x}"? ' for x in common), "") or meant(str(name), catalogue)
+        # A word that says what is meant goes before a similar spelling.
+        likely = (x for word, x in _COMMON.items() if word in str(name).lower() and x in catalogue)
+        hint = next((f'did you mean "{x}"? ' for x in likely), "") or meant(str(name), catalogue)
         raise SceneError(
             f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}'
         )
@@ -466,6 +492,7 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
 
 
 def _built(model: Model, parameters: Table, place: str) -> Any:
+    """The environment or effect of a model with these parameters."""
     if "parameters" in parameters:
         _table(parameters["parameters"], f"{place}: parameters")
     with within(place):
@@ -473,17 +500,19 @@ def _built(model: Model, parameters: Table, place: str) -> Any:
 
 
 def _band(given: Any) -> tuple[Any, Any]:
+    """The ends of a band, checked, as they are written: the scene prints in their unit."""
     if not isinstance(given, list) or len(given) != 2:
         raise SceneError(
             f'evaluation: band: "{given}": give two frequencies, as ["0 rad/s", "15 rad/s"]'
         )
     for x in given:
         frequency("evaluation: band", x)
-    low, high = given  # as they are written, for what may be said about them
+    low, high = given
     return low, high
 
 
 def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
+    """The scene with measured responses that tables describe, their files in that folder."""
     for key in _APART:
         if key in table:
             raise SceneError(
@@ -495,11 +524,11 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
             raise SceneError(
                 f"[{key}] is missing: a measured scene needs [environment] and [perceived]"
             )
-    own = _table(table["environment"], "environment")
+    felt = _table(table["environment"], "environment")
     environment = (
-        _measurement(own, "environment", folder)
-        if "file" in own
-        else _environment(own, "environment")
+        _measurement(felt, "environment", folder)
+        if "file" in felt
+        else _environment(felt, "environment")
     )
     perceived = _measurement(_table(table["perceived"], "perceived"), "perceived", folder)
     evaluation = _table(table.get("evaluation", {}), "evaluation")
@@ -513,6 +542,7 @@ def _measured_scene(table: Table, folder: Path) -> MeasuredScene:
 
 
 def _measurement(table: Table, place: str, folder: Path) -> Measurement:
+    """The measured response that a table names by its file."""
     from haptisym.model.measured import read_slope
     from haptisym.model.responsefile import LAYOUT, RECORDS, read_file
 
@@ -528,11 +558,12 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
         if overlap is not None:
             settings["overlap"] = overlap
         slope = read_slope(table["slope"]) if "slope" in table else None
-        found = read_file(folder / name, averages, confidence, settings)
-        return found if slope is None else replace(found, slope=slope)
+        response = read_file(folder / name, averages, confidence, settings)
+        return response if slope is None else replace(response, slope=slope)
 
 
 def _float(table: Table, key: str) -> float | None:
+    """A dimensionless number of a table; None where it is not there."""
     if key not in table:
         return None
     with within(key):
@@ -540,6 +571,7 @@ def _float(table: Table, key: str) -> float | None:
 
 
 def _text(table: Table, key: str) -> str:
+    """A string of a table; empty where it is not there."""
     value = table.get(key, "")
     if not isinstance(value, str):
         raise SceneError(f'{key}: "{value}" must be a string')
@@ -547,12 +579,14 @@ def _text(table: Table, key: str) -> str:
 
 
 def _table(given: Any, place: str) -> Table:
+    """Return what is given; SceneError unless it is a table."""
     if not isinstance(given, Mapping):
         raise SceneError(f'{place}: "{str(given)[:60]}" must be a table of keys and values')
     return given
 
 
 def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
+    """SceneError for a key of a table that is not among the valid ones."""
     for key in table:
         if key not in valid:
             where = f"{place}: " if place else ""
@@ -563,7 +597,8 @@ def _only(table: Table, valid: tuple[str, ...], place: str) -> None:
 
 _T = TypeVar("_T", SceneFamily, SceneFamily | MeasuredScene)
 
-LARGEST_FILE = 1_000_000  # bytes; a scene is a page of text
+# Bytes; a scene is a page of text.
+LARGEST_FILE = 1_000_000
 
 
 def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
@@ -595,14 +630,14 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
 
 
 def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]) -> SceneFamily:
-    """The displays of scenes with the environments of others, if there are any; ``name`` is what
-    error messages call the file."""
-    given = [(label, x) for place in environments for label, x in _labelled(place)]
-    if not given:
+    """A family's display with the environments of other scenes in place of its own; the family
+    itself if there are none. ``name`` is what error messages call the file."""
+    others = [(label, x) for place in environments for label, x in _labelled(place)]
+    if not others:
         return own
     with within(name):
         return named(
-            ((label, _with_environment(own.first, label, x)) for label, x in given),
+            ((label, _with_environment(own.first, label, x)) for label, x in others),
             own.title,
             own.source,
         )
@@ -611,13 +646,14 @@ def felt_through(own: SceneFamily, name: str, environments: Iterable[str | Path]
 def open_scenes(
     scene: str | Path, *, files: bool = True
 ) -> tuple[SceneFamily | MeasuredScene, str]:
-    """What is in that file, or has that name: scenes of formulas, or one that is measured; and what
-    error messages call it.
+    """The scenes of formulas, or the measured one, of that name or in that file; and what error
+    messages call it.
 
     ``files`` : whether files that the scene names are read; without them, a scene may come from
     anybody.
     """
     text, name = scene_text(scene)
+    # The files of a shipped measured scene are shipped too: they are read in any case.
     is_shipped = str(scene) in bench_names()
     folder = SHIPPED / "benches" if is_shipped else Path(str(scene)).parent
     return _parsed(name, lambda: read_any(text, folder, files=files or is_shipped)), name
@@ -638,8 +674,8 @@ def as_scene(given: Scene | str | Path) -> Scene:
 
 
 def _without_roots(scene: Scene) -> Scene:
-    """The scene; SceneError where it holds a root as sqrt(k*m), of which there are formulas
-    alone."""
+    """Return the scene; SceneError where it holds a root as sqrt(k*m), for which there are closed
+    forms but no certified numbers."""
     for root in scene.chain.ring.roots.values():
         raise SceneError(
             f"{root}: in a scene only s has fractional powers, as in 0.17*s^0.5: give it as "
@@ -649,7 +685,7 @@ def _without_roots(scene: Scene) -> Scene:
 
 
 def as_family(given: SceneFamily | Scene | str | Path) -> SceneFamily:
-    """Scenes as they are, or those of that name or in that file; a scene is a family of one."""
+    """A family as it is, or the one of that name or in that file; a scene is a family of one."""
     if isinstance(given, SceneFamily):
         return given
     if isinstance(given, Scene):
@@ -665,7 +701,7 @@ def _with_environment(display: Scene, label: str, other: Scene) -> Scene:
 
 
 def _labelled(place: str | Path) -> list[tuple[str, Scene]]:
-    """The environments of a scene as scenes, each by its name; the only one by the name of its
+    """The scenes of a file, each by the name of its environment; an only one by the name of the
     file."""
     text, name = scene_text(place)
     family = parse_scenes(text, name)
@@ -699,14 +735,18 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 
 
 def _parsed(name: str, read: Callable[[], _T]) -> _T:
+    """What ``read`` returns, with errors naming the file; the closed forms of scenes are made at
+    once."""
     with within(name):
-        found = read()
-        for scene in () if isinstance(found, MeasuredScene) else found.scenes.values():
-            _ = scene.closed  # what is wrong with the dynamics as a whole is wrong with this file
-    return found
+        scenes = read()
+        # What is wrong with the dynamics as a whole is wrong with this file: it must show here.
+        for scene in () if isinstance(scenes, MeasuredScene) else scenes.scenes.values():
+            _ = scene.closed
+    return scenes
 
 
 def _chosen(text: str, name: str, environment: str | None) -> Scene:
+    """The only scene of a text, or the one with that environment."""
     return chosen(parse_scenes(text, name), name, environment)
 
 
@@ -723,6 +763,7 @@ def chosen(family: SceneFamily, name: str, environment: str | None) -> Scene:
 def scene_text(scene: str | Path) -> tuple[str, str]:
     """The text of a shipped scene or of a file, and what error messages call it. A file is read
     once, as pipes can only be."""
+    # A name or a path has no line break: this is the text of a scene.
     if not isinstance(scene, str | Path) or "\n" in str(scene):
         raise SceneError(_instead(scene))
     name = str(scene)
@@ -733,7 +774,8 @@ def scene_text(scene: str | Path) -> tuple[str, str]:
 
 
 def _instead(given: object) -> str:
-    """What to call with something that is neither the name of a scene nor a path."""
+    """The error for something that is neither the name of a scene nor a path: what to do
+    with it."""
     if isinstance(given, str):
         return "this is the text of a scene: read it with parse_scene(text)"
     if isinstance(given, Scene):
@@ -742,31 +784,32 @@ def _instead(given: object) -> str:
         return MEASURED
     if isinstance(given, SceneFamily):
         both = "evaluate_all(scenes) or answer_each(scenes, hs.stability)"
-        way = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with {both}'
+        advice = f'choose one, as in scenes["{next(iter(given))}"], or ask for all with {both}'
     elif isinstance(given, Distortion):
-        way = (
+        advice = (
             "it has no band and no threshold; make one with Scene(environment, effects, band, "
             "threshold)"
         )
     elif isinstance(given, Environment | Effect):
-        way = "make one with Scene(environment, effects, band, threshold)"
+        advice = "make one with Scene(environment, effects, band, threshold)"
     elif isinstance(getattr(given, "scene", None), Scene):
-        way = "its attribute scene is one"
+        advice = "its attribute scene is one"
     else:
-        way = "give a Scene, the name of one that the package ships, or the path of a scene file"
-    return f"{type(given).__name__} is not a scene: {way}"
+        advice = "give a Scene, the name of one that the package ships, or the path of a scene file"
+    return f"{type(given).__name__} is not a scene: {advice}"
 
 
 def _text_of(path: Path) -> str:
+    """The text of a file in UTF-8; SceneError where it cannot be read, or is too large."""
+    # One byte more than allowed: of a pipe or a device nothing else tells how much there is.
     try:
         with path.open("rb") as file:
-            data = file.read(
-                LARGEST_FILE + 1
-            )  # of a pipe or device nothing else tells how much there is
+            data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         raise SceneError(f"{path}: {_no_such_scene(path, error)}") from None
     if len(data) > LARGEST_FILE:
         raise SceneError(f"{path}: a scene has at most {LARGEST_FILE} bytes")
+    # The byte order marks of UTF-16.
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         raise SceneError(f"{path}: the file is written in UTF-16: save it as UTF-8")
     try:
@@ -776,6 +819,8 @@ def _text_of(path: Path) -> str:
 
 
 def _no_such_scene(path: Path, error: Exception) -> str:
+    """The error for a path that cannot be read, with the likeliest scene that is meant."""
+    # First the same name with .toml, then a similar file beside it, then a similar shipped scene.
     known = scene_names() + family_names()
     files = sorted(x.name for x in path.parent.glob("*.toml"))
     hint = (

@@ -1,13 +1,14 @@
-"""What the package ships, by name: scenes, scenes with several environments, bench runs; to be
-listed without SymPy."""
+"""The scenes that the package ships, by name: with one environment, with several, and bench runs.
+
+The module does not import SymPy, so that names are listed at once.
+"""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-SHIPPED = Path(__file__).parents[
-    1
-]  # ``importlib.resources`` takes longer than the evaluation of a scene
+# ``importlib.resources`` takes longer than the evaluation of a scene.
+SHIPPED = Path(__file__).parents[1]
 
 
 def scene_names() -> tuple[str, ...]:
@@ -47,6 +48,7 @@ def shipped_text(name: str) -> str | None:
 
 
 def _names(folder: str) -> tuple[str, ...]:
+    """The names of the scenes in a shipped folder, sorted."""
     entries = (SHIPPED / folder).iterdir()
     return tuple(
         sorted(

@@ -1,10 +1,9 @@
-"""From where to where the values of a number are asked about, and how far of that they are
-searched.
+"""The range of a parameter's values that a question is about, and the part of it that is searched.
 
-A model allows the values of its rule; of these a question without a range is about all. Searched
-are those from a millionth to a million times the scene's own, and 0; of times, such as delays and
-periods, up to a thousand times it, as a longer one asks for more frequencies than a question is
-worth. What was not searched is said to be so.
+The rule of a parameter allows a set of values; a question without a range is about all of these.
+Searched are the values from a millionth to a million times the scene's own, and 0; of times, such
+as delays and periods, up to a thousand times it, as a longer one needs more frequencies than a
+question is worth. An answer says which values were not searched.
 """
 
 from __future__ import annotations
@@ -29,12 +28,13 @@ ALLOWED: Mapping[Rule, Domain] = {
 """The values that a rule allows."""
 
 _REACH, _REACH_OF_TIMES = 10**6, 10**3
-"""How many times as large as the scene's own a value is that is still searched; 0 counts as 1 in
+"""The largest value that is searched, over the scene's own value; an own value of 0 counts as 1 in
 SI, a time of 0 as 1 ms."""
 
 
 def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
-    """The values that the rule of a parameter allows, within the range that is given."""
+    """The values of a parameter that its rule allows, within the range that is given; SceneError
+    where there is none."""
     allowed = ALLOWED[free.rule]
     if given is None:
         return allowed
@@ -44,6 +44,8 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
     start, end = (free.number(x) for x in ends)
     if sign_of_number(end - start) <= 0:
         raise SceneError(f"{free.path}: the range must go up, not from {given[0]} to {given[1]}")
+    # Above 0: that end of the rule cuts into the given range. 0: both ends are the same, and the
+    # rule says whether it belongs to the domain. Below 0: the given end is inside, and belongs.
     below = -1 if allowed.low is None else sign_of_number(allowed.low - start)
     above = -1 if allowed.high is None else sign_of_number(end - allowed.high)
     is_beyond = (allowed.low is not None and sign_of_number(end - allowed.low) <= 0) or (
@@ -62,20 +64,19 @@ def domain(free: Knob, given: tuple[Number, Number] | None) -> Domain:
 
 
 def searched(free: Knob, asked: Domain) -> tuple[Expr, Expr]:
-    """From where to where values are searched: all between ends that were given; signed values on
-    both sides alike.
+    """The lowest and the highest value that are searched: the given ends, or else a multiple of the
+    scene's own value, for signed values on both sides of 0.
 
-    0 is looked at by itself where a domain begins or ends there: what holds next to it is what
-    holds at the least value that is searched.
+    0 is examined by itself where a domain begins or ends there: next to it, what holds at the least
+    value that is searched is taken to hold.
     """
-    own = (
-        S.One if free.value.free_symbols or not free.value else abs(free.value)
-    )  # a limit may be a formula
-    most = _REACH * own
+    # The value of a threshold may be a formula in omega: it counts as 1, as 0 does.
+    size = S.One if free.value.free_symbols or not free.value else abs(free.value)
+    largest = _REACH * size
     if free.dimension is Dimension.TIME:
-        most = _REACH_OF_TIMES * own if free.value else S.One
-    low = -most if asked.low is None else asked.low
-    high = max(most, _REACH * low) if asked.high is None else asked.high
+        largest = _REACH_OF_TIMES * size if free.value else S.One
+    low = -largest if asked.low is None else asked.low
+    high = max(largest, _REACH * low) if asked.high is None else asked.high
     if low == 0:
-        return min(own, high) / _REACH, high
-    return low, -min(own, -low) / _REACH if high == 0 else high
+        return min(size, high) / _REACH, high
+    return low, -min(size, -low) / _REACH if high == 0 else high

@@ -42,7 +42,7 @@ _LEGEND = (
 
 
 def page(found: Cost) -> Document:
-    """The whole page."""
+    """Return the whole page of what accuracy costs."""
     shown = "Correct digits against time for each question; filled marks are proven."
     blocks = (
         *(_table(found, task) for task in _TASKS if found.task(task)),
@@ -61,6 +61,7 @@ def _measured_on(machine: Mapping[str, str]) -> str:
 
 
 def _table(found: Cost, task: str) -> Block:
+    """Return the section of one task: methods against digits and times."""
     size = found.condition.get(task)
     condition = (
         ""
@@ -100,6 +101,7 @@ def hard_page(found: HardCosts) -> Document:
 
 
 def _family(family: str, rows: Sequence[HardRow]) -> Block:
+    """Return the section of one family of hard cases."""
     cases = dict.fromkeys(row.case for row in rows)
     hardest = max(row.condition for row in rows)
     condition = "infinity" if isinf(hardest) else f"{hardest:.2g}"
@@ -113,7 +115,10 @@ def _family(family: str, rows: Sequence[HardRow]) -> Block:
         _hard_row([x for x in rows if x.method == method])
         for method in dict.fromkeys(row.method for row in rows)
     ]
-    fields = (Field(x, lambda row, i=i: row[i], number=x == "digits") for i, x in enumerate(names))  # type: ignore[misc]
+    fields = (
+        Field(x, lambda row, i=i: row[i], number=x == "digits")  # type: ignore[misc]
+        for i, x in enumerate(names)
+    )
     return Section(
         f"{family}: {FAMILIES[family]}",
         (Paragraph(f"{counted}."), table(each, f"{family}.", *fields)),
@@ -121,6 +126,8 @@ def _family(family: str, rows: Sequence[HardRow]) -> Block:
 
 
 def _hard_row(rows: Sequence[HardRow]) -> tuple[Phrase, ...]:
+    """Return one method's row: correct answers, the worst digits, the median time, what is
+    wrong."""
     answered = [row for row in rows if row.answered]
     if not answered:
         return rows[0].method, "", "", "", "", rows[0].verdict

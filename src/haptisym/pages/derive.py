@@ -1,8 +1,10 @@
-"""A derivation: sections of equations with a sentence between them, for text, LaTeX and MathML; its
-page and document.
+"""The page and the document of a derivation: sections of equations with sentences between them, for
+text, LaTeX and MathML.
 
-As a script of SymPy it is its symbols with their assumptions, the dynamics, then the distortion in
-named steps.
+A derivation goes from H_env and H_perc to Re dH and Im dH, the polynomials p whose sign decides
+what is noticed, and their roots solved for omega. All of it is exact algebra. As a script of SymPy
+it is its symbols with their assumptions, the dynamics, then the distortion in named steps. Begin
+with ``sections``.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ from haptisym.writing.mathml import mathml
 from haptisym.writing.plain import said
 
 MOST_STEPS = 150  # operations of the steps beyond which closed forms would fill pages
-MOST_TERMS = 2000  # above the line of a function that is written, or solved, unasked: SymPy takes a second or two for them
+MOST_TERMS = 2000
+"""Terms of the numerator of a function that is written, or solved, unasked: SymPy takes a second or
+two for so many."""
 
 
 @dataclass
@@ -59,7 +63,7 @@ class Written:
         self.notes += [(of, ": ", x) for x in said]
 
     def section(self, title: Phrase) -> doc.Section:
-        """It below a heading, the words before the equations."""
+        """Return the section: its heading, then the sentences, then the equations."""
         equations = (doc.Equations(tuple(self.lines)),) if self.lines else ()
         return doc.Section(title, (*noted(self.notes), *equations))
 
@@ -69,6 +73,7 @@ def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[doc.Line], l
     rows: list[doc.Line] = []
     notes: list[Phrase] = []
     for x in solutions:
+        # A factor of a degree that radicals do not solve, or with sines and cosines of omega.
         if x.omega is None:
             what = "a solution is a root of a factor ", *_degree(x.equation)
             notes.append((*what, ": no readable formula; the equation is the result."))
@@ -77,6 +82,7 @@ def answers(left: Box, solutions: Iterable[Solution]) -> tuple[list[doc.Line], l
         notes += _in_force(x)
         if x.period:
             notes.append(("so are these plus any multiple of ", layout(x.period), "."))
+    # Several solutions share a condition: it is said once.
     return rows, list(dict.fromkeys(notes))
 
 
@@ -84,6 +90,7 @@ def _in_force(x: Solution) -> list[Phrase]:
     """Under which conditions a formula holds, in words."""
     if not x.conditions:
         return []
+    # A condition of more operations is harder to read than the formula that it guards.
     if max(map(count_ops, x.conditions)) > 4:
         return [("a formula holds where it is real and not negative.",)]
     bounds = (Relation((layout(y), layout(Integer(0))), ("≥",)) for y in x.conditions)
@@ -91,6 +98,7 @@ def _in_force(x: Solution) -> list[Phrase]:
 
 
 def _degree(equation: Expr) -> tuple[Phrase, ...]:
+    """Return the degree of an equation in omega, or that it has sines and cosines as well."""
     if not equation.is_polynomial(omega):
         return "in ", OMEGA, " and its sines and cosines"
     return f"of degree {_power(equation)} in ", OMEGA
@@ -102,13 +110,16 @@ def _power(x: Expr) -> int:
     if x.is_Pow:
         return int(x.exp) * _power(x.base) if x.base.has(omega) else 0
     if x.is_Add or x.is_Mul:
+        # The degree of a sum is the largest of its terms, that of a product the sum.
         return (max if x.is_Add else sum)(map(_power, x.args))
     return int(x == omega)
 
 
 _LONGEST = 250  # operations of a function that is written out unasked
 _MOST = 16  # functions that are
-_LARGEST = 200_000  # products of terms of both parts of dH: beyond, what decides takes seconds, then minutes, and nobody reads it
+_LARGEST = 200_000
+"""Products of terms of both parts of dH: beyond that the functions that decide take seconds, then
+minutes, and nobody reads them."""
 
 
 def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]:
@@ -117,6 +128,8 @@ def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]
     names = [
         [_called(x, i, j, terms) for j, _ in enumerate(row, 1)] for i, row in enumerate(terms, 1)
     ]
+    # A lattice is broken where all functions of some row are positive: and within a row, or between
+    # rows.
     said = listed((listed((name, " > 0") for name in row) for row in names), "or")
     what = f"The {x.joint.kind} is left" if x.joint else (named(x.symbol), " exceeds its limit")
     return (what, " exactly where ", said, "."), list(
@@ -125,13 +138,14 @@ def ways(x: Criterion, found: Signed) -> tuple[Phrase, list[tuple[Box, Signed]]]
 
 
 def _called(x: Criterion, i: int, j: int, terms: Sequence[Sequence[Signed]]) -> Box:
+    """Return the name p of a function that decides; with indices where a criterion has several."""
     one = len(terms) == 1 and len(terms[0]) == 1
     return function(f"p_{x.name}" if one else f"p_{x.name}_{i}{j}", OMEGA)
 
 
 def when_of_region(d: Derivation) -> doc.Section:
-    """Of a region, or of limits that are formulas in omega: its border, and each function in closed
-    form where it is short."""
+    """Return the section of a region, or of limits that are formulas in omega: its border, and each
+    function that decides, in closed form where it is short."""
     limits = "The limits are " if d.scene.threshold.region.shape is Shape.SQUARE else "The JND is "
     out = Written(notes=[(limits, region(d.scene.threshold), ".")])
     long: list[Phrase] = []
@@ -151,10 +165,12 @@ def when_of_region(d: Derivation) -> doc.Section:
             ]
         if not is_short:
             continue
-        found = x.function(d.distortion)
-        said, functions = ways(x, found)
+        excess = x.function(d.distortion)
+        said, functions = ways(x, excess)
         out.notes.append(said)
         for name, f in functions:
+            # Only a function that is rational in omega has a form in factors; others are named and
+            # left to the numbers.
             form = (
                 f.factored()
                 if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS
@@ -164,9 +180,9 @@ def when_of_region(d: Derivation) -> doc.Section:
                 long.append(name)
             else:
                 out.lines.append(doc.Line(name, form))
-        solved, told = _solved(x, found, d)
+        solved, remarks = _solved(x, excess, d)
         out.lines += solved
-        out.notes += told
+        out.notes += remarks
     if not is_short:
         out.notes.append("Closed forms of this chain are long and not expanded here.")
     if long:
@@ -181,6 +197,8 @@ def _is_short(d: Derivation) -> bool:
     """Whether the functions that decide are found at once."""
     if d.steps.operations > MOST_STEPS:
         return False
+    # The functions that decide have products of both parts of dH: their size bounds the work before
+    # it is done.
     change = d.distortion.difference_response
     return len(change.real.function.numerator) * len(change.imag.function.numerator) <= _LARGEST
 
@@ -195,6 +213,8 @@ def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line],
         for f in row
     ):
         return [], []
+    # The first functions of a row say where it applies; a root of these alone is no crossing of the
+    # limit.
     conditions = [len(term.where) for term in x.region.terms(d.distortion)] if x.region else [0]
     is_one = len(terms) == len(terms[0]) == 1
     lines: list[doc.Line] = []
@@ -203,9 +223,9 @@ def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line],
         for j, f in enumerate(row[conditions[i] :], conditions[i] + 1):
             if isinstance(f, RealFunction) and len(f.function.numerator) <= MOST_TERMS:
                 place = "" if is_one else f"_{i + 1}{j}"
-                own, said = answers(named(f"omega_{x.name}{place}"), solve(f))
+                formulas, said = answers(named(f"omega_{x.name}{place}"), solve(f))
                 lines += [
-                    line for line in own if line.value not in [known.value for known in lines]
+                    line for line in formulas if line.value not in [known.value for known in lines]
                 ]
                 notes += [note for note in said if note not in notes]
     if lines and not is_one:
@@ -220,6 +240,7 @@ def _solved(x: Criterion, found: Signed, d: Derivation) -> tuple[list[doc.Line],
 
 
 def _relative(name: str, part: str) -> doc.Line:
+    """Return the line that defines a part of the distortion relative to |H_env|."""
     return doc.Line(named(name), Fraction(quantity(part), Absolute(H_ENV)))
 
 
@@ -229,9 +250,11 @@ def _borders(of: Joint) -> list[Expr]:
     assert isinstance(of, Cornered | Ellipse)
     u, v = x / of.real, y / of.imag
     if isinstance(of, Cornered):
+        # An edge and its opposite are one condition, |p u + q v| > 1.
         return [Abs(p * u + q * v) - 1 for p, q in of.pairs] or [
             p * u + q * v - 1 for p, q in of.edges
         ]
+    # With tilt t the ellipse is u^2 - 2 t u v + v^2 = 1 - t^2 in half widths.
     return [u**2 - 2 * of.tilt * u * v + v**2 - (1 - of.tilt**2)]
 
 
@@ -252,7 +275,7 @@ def _section(
 
 
 def sections(d: Derivation) -> tuple[doc.Section, ...]:
-    """What a derivation was asked for, or all that it says unasked."""
+    """Return the sections that were asked for, or all of them if none was named."""
     if d.of:
         return asked(d, d.of)
     when = _when(d) if d.scene.threshold.is_plain else when_of_region(d)
@@ -284,19 +307,22 @@ def beyond(d: Derivation) -> tuple[doc.Section, ...]:
 
 
 def asked(d: Derivation, names: Iterable[str]) -> tuple[doc.Section, ...]:
-    """The quantities with these names, each written out; SceneError for a name that is none."""
-    found = Written()
+    """Return the section of the quantities with these names; raise SceneError for a name that is
+    none."""
+    written = Written()
     for name in names:
+        # Three kinds of names: a derivative of a crossing, a solution, or a quantity in closed
+        # form.
         slope = _SLOPE.fullmatch("".join(name.split()))
         key = bare(name)
         if slope:
-            found.lines.append(_sensitivity(d, slope[1], slope[2]))
-            found.notes += _touches(d, slope[1])
+            written.lines.append(_sensitivity(d, slope[1], slope[2]))
+            written.notes += _touches(d, slope[1])
         elif key in _SOLVED:
-            found.solve(quantity(_SOLVED[key]), _solutions(d, _SOLVED[key]), named(_SOLVED[key]))
+            written.solve(quantity(_SOLVED[key]), _solutions(d, _SOLVED[key]), named(_SOLVED[key]))
         else:
-            found.lines.append(_named(canonical(name), d[name]))
-    return (found.section("Formulas"),)
+            written.lines.append(_named(canonical(name), d[name]))
+    return (written.section("Formulas"),)
 
 
 _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
@@ -316,14 +342,17 @@ def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
 
 
 def _part(letter: str) -> Part:
+    """Return the part that the letter r or i stands for."""
     return next(part for part, ratio in _RATIOS.items() if ratio[-1] == letter)
 
 
 def _touches(d: Derivation, letter: str) -> list[Phrase]:
-    """Where the formula of a sensitivity does not hold."""
+    """Return where the formula of a sensitivity does not hold: at tangencies."""
+    # Places are known only where every parameter has a number.
     crossings = (
         d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
     )
+    # d omega/dp = -(df/dp)/(df/domega), and df/domega is 0 at a tangency.
     places = [
         x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1
     ]
@@ -333,12 +362,14 @@ def _touches(d: Derivation, letter: str) -> list[Phrase]:
 
 
 def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
+    """Return the solutions of a quantity's equation: crossings of a part, or changeovers of a
+    system."""
     parts = {"omega_r": Part.REAL, "omega_i": Part.IMAG}
     return d.crossings(parts[name]) if name in parts else d.changeovers(name.removeprefix("omega_"))
 
 
 def canonical(name: str) -> str:
-    """The name of a quantity as it is listed; SceneError for any other."""
+    """Return the name of a quantity as it is listed; raise SceneError for any other."""
     known = listed_name(name)
     if known is None:
         valid = ", ".join(
@@ -353,14 +384,17 @@ _SOLVED = {bare(name): name for name in ("omega_r", "omega_i", "omega_env", "ome
 
 
 def _defined(symbol: Symbol, value: Expr) -> doc.Line:
+    """Return the line that defines a symbol."""
     return doc.Line(layout(symbol), value)
 
 
 def _named(name: str, value: Expr, relation: str = "=") -> doc.Line:
+    """Return the line of a quantity by its name."""
     return doc.Line(quantity(name), value, relation)
 
 
 def _dynamics(d: Derivation) -> doc.Section:
+    """Return the section of H_env and H_perc, and of the order of the effects."""
     chain = " then ".join(e.name for e in d.scene.effects)
     note = (
         f"From the environment to the hand: {chain}."
@@ -375,10 +409,12 @@ def _dynamics(d: Derivation) -> doc.Section:
 
 
 def _in_steps(d: Derivation) -> doc.Section:
+    """Return the section of the distortion in named intermediate steps."""
     return _section(f"Intermediate steps ({d.steps.operations} operations)", _steps(d.steps))
 
 
 def _steps(steps: Steps) -> Iterator[doc.Line]:
+    """Yield the steps that the distortion needs, then the quantities in terms of these."""
     shown = steps.only(_SHOWN.values())
     for symbol, value in shown.definitions:
         yield _defined(symbol, value)
@@ -397,43 +433,46 @@ def _written_out(d: Derivation) -> doc.Section:
 
 
 def _when(d: Derivation) -> doc.Section:
+    """Return the section of the polynomials p: positive exactly where a ratio exceeds; and of their
+    roots."""
     title = "When it is noticed"
     if d.steps.operations > MOST_STEPS:
         return _section(title)
-    found = Written(notes=["A ratio exceeds its threshold exactly where its p is positive."])
+    out = Written(notes=["A ratio exceeds its threshold exactly where its p is positive."])
     for part in Part:
         letter = _RATIOS[part][-1]
         terms = len(d.excess(part).function.numerator)
         if terms > MOST_TERMS:
-            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
             continue
         written = d.excess(part).written
         terms = sum(len(factor) for factor, _ in written.ring.factors(written.numerator)[1])
-        if (
-            terms > LONGEST
-        ):  # each takes an operation at least; to put them together in SymPy takes seconds
-            found.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
+        # Each term takes an operation at least: so it is known to be too long before SymPy puts it
+        # together, which takes seconds.
+        if terms > LONGEST:
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
         elif (operations := count_ops(polynomial := d[f"p_{letter}"])) <= LONGEST:
-            found.lines.append(_named(f"p_{letter}", polynomial))
+            out.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            found.notes.append(
+            out.notes.append(
                 (named(f"p_{letter}"), f" takes {operations} operations; --of prints it.")
             )
-        found.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
-    return found.section(title)
+        out.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
+    return out.section(title)
 
 
 def _solved_in_sections(d: Derivation) -> doc.Section:
-    """The crossings that have a readable formula."""
-    found = Written()
+    """Return the section of the crossings that have a readable formula."""
+    out = Written()
     for part in Part if d.steps.operations <= MOST_STEPS else ():
         if len(d.excess(part).function.numerator) <= MOST_TERMS:
             readable = d.crossings(part, readable=True)
-            found.solve(quantity(f"omega_{_RATIOS[part][-1]}"), readable, named(_RATIOS[part]))
-    return found.section("Crossings, solved")
+            out.solve(quantity(f"omega_{_RATIOS[part][-1]}"), readable, named(_RATIOS[part]))
+    return out.section("Crossings, solved")
 
 
 def _changeovers(d: Derivation) -> doc.Section:
+    """Return the section of the frequencies at which Re H changes its sign."""
     found = Written()
     for system in ("env", "perc") if d.steps.operations <= MOST_STEPS else ("env",):
         found.solve(quantity(f"omega_{system}"), d.changeovers(system), named(f"H_{system}"))
@@ -441,41 +480,43 @@ def _changeovers(d: Derivation) -> doc.Section:
 
 
 def _dimensionless(d: Derivation) -> Iterator[doc.Section]:
+    """Yield the dimensionless groups of the parameters, and the ratios as functions of these."""
     title = "Dimensionless"
     if len(d.scene.parameters) > _MOST_PARAMETERS:
         return
     try:
-        found = d.groups
+        groups = d.groups
     except SceneError as error:
         yield _section(title, notes=[f"Not possible: {error}."])
         return
-    named = [
-        x for x in (found.frequency, *found.groups) if x.symbol.name != str(x.value)
-    ]  # what stays is not told
+    # A group that is one of the parameters as it was needs no equation.
+    named = [x for x in (groups.frequency, *groups.groups) if x.symbol.name != str(x.value)]
     rows = [_defined(group.symbol, group.value) for group in named]
     before, after = (
         _counted(len(x), what)
-        for x, what in ((d.scene.parameters, "parameter"), (found.groups, "group"))
+        for x, what in ((d.scene.parameters, "parameter"), (groups.groups, "group"))
     )
     note = (
         f"{before} and ",
         layout(omega),
         " become ",
-        layout(found.frequency.symbol),
+        layout(groups.frequency.symbol),
         f" and {after}; H is in units of ",
-        layout(found.stiffness),
+        layout(groups.stiffness),
         ". The ratios, as functions of these:",
     )
     yield _section(title, rows, [note])
-    steps = _in_x(found, found.chain.at(found.values).steps)
+    steps = _in_x(groups, groups.chain.at(groups.values).steps)
     yield _section((), _steps(steps))
 
 
 def _counted(n: int, what: str) -> str:
+    """Return a number with its noun: ``2 groups``, ``no parameters``."""
     return f"{n or 'no'} {what}{'' if n == 1 else 's'}"
 
 
 def _in_x(found: Groups, steps: Steps) -> Steps:
+    """Return steps in which the frequency is the dimensionless one."""
     return Steps(
         tuple((name, found.forwards(value)) for name, value in steps.definitions),
         {name: found.forwards(value) for name, value in steps.results.items()},
@@ -483,42 +524,45 @@ def _in_x(found: Groups, steps: Steps) -> Steps:
 
 
 def _fast(d: Derivation) -> Iterator[doc.Section]:
+    """Yield the leading terms for fast devices, with proven bounds of what they leave out."""
     if d.steps.operations > MOST_STEPS:
         return
     try:
-        found = d.expansion()
+        expansion = d.expansion()
     except SceneError:
         return
     rows = [
         _named(name, form, "≈")
         for name, part in (("Re dH", Part.REAL), ("Im dH", Part.IMAG))
-        if count_ops(form := found.part(part)) <= LONGEST
+        if count_ops(form := expansion.part(part)) <= LONGEST
     ]
     if not rows:
         return
     low, high = (layout(x) for x in d.scene.band)
     errors = [
+        # The upper end of an enclosure of one digit: what is printed is still a bound.
         (f"{x.enclosure(1)[1]} in ", named(_RATIOS[part]))
-        for part, x in found.bounds.items()
+        for part, x in expansion.bounds.items()
         if x is not None
     ]
     on = " on ", low, " to ", high, " rad/s with the scene's numbers: proven."
     said: Phrase = ("The terms left out change at most ", listed(errors), *on)
-    fast = listed((named(x.name), f" {_direction(d, x)}") for x in found.fast)
+    fast = listed((named(x.name), f" {_direction(d, x)}") for x in expansion.fast)
     yield _section(("High-bandwidth approximation: ", fast), rows, [said] if errors else ())
 
 
 def _slow(d: Derivation) -> Iterator[doc.Section]:
-    """Of a chain with delays, whose closed form is long: what authors print of it."""
+    """Yield stiffness, damping and mass at low frequency of a chain with delays, whose closed form
+    is long."""
     if d.steps.operations > MOST_STEPS or not d["H_perc"].has(exp):
         return
     try:
-        found = d.distortion.low_frequency
+        coefficients = d.distortion.low_frequency
     except SceneError:
         return
     rows = [
         doc.Line(named(name), x)
-        for name, x in zip(("k_0", "b_0", "m_0"), found, strict=True)
+        for name, x in zip(("k_0", "b_0", "m_0"), coefficients, strict=True)
         if count_ops(x) <= LONGEST
     ]
     said = ("Stiffness, damping and mass at low frequency, of ", named("H_perc"), ":")
@@ -526,6 +570,8 @@ def _slow(d: Derivation) -> Iterator[doc.Section]:
 
 
 def _direction(d: Derivation, fast: Symbol) -> str:
+    """Return whether a device is fast where its parameter is large, or where it is small, as a time
+    is."""
     dimension = next(p.dimension for p in d.scene.parameters if p.symbol == fast)
     return "small" if dimension is Dimension.TIME else "large"
 
@@ -537,7 +583,7 @@ _HOW_SURE = (
 
 
 def page(d: Derivation) -> Document:
-    """The parameters, and the sections."""
+    """Return the page of a derivation: the parameters, then the sections."""
     mixed = 0 < len(d.kept) < len(d.scene.parameters)
     shown = table(
         d.scene.parameters,
@@ -560,7 +606,7 @@ def latex(d: Derivation) -> str:
 
 
 def _asides(d: Derivation) -> list[str]:
-    """That parameters vary, and what of the formulas holds for all of their values."""
+    """Return the scene's remarks; formulas in symbols hold for all values that vary."""
     kept = any(p.interval for p in d.scene.parameters if p.symbol in d.kept)
     return [
         note + " Formulas in their symbols hold for all values." * kept for note in d.scene.asides()
@@ -568,13 +614,14 @@ def _asides(d: Derivation) -> list[str]:
 
 
 def _meaning(p: Parameter, motion: MotionKind | None) -> str:
+    """Return what a parameter is, with its unit."""
     plain, unit = p.dimension in (Dimension.ANY, Dimension.RATIO), p.unit_in(motion)
     kind = "number" if plain else p.dimension.name.lower()
     return f"{kind}, {unit_text(unit)}" if unit not in ("", "1") else kind
 
 
 def body(d: Derivation) -> dict[str, Any]:
-    """What its document holds."""
+    """Return what the document of JSON holds of a derivation."""
     return {
         "parameters": [_parameter(d, p) for p in d.scene.parameters],
         "operations": d.steps.operations,
@@ -584,6 +631,7 @@ def body(d: Derivation) -> dict[str, Any]:
 
 
 def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
+    """Return a parameter as the document of JSON has it."""
     shown = {"text": plain(p.value), "latex": formula(p.value)}
     return {
         "name": p.symbol.name,
@@ -594,6 +642,7 @@ def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
 
 
 def _section_row(section: doc.Section) -> dict[str, Any]:
+    """Return a section as the document of JSON has it: each equation as text, LaTeX and MathML."""
     boxes = [line.equation for line in lines_of(section)]
     rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
     notes = [
@@ -603,7 +652,7 @@ def _section_row(section: doc.Section) -> dict[str, Any]:
 
 
 def lines_of(section: doc.Section) -> Iterator[doc.Line]:
-    """The equations of a section."""
+    """Yield the equations of a section."""
     return (
         line for block in section.blocks if isinstance(block, doc.Equations) for line in block.lines
     )
@@ -613,27 +662,22 @@ def lines_of(section: doc.Section) -> Iterator[doc.Line]:
 
 
 _FUNCTIONS = frozenset(dir(sympy)) - {"s"}
-_ALWAYS = (
-    "Abs",
-    "I",
-    "Rational",
-    "Symbol",
-    "exp",
-    "pi",
-    "sqrt",
-)  # what a script may call, whatever its names
+_ALWAYS = ("Abs", "I", "Rational", "Symbol", "exp", "pi", "sqrt")
+"""Names of SymPy that a script may call, so that no parameter may be called by them."""
 _ASSUMED = ("positive", "nonnegative", "real")
 _FACTORED = 400  # operations of H_perc up to which it is written in lowest terms
 
 
 class _Printer(StrPrinter):  # type: ignore[misc]
-    """Fractions stay exact where Python would divide them."""
+    """A printer of SymPy expressions as Python, in which fractions stay exact."""
 
     def _print_Rational(self, x: Expr) -> str:
+        # In Python 1/3 is a float.
         return str(x.p) if x.q == 1 else f"Rational({x.p}, {x.q})"
 
     def _print_Abs(self, x: Expr) -> str:
-        return f"Abs({self._print(x.args[0])}, evaluate=False)"  # or SymPy multiplies out what stands in it
+        # Evaluated, SymPy would multiply out what stands in it.
+        return f"Abs({self._print(x.args[0])}, evaluate=False)"
 
 
 def script(d: Derivation) -> str:
@@ -650,19 +694,24 @@ def script(d: Derivation) -> str:
 
 
 def _lines(d: Derivation) -> Iterator[str]:
+    """Yield the lines of the script: title, imports, symbols, dynamics, steps, results."""
     steps = d.steps.only(DISTORTION)
     perceived = d["H_perc"]
-    if perceived.count_ops() > _FACTORED:  # as the chain builds it
+    # A long H_perc is written as the chain builds it: each effect is a two-port with the matrix
+    # (a b; c e), through which H becomes (a H + b)/(c H + e).
+    if perceived.count_ops() > _FACTORED:
         perceived = d.chain.rendered
         for a, b, c, e in d.chain.matrices:
             perceived = (a * perceived + b) / (c * perceived + e)
     dynamics = {"H_env": d["H_env"], "H_perc": perceived}
-    own = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
-    every = [omega, s, *own, *(x for x, _ in steps.definitions)]
+    parameters = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
+    symbols = [omega, s, *parameters, *(x for x, _ in steps.definitions)]
     called = {f.func.__name__ for _, value in steps.definitions for f in value.atoms(Function)}
+    # No symbol may have the name of a function that the script calls, or of a result that it
+    # defines.
     taken = (*called, *_ALWAYS, *dynamics, *steps.results)
-    names = identifiers((x.name for x in every), Language.NUMPY, taken)
-    named = {x: Symbol(names[x.name]) for x in every}
+    names = identifiers((x.name for x in symbols), Language.NUMPY, taken)
+    named = {x: Symbol(names[x.name]) for x in symbols}
 
     def text(form: Expr) -> str:
         return str(_Printer().doprint(form.xreplace(named)))
@@ -670,6 +719,7 @@ def _lines(d: Derivation) -> Iterator[str]:
     rows = [(names[x.name], text(value)) for x, value in steps.definitions]
     rows += [(name, text(value)) for name, value in steps.results.items()]
     above = [(name, text(value)) for name, value in dynamics.items()]
+    # What is imported is what the lines use: words that SymPy has and that are no symbol's name.
     words = {word for _, value in (*rows, *above) for word in re.findall(r"[A-Za-z]\w*", value)}
     used = words & _FUNCTIONS - {*names.values()}
     yield f'"""{comment(d.scene.title or "Distortion of a haptic display")}'
@@ -679,7 +729,8 @@ def _lines(d: Derivation) -> Iterator[str]:
         '"""',
     )
     yield from ("", f"from sympy import {', '.join(sorted({*used, 'Symbol'}))}", "")
-    for x in (s, omega, *own):
+    for x in (s, omega, *parameters):
+        # The strongest assumption alone: positive implies the others.
         assumed = next((f", {a}=True" for a in _ASSUMED if getattr(x, f"is_{a}")), "")
         yield f'{names[x.name]} = Symbol("{comment(x.name)}"{assumed})'
     yield ""

@@ -23,12 +23,14 @@ from haptisym.writing.document import (
 
 
 def page(r: Relevance) -> Document:
-    """What matters, by how much each changes the ratios, where, and what is certain."""
+    """Return the page: which effects matter, by how much each changes the ratios, where, what is
+    proven."""
     blocks = [*_effects(r), *_dominance(r), _crossings(r)]
     return w.page_about(r.scene, _answer(r), blocks, _proven(r), "Which effects matter")
 
 
 def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield which effects matter, which are left out, and what that changes and saves."""
     kept, dropped = ([e.name for e in effects] for effects in (r.pruned.effects, r.dropped))
     yield (
         "Matter",
@@ -47,9 +49,11 @@ def _answer(r: Relevance) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _effects(r: Relevance) -> Iterator[Block]:
+    """Yield a row of proven bounds for each effect, the largest first."""
     if not r.effects:
         yield Paragraph("The scene has no effects.")
         return
+    # The largest of its bounds decides where an effect stands.
     ranked = sorted(r.effects, key=lambda x: -max(change.most for change in x.change.values()))
     changes = (
         w.number(w.RATIOS[part], lambda x, part=part: w.at_most(x.change[part].most))  # type: ignore[misc]
@@ -70,6 +74,7 @@ def _effects(r: Relevance) -> Iterator[Block]:
 
 
 def _dominance(r: Relevance) -> Iterator[Block]:
+    """Yield which effect changes the ratios most, along the band."""
     if len(r.effects) >= 2 and r.dominance:
         where = w.Field(w.IN_UNIT, lambda x: (w.cell(x.low), " to ", w.cell(x.high)))
         caption = "The effect that changes the ratios most."
@@ -78,6 +83,7 @@ def _dominance(r: Relevance) -> Iterator[Block]:
 
 
 def _crossings(r: Relevance) -> Block:
+    """Return enclosures of the crossings of the full scene."""
     scene = "full scene" if r.dropped else "scene"
     if not r.crossings:
         return Paragraph(f"The {scene} has no crossing on the band.")
@@ -93,15 +99,18 @@ def _crossings(r: Relevance) -> Block:
 
 
 def _interval(x: CrossingEnclosure) -> Phrase:
+    """Return an enclosure, rounded outwards, or one frequency."""
     low, high = x.bounds
     return (
         w.cell(low)
+        # An enclosure that is narrower than what is printed is one frequency.
         if high - low < 1e-6 * high
         else (w.cell(low, Way.DOWN), " to ", w.cell(high, Way.UP))
     )
 
 
 def _proven(r: Relevance) -> Iterator[Phrase]:
+    """Yield what is proven of the bounds, and whether a smaller set of effects exists."""
     what = "bounds on the whole band"
     if r.dropped:
         what += ", for all effects left out together; no crossing of the full scene elsewhere"

@@ -1,8 +1,9 @@
-"""The page of an evaluation: the answer in three lines, step 1 (when a hand notices), step 2 (as
-what), what is proven.
+"""The page of an evaluation: the answer in three lines, step 1 (when the distortion is noticed),
+step 2 (as what it is felt), and what is proven.
 
-The same document is printed, set in LaTeX and HTML, and shown in a notebook; a report has more of
-it: the scene, which values would do, an explorer, the derivation.
+The same document is printed, set in LaTeX and HTML, and shown in a notebook. A report has more of
+it: the scene, the values of each parameter that satisfy the JND, an explorer, the derivation. Begin
+with ``page`` and ``findings``.
 
 The pages of several environments at once, and of the peaks of the ratios, follow it.
 """
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
 
 def page(e: Evaluation) -> Document:
-    """The whole page."""
+    """Return the whole page of an evaluation."""
     full = _InFull(e)
     low, high = (w.cell(e.chart.points[i].omega) for i in (0, -1))
     judged = w.limits(e.scene.threshold), published_words(e.scene.threshold)
@@ -55,6 +56,8 @@ def page(e: Evaluation) -> Document:
         ", JND ",
         judged,
     )
+    # Versions, Formulas and Live hold functions: what a kind of output does not show is not
+    # computed.
     blocks = (
         *_left_out(e),
         doc.Section("Scene", (doc.Versions((), full.scene),), "scene"),
@@ -79,15 +82,14 @@ def page(e: Evaluation) -> Document:
             "Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True
         ),
     )
-    kind, further = (
-        "Two-step evaluation of a haptic display",
-        ("--formulas", "haptisym stability SCENE --hand NAME"),
-    )
+    kind = "Two-step evaluation of a haptic display"
+    further = ("--formulas", "haptisym stability SCENE --hand NAME")
     return w.page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
 
 
 def _percent(x: float) -> str:
-    """To a tenth, or three digits of what is less."""
+    """Return a share in per cent with its sign: to a tenth, or three digits of what is smaller than
+    that."""
     return f"{100 * x:+{'.1f' if not x or abs(x) >= 5e-4 else '.3g'}}\xa0%"
 
 
@@ -99,40 +101,42 @@ _FITTED = {
 
 
 def _movement(e: Evaluation) -> Iterator[doc.Block]:
-    """What a fit to a movement reports of the environment and of what is felt."""
-    found = e.movement
-    if found is None:
+    """Yield what a fit to a movement reports of the environment and of what is felt."""
+    fit = e.movement
+    if fit is None:
         return
     rows = w.table(
         _FITTED,
-        f"Least squares over a {found.spectrum}.",
+        f"Least squares over a {fit.spectrum}.",
         w.Field("", lambda x: _FITTED[x][0]),
-        w.number("environment", lambda x: _fitted(found, "environment", found.environment[x])),
-        w.number("perceived", lambda x: _fitted(found, "perceived", found.perceived[x])),
+        w.number("environment", lambda x: _fitted(fit, "environment", fit.environment[x])),
+        w.number("perceived", lambda x: _fitted(fit, "perceived", fit.perceived[x])),
         w.Field("unit", lambda x: w.unit(_FITTED[x][1], e.scene.motion)),
-        w.number("change", lambda x: "" if (own := found.change[x]) is None else _percent(own)),
+        w.number("change", lambda x: "" if (change := fit.change[x]) is None else _percent(change)),
     )
     said: list[Phrase] = [
         (
-            f"Least squares over a {found.spectrum}: what a fit to this movement reports, not "
+            f"Least squares over a {fit.spectrum}: what a fit to this movement reports, not "
             f"what a person was shown to perceive."
         )
     ]
-    for name, places in found.poles.items():
+    for name, places in fit.poles.items():
         at = listed(w.both(x) for x in places)
         said.append((w.SYSTEMS[name], " is infinite at ", at, ": there is no fit of it."))
-    largest = max(_FITTED, key=lambda x: abs(found.change[x] or 0.0))
-    own = found.change[largest] or 0.0
+    # Below the bandwidth no single frequency is noticed; yet a fit to the whole movement may report
+    # a parameter that is off by more than the threshold. That is said.
+    largest = max(_FITTED, key=lambda x: abs(fit.change[x] or 0.0))
+    change = fit.change[largest] or 0.0
     if (
         e.bandwidth is not None
-        and found.band[1] <= float(e.bandwidth)
-        and abs(own) > float(e.scene.threshold.real)
+        and fit.band[1] <= float(e.bandwidth)
+        and abs(change) > float(e.scene.threshold.real)
     ):
-        more = "higher" if own > 0 else "lower"
+        more = "higher" if change > 0 else "lower"
         said.append(
             f"Nothing is noticed at any one frequency of this movement; still the fitted "
             f"{_FITTED[largest][0]} is"
-            f" {abs(100 * own):.1f}\xa0% {more}."
+            f" {abs(100 * change):.1f}\xa0% {more}."
         )
     yield doc.Section("What a fit to a movement reports", (rows, *w.noted(said)), "movement")
 
@@ -141,12 +145,14 @@ def _fitted(found: Reported, system: str, x: float | None) -> Phrase:
     """A number of a fit; a double has 15 digits."""
     if x is None:
         return "none" if system in found.poles else Strong("undecided")
+    # A double has 15 to 17 correct decimal digits, and a fit is computed in doubles.
     return w.near(x, most=15)
 
 
 @dataclass(frozen=True)
 class _InFull:
-    """What reports alone have; what writes it is loaded where one is written."""
+    """The sections that a report has and a printed page has not; each imports what writes it when
+    it is written."""
 
     evaluation: Evaluation
 
@@ -181,13 +187,14 @@ class _InFull:
 
 
 def findings(e: Evaluation) -> Iterator[tuple[Phrase, Phrase]]:
-    """The three lines of the answer."""
+    """Yield the three lines of the answer: bandwidth, what is felt, stability."""
     yield "Bandwidth", _bandwidth(e)
     yield "Felt as", felt_as(e)
     yield "Stability", stability(e)
 
 
 def _bandwidth(e: Evaluation) -> Phrase:
+    """Return the bandwidth with what limits it, the whole band, or none."""
     if e.bandwidth is None:
         onward: Phrase = "noticed on the whole band"
         if e.transparent:
@@ -205,6 +212,8 @@ def _bandwidth(e: Evaluation) -> Phrase:
             FREQUENCY_UNIT,
             _range_of(e),
         )
+    # Identity, not equality: a crossing that ends the first transparent interval has that very
+    # number. Both parts may cross at it.
     by = listed(dict.fromkeys(_limit(c) for c in e.crossings if c.omega is e.bandwidth))
     more: Phrase = (
         ("; transparent again ", w.spans(e.transparent[1:])) if len(e.transparent) > 1 else ""
@@ -213,16 +222,18 @@ def _bandwidth(e: Evaluation) -> Phrase:
 
 
 def _limit(c: Crossing) -> str:
+    """Return what a crossing is about, in words: the region, or one of the parts."""
     if c.criterion.joint or c.criterion.part is None:
         return f"the {c.criterion.joint.kind if c.criterion.joint else 'region'}"
     return f"the {w.PART_NAMES[c.criterion.part]} part"
 
 
 def _range_of(e: Evaluation) -> Phrase:
-    """The bandwidths that the range of the threshold gives."""
+    """Return the bandwidths that a threshold with a range gives; nothing for a single number."""
     found = e.bandwidths
     if found is None or found.least is None or found.most is None:
         return ""
+    # Outwards: the printed range holds all bandwidths that there are.
     ends_ = w.cell(found.least, Way.DOWN), w.cell(found.most, Way.UP)
     return w.phrased("; {} to {}\xa0{} for the range of the JND", *ends_, FREQUENCY_UNIT)
 
@@ -230,16 +241,18 @@ def _range_of(e: Evaluation) -> Phrase:
 def felt_as(e: Evaluation) -> Phrase:
     """How each part is felt where it is first noticed: ``lower mass from 7.979 rad/s, higher
     damping from 11.94 rad/s``."""
+    # From the last band to the first: of each part the first one is what stays in the dictionary.
     first = {x.part: x for x in reversed(e.felt)}
-    found = sorted(first.values(), key=lambda x: float(x.band.low.omega))
-    if not found:
+    in_order = sorted(first.values(), key=lambda x: float(x.band.low.omega))
+    if not in_order:
         return "nothing noticed on the band"
-    each = ((x.words, " from ", w.cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in found)
+    each = ((x.words, " from ", w.cell(x.band.low.omega), "\xa0", FREQUENCY_UNIT) for x in in_order)
     return tuple(y for x in each for y in (", ", x))[1:]
 
 
 def stability(e: Evaluation) -> Phrase:
-    """Under prescribed motion, and passivity: two statements, and never the one for the other."""
+    """Return two statements: stability under prescribed motion, and passivity. Neither stands for
+    the other."""
     if e.passivity is not None and e.passivity.holds:
         return Strong("passive"), ": stable in the hand of any passive operator"
     prescribed: dict[bool | None, Phrase] = {
@@ -247,10 +260,10 @@ def stability(e: Evaluation) -> Phrase:
         False: (Strong("unstable"), ""),
         None: (Strong("undecided"), ""),
     }
-    found = e.passivity
+    passivity = e.passivity
     passive: Phrase = "passivity undecided"
-    if found is not None and found.holds is False:
-        passive = Strong("not passive"), _active(found)
+    if passivity is not None and passivity.holds is False:
+        passive = Strong("not passive"), _active(passivity)
     return prescribed[e.stable], " under prescribed motion; ", passive
 
 
@@ -258,11 +271,14 @@ _MOST_BANDS = 2
 
 
 def _active(found: Passivity) -> Phrase:
-    """Where the display is active; nothing where poles or a clock forbid passivity."""
+    """Return the frequencies at which the display is active; nothing where poles or a clock forbid
+    passivity."""
     if not found.is_active or not found.active:
         return ""
     shown = found.active[:_MOST_BANDS]
+    # The last active interval goes on for ever, and is among those that are printed.
     on = found.beyond is Beyond.ALWAYS and len(shown) == len(found.active)
+    # One interval from 0 on that never ends.
     if on and not float(shown[-1].low.omega) and len(shown) == 1:
         return ", active at all frequencies"
     last: Phrase = ("above ", w.both(shown[-1].low.omega)) if on else ""
@@ -276,8 +292,8 @@ def _active(found: Passivity) -> Phrase:
 
 
 def not_looked_at(found: Passivity) -> Phrase:
-    """Of a sign that settles only after very many turns of a delay: where it settles, and from
-    where on it was not tested."""
+    """Return, for a sign that settles only after very many turns of a delay, where it settles, and
+    from where on it was not tested."""
     high = w.both(ExactNumber(found.high))
     if found.active_from is None:
         return " (not tested above ", high, ")"
@@ -286,11 +302,12 @@ def not_looked_at(found: Passivity) -> Phrase:
 
 
 def _left_out(e: Evaluation) -> Iterator[Block]:
-    """What was left out of the scene, and what that changes at most."""
+    """Yield which effects were left out of the scene, and what that changes at most."""
     r = e.relevance
     if r is None or not r.dropped:
         return
-    found = listed(
+    # Enclosures of crossings are rounded outwards.
+    intervals = listed(
         (
             w.cell(x.bounds[0], Way.DOWN),
             " to ",
@@ -300,8 +317,8 @@ def _left_out(e: Evaluation) -> Iterator[Block]:
         for x in r.crossings
     )
     lie: Phrase = "The full scene has no crossings."
-    if found:
-        lie = w.phrased("Crossings of the full scene: {}\xa0{}.", found, FREQUENCY_UNIT)
+    if intervals:
+        lie = w.phrased("Crossings of the full scene: {}\xa0{}.", intervals, FREQUENCY_UNIT)
     words = (
         "Without {}, which changes {} anywhere on the band (proven; tolerance {}). All below is "
         "for the scene without. {}"
@@ -321,6 +338,8 @@ def _left_out(e: Evaluation) -> Iterator[Block]:
 
 
 def _step_1(e: Evaluation) -> Iterator[Block]:
+    """Yield the blocks of step 1: bandwidths of a threshold with a range, the ratios, the
+    crossings."""
     yield from bandwidths(e)
     yield _figure(e, "ratios", ratios_caption(e), wide=True)
     yield crossings(e)
@@ -329,12 +348,12 @@ def _step_1(e: Evaluation) -> Iterator[Block]:
 
 
 def joint(criteria: Iterable[Criterion]) -> Joint | None:
-    """The region that judges both parts at once, where there is one."""
+    """Return the region that judges both parts at once; None where each part has a threshold."""
     return next((x.joint for x in criteria if x.joint), None)
 
 
 def nothing_meets(region: Joint | None) -> str:
-    """That what is judged crosses no limit."""
+    """Return the words for a distortion that crosses no limit."""
     return (
         f"The distortion does not reach the border of the {region.kind}"
         if region
@@ -345,6 +364,7 @@ def nothing_meets(region: Joint | None) -> str:
 def crossings(e: Evaluation) -> Block:
     """Every crossing on the band: frequency, what happens, enclosure."""
     if not e.crossings:
+        # Where a tangency is undecided, that nothing crosses is proven elsewhere alone.
         decided = ", up to what is undecided" if e.undecided else ""
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
     enclosure = ("enclosure of ", named("omega"), " (rad/s)")
@@ -360,7 +380,9 @@ def crossings(e: Evaluation) -> Block:
 
 
 def how_sure(e: Evaluation) -> str:
-    """How sure a table is."""
+    """Return how sure a table of crossings is, in a word or two."""
+    # A fitted scene has ranges that are estimated at some level; its crossings are proven for the
+    # fitted values only.
     if e.scene.level is not None:
         return "of the fitted model"
     return "proven" if e.certified else "proven up to what is undecided"
@@ -380,6 +402,8 @@ def event(c: Crossing, kind: str | None = None) -> Phrase:
     if c.criterion.joint:
         return w.CHANGE, f" {_LEAVES[c.kind]} the {kind or c.criterion.joint.kind}{times}"
     ratio = named(c.criterion.symbol)
+    # The limit depends on whether the part grows or shrinks: where that changes, the ratio may be
+    # on the other side without a crossing.
     if c.jump:
         return "the limit of ", ratio, " changes: ", _JUMPS[c.kind]
     limit = "its limit" if c.criterion.region else w.amount(c.criterion.threshold)
@@ -408,7 +432,7 @@ def sense(c: Crossing) -> Phrase:
 
 
 def undecided_table(e: Evaluation) -> doc.Table:
-    """What stayed undecided at the precision limit."""
+    """Return the table of places where crossings stayed undecided at the precision limit."""
     return w.table(
         e.undecided,
         "Undecided at the precision limit: whether the ratio is tangent to its threshold "
@@ -436,7 +460,7 @@ _JOINT_RATIOS = (
 
 
 def ratios_caption(e: Evaluation) -> str:
-    """What the figure of ratios shows."""
+    """Return the caption of the figure of ratios."""
     return _JOINT_RATIOS if joint(e.criteria) else _RATIOS
 
 
@@ -444,41 +468,50 @@ def ratios_caption(e: Evaluation) -> str:
 
 
 def bandwidths(e: Evaluation) -> Iterator[Block]:
-    """Where the threshold is a range: the least and the largest bandwidth, what between is not
-    attained, a drawing."""
-    found, threshold = e.bandwidths, e.scene.threshold
-    if found is None:
+    """Yield, for a threshold with a range, the least and the largest bandwidth, the values between
+    that are not attained, and a drawing."""
+    attained, threshold = e.bandwidths, e.scene.threshold
+    if attained is None:
         return
     yield doc.Paragraph(
-        ("For ", _range(threshold), ": ", _between(found, threshold), _blocked(found, threshold))
+        (
+            "For ",
+            _range(threshold),
+            ": ",
+            _between(attained, threshold),
+            _blocked(attained, threshold),
+        )
     )
-    if found.is_one_curve:
+    if attained.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
         yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
 
 
 def _range(threshold: Threshold) -> Phrase:
+    """Return the numbers of the threshold that have ranges, in words."""
     ranges = threshold.ranges
     if "scale" in ranges:
         return "a JND ", _from_to(ranges["scale"]), " times as large"
     limits = {name: x for name, x in ranges.items() if name != "floor"}
+    # Both parts with one threshold are named once; with a limit for shrinking, each is named.
     equal = threshold.real == threshold.imag and threshold.real_interval == threshold.imag_interval
-    found: list[Phrase] = []
+    parts: list[Phrase] = []
     if limits and equal and threshold.region.lower == (None, None):
-        found = [("thresholds ", _ends(limits["real"]))]
+        parts = [("thresholds ", _ends(limits["real"]))]
     elif limits:
-        found = [
+        parts = [
             (
                 "thresholds ",
                 listed((_ends(x), f" ({_named(name, threshold)})") for name, x in limits.items()),
             )
         ]
     if "floor" in ranges:
-        found.append(("a floor ", _from_to(ranges["floor"]), f" {_unit(threshold)}"))
-    return listed(found)
+        parts.append(("a floor ", _from_to(ranges["floor"]), f" {_unit(threshold)}"))
+    return listed(parts)
 
 
 def _from_to(interval: ExactRange) -> Phrase:
+    """Return the ends of a range as numbers without a unit."""
     return "from ", w.near(ExactNumber(interval[0])), " to ", w.near(ExactNumber(interval[1]))
 
 
@@ -496,20 +529,25 @@ def _of_part(name: str, threshold: Threshold) -> str:
 
 
 def _unit(threshold: Threshold) -> str:
+    """Return the unit of a floor: that of dynamics."""
     return w.unit(Dimension.STIFFNESS, threshold.region.motion)
 
 
 def _ends(interval: ExactRange) -> str:
+    """Return the ends of a range in per cent."""
     low, high = interval
     return f"from {w.percent(low)} to {w.percent(high)}"
 
 
 def _between(found: Bandwidths, threshold: Threshold) -> Phrase:
+    """Return the least and the largest bandwidth for a threshold with a range, and which values
+    between are attained."""
     if found.most is None:
         return "no bandwidth, the distortion is noticed at the low end of the band."
     if found.least is None:
         return "the bandwidth is at most ", w.both(found.most, Way.UP), "; for some there is none."
     least, most = found.least, found.most
+    # Equal balls of 200 bits are taken as one number in two forms.
     if least is most or least.bounds(200) == most.bounds(200):
         return (
             "the bandwidth is ",
@@ -531,6 +569,7 @@ def _between(found: Bandwidths, threshold: Threshold) -> Phrase:
 
 
 def _jump(x: Jump, threshold: Threshold) -> Phrase:
+    """Return a gap in the bandwidths, and the threshold at which it is jumped over."""
     gap: Phrase = (
         "above " if x.includes_low else "from ",
         w.both(x.low),
@@ -547,6 +586,8 @@ def _jump(x: Jump, threshold: Threshold) -> Phrase:
 
 
 def _size(x: RealNumber, name: str, threshold: Threshold) -> Phrase:
+    """Return a value of the number that has a range, in its unit: a factor, a stiffness, or per
+    cent."""
     if name == "scale":
         return w.near(x)
     return (w.near(x), f" {_unit(threshold)}") if name == "floor" else w.near(x, unit=_PERCENT)
@@ -556,6 +597,7 @@ _PERCENT = Unit("%", Rational(1, 100))
 
 
 def _blocked(found: Bandwidths, threshold: Threshold) -> Phrase:
+    """Return for which values of the threshold there is no bandwidth."""
     if not found.blocked:
         return ""
     below: list[Phrase] = []
@@ -569,7 +611,7 @@ def _blocked(found: Bandwidths, threshold: Threshold) -> Phrase:
 
 
 def published_words(threshold: Threshold) -> Phrase:
-    """Which published threshold it is; nothing where it is none."""
+    """Return the published threshold that the scene names; nothing where it names none."""
     if not threshold.source:
         return ""
     found = like(threshold.source)
@@ -589,7 +631,7 @@ _WIDTHS = (
     "band starts at the low end."
 )
 _KINDS = {"disc": "disc"}
-"""Of a region that is more than its shape says."""
+"""Names of regions for which the shape alone says too little, as events call them."""
 
 
 def regions(e: Evaluation) -> Iterator[Block]:
@@ -623,18 +665,17 @@ _DECIDING = (
 def deciding(e: Evaluation) -> Iterator[Block]:
     """Which changes would decide between models of the JND, and where the display is one; nothing
     where that was not asked."""
-    found = e.discrimination
-    if found is None:
+    discrimination = e.discrimination
+    if discrimination is None:
         return
-    place = {id(x): i for i, x in enumerate(found.stimuli, 1)}
+    # Changes are numbered as in the figure; two may be equal, hence the identity.
+    place = {id(x): i for i, x in enumerate(discrimination.stimuli, 1)}
     who = w.Field("noticed by", lambda x: x.noticed_by), w.Field("not by", lambda x: x.not_by)
     margin = w.number("margin", lambda x: w.near(x.margin))
-    more, units = (
-        named("Delta"),
-        [w.unit(x, e.scene.motion) for x in (Dimension.STIFFNESS, Dimension.DAMPING)],
-    )
+    more = named("Delta")
+    units = [w.unit(x, e.scene.motion) for x in (Dimension.STIFFNESS, Dimension.DAMPING)]
     rows = w.table(
-        found.stimuli,
+        discrimination.stimuli,
         "For each two models the change of stiffness and damping that one notices and the "
         "other does not by the "
         "largest margin, computed.",
@@ -657,7 +698,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
         "and stays below that of the other by the same factor. The opposite change is judged "
         "equally."
     )
-    near = listed(map(w.both, found.undecided))
+    near = listed(map(w.both, discrimination.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
     figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
     yield doc.Section(
@@ -666,9 +707,9 @@ def deciding(e: Evaluation) -> Iterator[Block]:
         "discriminate",
     )
     display: Block = doc.Paragraph("All models judge the display equally on the whole band.")
-    if found.display:
+    if discrimination.display:
         display = w.table(
-            found.display,
+            discrimination.display,
             (
                 "Where two models judge the display differently, proven; where by the largest "
                 "margin, computed."
@@ -726,6 +767,8 @@ def _width(chart: Chart, x: RealNumber | None) -> Phrase:
         "none"
         if x is None
         else "whole band"
+        # The end of the band is an exact number of the scene, and so is a bandwidth that reaches
+        # it.
         if float(x) == float(chart.points[-1].omega)
         else w.cell(x)
     )
@@ -736,6 +779,7 @@ def _spread(found: Sequence[Compared | FamilyCompared], what: str = "bandwidth")
     widths = [x.bandwidth for x in found if x.bandwidth is not None]
     if not widths:
         return f"With each region: no {what}."
+    # The least is rounded down and the largest up: so no bandwidth is outside of what is said.
     least, most = min(widths, key=float), max(widths, key=float)
     if len(widths) < len(found):
         between: Phrase = (
@@ -783,6 +827,7 @@ def _dynamics(e: Evaluation) -> Iterator[tuple[str, Phrase]]:
 
 
 def _step_2(e: Evaluation) -> Iterator[Block]:
+    """Yield the blocks of step 2: the percepts, and their figures."""
     yield percepts(e)
     for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
         yield _figure(
@@ -809,11 +854,12 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
 
 
 def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
+    """Return a figure of this evaluation by its name."""
     return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:
-    """What is felt where a ratio exceeds its threshold."""
+    """Return the table of what is felt where a ratio exceeds its threshold."""
     region = joint(e.criteria)
     if not e.felt:
         why = (
@@ -833,7 +879,7 @@ def percepts(e: Evaluation) -> Block:
 
 
 def _remarks(e: Evaluation) -> Iterator[Phrase]:
-    """What else there is, a line each."""
+    """Yield all further findings, a line each: friction, changeovers, activity, poles, energy."""
     yield from _friction(e)
     if e.changeovers_environment or e.changeovers_perceived:
         env, perc = (
@@ -857,10 +903,12 @@ def _remarks(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _any_environment(e: Evaluation) -> Iterator[Phrase]:
-    found = e.any_environment
-    if found is None or not e.scene.effects:
+    """Yield up to which frequency the effects are unnoticed with any environment, and above which
+    they are noticed with any."""
+    verdict = e.any_environment
+    if verdict is None or not e.scene.effects:
         return
-    below, above, end = found.transparent_below, found.opaque_above, e.chart.points[-1].omega
+    below, above, end = verdict.transparent_below, verdict.opaque_above, e.chart.points[-1].omega
     if below == end:
         yield "For any environment: unnoticed on this band."
         return
@@ -876,13 +924,13 @@ def _any_environment(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _friction(e: Evaluation) -> Iterator[Phrase]:
+    """Yield whether dry friction of the display is noticed as such, by a threshold of its own."""
     x, newton = e.friction, w.unit(Dimension.FORCE, e.scene.motion)
     if x is None:
         return
-    force, source = (
-        w.near(float(x.force)),
-        "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)",
-    )
+    force = w.near(float(x.force))
+    source = "(Veldhuis, Mulder and van Paassen, 2024: a Weber fraction and a floor)"
+    # The scene has friction in the display, and no threshold for it.
     if x.noticed is None or x.least is None:
         words = (
             f"Friction of {{}} {newton} in the display has a separate threshold {source}, "
@@ -906,14 +954,16 @@ def _friction(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _energy(e: Evaluation) -> Iterator[Phrase]:
-    """Of a display that is not passive: the energy that it generates, and the damping of a hand
-    that compensates it."""
-    found = e.passivity
-    if found is None or not found.is_active or found.holds is not False:
+    """Yield, for a display that is not passive, the damping of a hand that compensates the energy
+    which it generates, or that none does."""
+    passivity = e.passivity
+    if passivity is None or not passivity.is_active or passivity.holds is not False:
         return
-    if found.damping is not None and found.poles_allow:
-        yield w.enough_damping(w.at_most(found.damping.value), e.scene)
-    elif found.is_unbounded:
+    # No damping of a hand helps against a pole that forbids passivity, nor where -Im H_perc/omega
+    # has no bound.
+    if passivity.damping is not None and passivity.poles_allow:
+        yield w.enough_damping(w.at_most(passivity.damping.value), e.scene)
+    elif passivity.is_unbounded:
         yield w.endless()
 
 
@@ -921,6 +971,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
 
 
 def _proven(e: Evaluation) -> Iterator[Phrase]:
+    """Yield what is proven of an evaluation, and what is undecided."""
     yield from w.left_open(e.left)
     if e.undecided:
         where = listed((w.both(point.omega), f" ({x.name})") for x, point in e.undecided)
@@ -937,6 +988,7 @@ def _proven(e: Evaluation) -> Iterator[Phrase]:
         return
     if e.movement is not None and e.movement.undecided:
         yield w.undecided("what a fit to this movement reports, where no number stands")
+    # Passivity is claimed only where it was decided, either way.
     passive = ", passivity" if e.passivity is not None and e.passivity.holds is not None else ""
     but = (
         ", except computed ones" if e.discrimination or (e.movement and e.movement.computed) else ""
@@ -970,6 +1022,7 @@ def page_family(many: FamilyEvaluation) -> Document:
 
 
 def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the three lines of the answer for several environments."""
     yield "Bandwidth", _bandwidth_of_all(many)
     words: dict[str, list[str]] = {}
     for name, e in many.answers.items():
@@ -979,6 +1032,7 @@ def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
             )
     felt = listed(f"{first} ({', '.join(names)})" for first, names in words.items())
     yield "Felt as", felt or "nothing noticed with any"
+    # False and None are kept apart: unstable is proven, undecided is not.
     unstable = [name for name, e in many.answers.items() if e.stable is False]
     undecided_ = [name for name, e in many.answers.items() if e.stable is None]
     stable: Phrase = "stable with each environment"
@@ -991,20 +1045,23 @@ def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _passive(many: FamilyEvaluation) -> str:
-    found = {
+    """Return with which environments the display is passive."""
+    verdicts = {
         name: None if e.passivity is None else e.passivity.holds for name, e in many.answers.items()
     }
-    if all(found.values()):
+    # None is undecided, and is not True either.
+    if all(verdicts.values()):
         return "passive with each"
     kinds = (("not passive", False), ("passivity undecided", None))
     return "; ".join(
         f"{words} with {', '.join(names)}"
         for words, kind in kinds
-        if (names := [n for n, x in found.items() if x is kind])
+        if (names := [n for n, x in verdicts.items() if x is kind])
     )
 
 
 def _bandwidth_of_all(many: FamilyEvaluation) -> Phrase:
+    """Return the bandwidth common to all environments, with what limits it."""
     if many.bandwidth is not None:
         by = listed(
             f"{x.environment} ({_part(x.criterion)})"
@@ -1012,6 +1069,7 @@ def _bandwidth_of_all(many: FamilyEvaluation) -> Phrase:
             if x.omega is many.bandwidth
         )
         width: Phrase = w.both(many.bandwidth)
+        # The common bandwidth is the end of the band itself: nothing limits it there.
         if many.bandwidth is many.chart.points[-1].omega:
             return "the whole band with each environment, up to ", width
         return Strong(width), " common to all environments", (", limited by ", by) if by else ""
@@ -1026,6 +1084,7 @@ def _bandwidth_of_all(many: FamilyEvaluation) -> Phrase:
 
 
 def _part(x: Criterion) -> str:
+    """Return a criterion in words: a part, or a region."""
     return f"{x.name} part" if x.part else x.name
 
 
@@ -1034,6 +1093,8 @@ def _each(many: FamilyEvaluation) -> Block:
     thresholds, and as what."""
 
     def first(name: str, x: Criterion) -> Phrase:
+        # The first interval on which the ratio of this environment is above its threshold, by
+        # proven signs.
         exceeded = many.answers[name].chart.where(lambda signs: signs[x] > 0)
         return w.cell(exceeded[0].low.omega) if exceeded else "never"
 
@@ -1074,12 +1135,14 @@ def _each(many: FamilyEvaluation) -> Block:
 
 def _felt(e: Evaluation) -> str:
     """How each part is felt where it is first noticed."""
+    # From the last band to the first, so that the first one of each part stays.
     first = {x.part: x.words for x in reversed(e.felt)}
     return "; ".join(first[part] for part in Part if part in first) or "-"
 
 
 def _worst(many: FamilyEvaluation) -> Iterator[Block]:
-    """What limits the bands on which all are transparent, where that is more than the bandwidth."""
+    """Yield what limits the bands on which all environments are transparent, where that is more
+    than the bandwidth."""
     further = [x for x in many.binding if x.omega is not many.bandwidth]
     if len(many.transparent) > 1:
         yield doc.Notes((("All environments are transparent ", w.spans(many.transparent), "."),))
@@ -1100,6 +1163,7 @@ def _worst(many: FamilyEvaluation) -> Iterator[Block]:
 
 
 def _proven_family(many: FamilyEvaluation) -> Iterator[Phrase]:
+    """Yield what is proven of several environments together."""
     if not many.certified:
         yield w.undecided(
             "a crossing of some environment, at the precision limit: evaluate each alone"
@@ -1145,13 +1209,16 @@ def page_peaks(found: Peaks) -> Document:
 
 
 def _answer_peaks(found: Peaks) -> Iterator[tuple[Phrase, Phrase]]:
-    """The largest maximum of each ratio."""
-    for x in dict.fromkeys(x.criterion for x in found):
-        most = max((y for y in found if y.criterion == x), key=lambda y: float(y.ratio))
-        yield ("Largest ", w.symbol(x.symbol)), (w.near(most.ratio), " at ", w.both(most.omega))
+    """Yield the largest maximum of each ratio, and its frequency."""
+    for criterion in dict.fromkeys(x.criterion for x in found):
+        maxima = [x for x in found if x.criterion == criterion]
+        largest = max(maxima, key=lambda x: float(x.ratio))
+        value: Phrase = (w.near(largest.ratio), " at ", w.both(largest.omega))
+        yield ("Largest ", w.symbol(criterion.symbol)), value
 
 
 def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
+    """Yield what the values of peaks mean where that is not plain."""
     region = joint(x.criterion for x in found)
     if region:
         yield (
@@ -1168,6 +1235,7 @@ def _remarks_peaks(found: Peaks) -> Iterator[Phrase]:
 
 
 def _proven_peaks(found: Peaks) -> Iterator[Phrase]:
+    """Yield what is proven of the peaks."""
     if found.undecided:
         where = listed(map(w.both, found.undecided))
         yield w.undecided(

@@ -1,10 +1,10 @@
-"""What works on a page of HTML: the explorer, and the certificate with a program that proves it
-anew where the page is read.
+"""The parts of a page of HTML that work: the explorer, and a certificate with a program that proves
+it anew where the page is read.
 
 The explorer has sliders for a scene's parameters and those of its JND, and its closed forms as
-JavaScript, drawn anew as they move. The program that proves (``data/checker.js``) is for quotients
-of polynomials alone. Whatever else has a certificate is checked by ``python -m haptisym_check``,
-and the page says so.
+JavaScript, drawn anew as they move; it computes in floating point. The program that proves
+(``data/checker.js``) is for quotients of polynomials alone. Whatever else has a certificate is
+checked by ``python -m haptisym_check``, and the page says so.
 """
 
 from __future__ import annotations
@@ -42,6 +42,8 @@ def is_provable(e: Evaluation) -> bool:
     """Whether the page's checker can find the crossings anew, at other values too: of a rational
     scene as its file has it."""
     ring = ring_of(e.distortion.difference)
+    # The checker reads the scene's file: of effects that were left out, of delays and of powers
+    # that are no integers it knows nothing.
     if e.relevance or ring.lags or ring.orders or has_broken_powers(e.scene.text):
         return False
     try:
@@ -52,8 +54,8 @@ def is_provable(e: Evaluation) -> bool:
 
 
 def checked(answer: Answer, scene: Scene) -> Html:
-    """Certificate, scene file, checker, and where it says what it found; where there is none,
-    why."""
+    """Return certificate, scene file, checker, and the place for its verdict; a sentence where
+    there is no certificate, or where this page cannot check it."""
     checker = _checker(scene) if isinstance(answer, Evaluation) and is_provable(answer) else []
     try:
         certificate = answer.certificate()
@@ -63,6 +65,7 @@ def checked(answer: Answer, scene: Scene) -> Html:
         )
         return joined([none, *checker])
     proof = json.loads(certificate)["proof"]
+    # A certificate there is, but for a program that runs outside of the page.
     if proof.get("delays") or proof.get("orders") or has_broken_powers(scene.text):
         return element(
             "p",
@@ -72,7 +75,7 @@ def checked(answer: Answer, scene: Scene) -> Html:
             element("code", "python -m haptisym_check FILE SCENE.toml"),
             ".",
         )
-    told = (
+    compared = (
         "the table of crossings above"
         if isinstance(answer, Evaluation)
         else "the answer that this page carries as JSON"
@@ -80,19 +83,25 @@ def checked(answer: Answer, scene: Scene) -> Html:
     note = (
         "This page carries a certificate, the scene's file, and a program that shares no "
         "line with haptisym. That program proves "
-        f"the certificate anew in your browser, and compares it with {told}."
+        f"the certificate anew in your browser, and compares it with {compared}."
     )
-    found = element(
+    result = element(
         "p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"}
     )
-    own = data(json.dumps(certificate), "certificate")
+    certificate_data = data(json.dumps(certificate), "certificate")
     return joined(
-        [element("p", note), found, own, *(checker or _checker(scene)), _script("checked.js")]
+        [
+            element("p", note),
+            result,
+            certificate_data,
+            *(checker or _checker(scene)),
+            _script("checked.js"),
+        ]
     )
 
 
 def _checker(scene: Scene) -> list[Html]:
-    """What finds crossings anew, and what it reads."""
+    """Return the program that finds crossings anew, and the data that it reads."""
     catalogue = tomllib.loads(
         (files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8")
     )
@@ -106,6 +115,7 @@ def _checker(scene: Scene) -> list[Html]:
 
 
 def _script(name: str) -> Html:
+    """Return a script of the package as an element of the page."""
     return script((files("haptisym") / "data" / name).read_text(encoding="utf-8"))
 
 
@@ -130,7 +140,7 @@ class Slider:
     """The largest and the smallest value that may be typed, if the rule does not say."""
 
     def record(self) -> dict[str, Any]:
-        """What the script needs to know."""
+        """Return what the script needs to know of the slider."""
         return {
             "id": self.identity,
             "unit": self.unit,
@@ -139,7 +149,9 @@ class Slider:
             "high": self.high,
             "log": self.is_logarithmic,
             "least": self.least if self.rule is Rule.ANY else 0,
+            # The least value 0 is itself excluded where a rule asks for a positive number.
             "open": self.rule in (Rule.POSITIVE, Rule.FRACTION),
+            # The largest double below 1.
             "most": 1 - 2**-53 if self.rule is Rule.FRACTION else self.most,
         }
 
@@ -166,7 +178,8 @@ class Slider:
         return element("div", label, slide, shown, given={"class": "control"})
 
     def reaching(self) -> Slider:
-        """The same, on a logarithmic scale that holds its value with a decade to each side."""
+        """Return the slider with a logarithmic scale that holds its value, with a decade to each
+        side."""
         low, high = min(self.low, self.value / 10), max(self.high, self.value * 10)
         return replace(self, low=low, high=high, is_logarithmic=True)
 
@@ -177,46 +190,50 @@ words for a screen reader."""
 
 
 def limit_sliders(scene: Scene) -> Limits:
-    """One for both half widths where they are the same number; one for how large a polygon is."""
+    """Return the sliders of the JND: one for both half widths where they are the same number, and
+    one for the size of a polygon."""
     t = scene.threshold
     if t.region.corners:
         size = Slider(
             "explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True
         )
         return {"size": (size, "how many times the polygon is as large")}
+    # One slider moves both half widths only where they are one number, and no limit for shrinking
+    # parts them.
     alike = t.real == t.imag and not t.real.has(omega) and t.region.lower == (None, None)
-    found: Limits = {}
+    sliders: Limits = {}
     if alike:
-        found = dict.fromkeys(
+        sliders = dict.fromkeys(
             ("real", "imag"), (_share("explorer-c", inline(named("c")), t.real), "threshold c")
         )
     else:
-        found = {key: own for part in Part for key, own in _of_part(t, part)}
-    return found | dict(_others(scene))
+        sliders = {key: own for part in Part for key, own in _of_part(t, part)}
+    return sliders | dict(_others(scene))
 
 
-def _of_part(t: Threshold, part: Part) -> Iterator[tuple[str, tuple[Slider, str]]]:
-    name, identity, lower = (
-        inline(named(f"c_{part.value}")),
-        f"explorer-c-{part.value}",
-        t.lower(part),
-    )
+def _of_part(threshold: Threshold, part: Part) -> Iterator[tuple[str, tuple[Slider, str]]]:
+    """Yield the sliders of one part: its threshold, and that for a part that shrinks."""
+    name = inline(named(f"c_{part.value}"))
+    identity = f"explorer-c-{part.value}"
+    lower = threshold.lower(part)
     words = f"threshold c of the {PART_NAMES[part]} part"
-    if not t[part].has(omega):
+    if not threshold[part].has(omega):
         label, way = (
             (name, "") if lower is None else (joined([name, Html(" ↑")]), " where it grows")
         )
-        yield part.value, (_share(identity, label, t[part]), f"{words}{way}")
+        yield part.value, (_share(identity, label, threshold[part]), f"{words}{way}")
     if lower is not None and not lower.has(omega):
         slider = _share(f"{identity}-lower", joined([name, Html(" ↓")]), lower)
         yield f"{part.value}.lower", (slider, f"{words} where it shrinks")
 
 
 def _share(identity: str, label: Html, value: Expr) -> Slider:
+    """Return the slider of a threshold, which is a fraction of |H_env|."""
     return Slider(identity, label, "", nearest_double(value), 0.01, 1.0, Rule.POSITIVE).reaching()
 
 
 def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
+    """Yield the sliders of a floor and of a tilt, where the region has them."""
     region = scene.threshold.region
     if region.floor is not None and not region.floor.has(omega):
         stiffness = unit(Dimension.STIFFNESS, scene.motion)
@@ -233,6 +250,7 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
         )
         yield "floor", (slider, "least change that is noticed")
     if region.shape is Shape.ELLIPSE and not region.tilt.has(omega):
+        # The tilt of an ellipse lies between -1 and 1, and reaches neither.
         value = nearest_double(region.tilt)
         slider = Slider(
             "explorer-tilt",
@@ -253,6 +271,7 @@ def region_record(t: Threshold, limits: Limits) -> dict[str, Any]:
     omega."""
     region = t.region
     corners = [[_quotient(x) for x in corner] for corner in region.corners or region.shape.corners]
+    # A polygon is scaled as a whole: its corners stay in proportion.
     if region.corners:
         size = _numbers({}, limits)["size"]
         return {
@@ -268,14 +287,17 @@ def region_record(t: Threshold, limits: Limits) -> dict[str, Any]:
 
 
 def _numbers(values: Mapping[str, Expr], limits: Limits) -> dict[str, Any]:
+    """Return each number of a region: the slider that moves it, or its coefficients."""
     fixed = {key: _quotient(x) for key, x in values.items() if key not in limits}
-    return fixed | {key: {"slider": slider.identity} for key, (slider, _) in limits.items()}
+    moved = {key: {"slider": slider.identity} for key, (slider, _) in limits.items()}
+    return fixed | moved
 
 
 def _quotient(x: Expr) -> dict[str, list[float]]:
-    """Coefficients in omega, ascending."""
+    """Return the coefficients of a quotient of polynomials in omega, ascending, as doubles."""
     if not x.has(omega):
         return {"top": [nearest_double(x)], "bottom": [1.0]}
+    # Poly gives the highest power first; the script evaluates from the lowest.
     top, bottom = (Poly(p, omega).all_coeffs()[::-1] for p in fraction(together(x)))
     return {"top": [nearest_double(c) for c in top], "bottom": [nearest_double(c) for c in bottom]}
 
@@ -290,6 +312,8 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
     ``proving`` : on a report of a rational scene it proves the crossings at its own values; not
     where haptisym itself does.
     """
+    # A formula in all parameters that would be too long is replaced by one in omega alone: then
+    # only the JND moves.
     is_small = forms.symbolic is not None
     is_proven = proving and is_small and is_provable(e)
     program = scene_program(e.scene, None if is_small else ())
@@ -327,24 +351,27 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
 
 
 def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[list[Any]]:
-    """Where in the scene file the number of each slider stands: a table, or the place of an effect,
-    and its key there."""
+    """Return where in the scene file the number of each slider stands: a table, or the place of an
+    effect, and its key there."""
     effects = {f"effects.{x.name}": i for i, x in enumerate(e.scene.effects)}
-    found: list[list[Any]] = []
+    paths: list[list[Any]] = []
     for p in e.scene.parameters:
         if p.symbol in sliders:
             identity = sliders[p.symbol][0].identity
+            # One parameter may stand in several places of the file, all of which the slider
+            # changes.
             also = [path.partition(".") for path in p.also]
-            found += [
+            paths += [
                 [identity, effects.get(p.place, p.place), p.key],
                 *([identity, x, key] for x, _, key in also),
             ]
-    return found
+    return paths
 
 
 def _body(
     controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool, proving: bool
 ) -> Html:
+    """Return what the explorer says and shows: a note, plots, sliders, a button."""
     fixed = (
         ""
         if is_small
@@ -373,12 +400,13 @@ def _body(
     )
     lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
     says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]
-    told = element("div", *says, given={"aria-live": "polite", "class": "told"})
+    results = element("div", *says, given={"aria-live": "polite", "class": "told"})
     reset = element(
         "button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"}
     )
     form = element("div", *controls, given={"class": "controls"})
-    plots = element("div", *_plots(threshold), told, given={"class": "plots"})
+    plots = element("div", *_plots(threshold), results, given={"class": "plots"})
+    # Hidden until the script runs; without JavaScript the sentence below stands there instead.
     whole = element("div", plots, form, reset, given={"id": "explorer-panel", "hidden": ""})
     return joined(
         [
@@ -390,6 +418,7 @@ def _body(
 
 
 def _plots(threshold: Threshold) -> list[Html]:
+    """Return the three plots of the explorer, each with its caption."""
     shape = threshold.region.shape
     ratios: Phrase = (RATIOS[Part.REAL], " (solid), ", RATIOS[Part.IMAG], " (dashed)")
     if shape is not Shape.SQUARE:
@@ -419,6 +448,7 @@ def _plots(threshold: Threshold) -> list[Html]:
 
 
 def _plot(identity: str, title: str, caption: str) -> Html:
+    """Return a plot: an empty drawing that the script fills, and a caption."""
     given = {"id": identity, "viewBox": "0 0 480 300", "role": "img"}
     return element(
         "figure",
@@ -429,42 +459,47 @@ def _plot(identity: str, title: str, caption: str) -> Html:
 
 def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
     """A slider for each parameter of the scene, with words that say what it is."""
-    found: dict[Symbol, tuple[Slider, str]] = {}
+    sliders: dict[Symbol, tuple[Slider, str]] = {}
     for p in e.scene.parameters:
-        label = inline(named(forms.short_names.get(p.symbol, p.symbol).name))
-        slider = _parameter(p, f"explorer-{len(found)}", label, e.scene.motion)
-        found[p.symbol] = slider, f"{p.key} of {p.place.removeprefix('effects.')}"
-    return found
+        symbol = forms.short_names.get(p.symbol, p.symbol)
+        label = inline(named(symbol.name))
+        slider = _parameter(p, f"explorer-{len(sliders)}", label, e.scene.motion)
+        place = p.place.removeprefix("effects.")
+        sliders[p.symbol] = slider, f"{p.key} of {place}"
+    return sliders
 
 
-_MOST_AT_ZERO = {
-    Dimension.TIME: 0.1,
-    Dimension.FORCE: 1.0,
-}  # of a slider whose parameter is zero in the scene
+_MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}
+"""Upper ends, SI, of sliders whose parameters are zero in the scene; 1 for all other dimensions."""
 
 
 def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | None) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    own = (
+    printed_unit = (
         ""
         if p.dimension is Dimension.RATIO
         else unit_text(p.unit_in(motion or MotionKind.TRANSLATION))
     )
     value, rule = nearest_double(p.value), p.rule
+    # Strictly between 0 and 1: the slider stays a hundredth away from both.
     if rule is Rule.FRACTION:
-        return Slider(identity, label, own, value, 0.01, 0.99, rule)
+        return Slider(identity, label, printed_unit, value, 0.01, 0.99, rule)
     if rule is Rule.ANY:
+        # Either sign is allowed: the slider is symmetric about 0.
         reach = 2 * abs(value) or 1.0
-        return Slider(identity, label, own, value, -reach, reach, rule)
+        return Slider(identity, label, printed_unit, value, -reach, reach, rule)
     if value > 0:
         return Slider(
-            identity, label, own, value, value / 10, value * 10, rule, is_logarithmic=True
+            identity, label, printed_unit, value, value / 10, value * 10, rule, is_logarithmic=True
         )
-    return Slider(identity, label, own, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule)
+    return Slider(
+        identity, label, printed_unit, value, 0.0, _MOST_AT_ZERO.get(p.dimension, 1.0), rule
+    )
 
 
 def _probe(e: Evaluation) -> tuple[Slider, str]:
-    """The frequency at which the explorer says the values: at first the middle of the band."""
+    """Return the slider of the frequency at which the explorer prints values: at first the middle
+    of the band."""
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
     middle = float(f"{(low + high) / 2:.4g}")
     slider = Slider(

@@ -12,12 +12,14 @@ from haptisym.writing.document import Document, Phrase, Strong, listed
 
 
 def page(many: FamilyAnswers) -> Document:
-    """The whole page: a section for each environment, with what its page has but for model and
-    source; what all say, once."""
+    """Return the page of all environments: a section for each with what its own page has, without
+    model and source; remarks that all have, once."""
     pages = {name: x.document().blocks for name, x in many.answers.items()}
+    # The last two blocks of a page are its proofs and remarks, and its model and source.
     notes = {
         name: x[-2].entries if isinstance(x[-2], doc.Notes) else () for name, x in pages.items()
     }
+    # What every page says is said once, below all of them.
     shared = [x for x in next(iter(notes.values())) if all(x in own for own in notes.values())]
     sections = tuple(
         doc.Section(name, (*x[:-2], *w.noted(y for y in notes[name] if y not in shared)))
@@ -36,6 +38,7 @@ def page(many: FamilyAnswers) -> Document:
 
 
 def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the values that satisfy all environments, and what limits them."""
     if many.common is None:
         return
     free = next(iter(many.answers.values())).free

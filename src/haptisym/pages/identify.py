@@ -26,7 +26,7 @@ _CORRELATED = 0.95
 
 
 def page(a: Identification) -> Document:
-    """The whole page."""
+    """Return the whole page of an identification."""
     shown = (
         "The model over the measured points, with discs, and the residuals in units of their "
         "standard error."
@@ -45,6 +45,7 @@ def page(a: Identification) -> Document:
 
 
 def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the fitted response, whether the model fits, and whether it is unique."""
     yield "Fitted", _response(a)
     if a.verdict.fits is None:
         yield "Fit", "not tested: the uncertainty of the points is unknown"
@@ -69,11 +70,15 @@ def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
+    """Yield what was measured, which model was fitted, and how it was searched for."""
     yield "measured", measured_words(a.measurement)
     if a.measurement.understood:
         yield "read", a.measurement.understood
-    if left := len(a.measurement) - len(a.fit.lines):
-        yield "left out", f"{counted(left, 'point')}, off the band, at 0 rad/s or without coherence"
+    if omitted := len(a.measurement) - len(a.fit.lines):
+        yield (
+            "left out",
+            f"{counted(omitted, 'point')}, off the band, at 0 rad/s or without coherence",
+        )
     yield "model", a.wanted.words
     same = f"{a.fit.agreeing} of {counted(a.fit.starts, 'start')} ended in the same least sum"
     yield "search", f"weighted least squares; {same}; a lower one may exist"
@@ -89,27 +94,31 @@ def _response(a: Identification) -> Phrase:
 
 
 def _digits(a: Identification) -> int:
-    """Two more than the best told parameter has certain ones."""
+    """Return how many digits H_perc is printed with: two more than are certain of its best known
+    parameter, from 2 to 8."""
+    # The smallest relative error is that of the parameter that is known best.
     shares = [x.error / abs(x.value) for x in a.estimates if x.value]
     return min(max(2, 1 + ceil(-log10(max(min(shares, default=1), 1e-7)))), 8)
 
 
-def _certain_digits(x: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> doc.Number:
-    """A number to the second digit of the error."""
-    last = floor(log10(x.error)) - 1 if x.error > 0 else -12
-    least = floor(log10(abs(value))) - 7 if value else last
-    exact = Decimal(value).quantize(
-        Decimal(1).scaleb(max(last, least)), rounding=way, context=Context(prec=60)
-    )
+def _certain_digits(estimate: Estimate, value: float, way: str = ROUND_HALF_EVEN) -> doc.Number:
+    """Return a number rounded to the second digit of its error."""
+    # The decimal place of the second digit of the error, but no more than eight digits of the
+    # value.
+    second = floor(log10(estimate.error)) - 1 if estimate.error > 0 else -12
+    eighth = floor(log10(abs(value))) - 7 if value else second
+    last = max(second, eighth)
+    # Decimal rounds in the direction that is asked for; a format rounds to the nearest alone.
+    unit = Decimal(1).scaleb(last)
+    exact = Decimal(value).quantize(unit, rounding=way, context=Context(prec=60))
     return doc.Number(
-        f"{float(exact):.{max(0, -max(last, least))}f}"
-        if abs(exact) < 10**7
-        else f"{float(exact):.8g}",
-        value,
+        f"{float(exact):.{max(0, -last)}f}" if abs(exact) < 10**7 else f"{float(exact):.8g}", value
     )
 
 
 def _tests(a: Identification) -> Iterator[Phrase]:
+    """Yield the tests of the residuals: their size, their order, and whether the display is
+    linear."""
     v = a.verdict
     if v.square is not None and v.chance is not None:
         words = (
@@ -125,10 +134,12 @@ def _tests(a: Identification) -> Iterator[Phrase]:
             "independent."
         )
         yield phrased(words, near(v.neighbours, most=2), _chance(v.neighbours_chance))
+        # Residuals correlate although their size is not unlikely: overlapping windows would do
+        # that, and a wrong model hardly.
         if v.neighbours_chance < (1 - a.fit.lines.confidence) / 3 < (v.chance or 1):
             yield "Points of a Hann window overlap: if these do, keep every second one."
-    if a.measurement.welch and (told := linearity(a.measurement.welch)):
-        yield "Linearity: ", told, "."
+    if a.measurement.welch and (linear := linearity(a.measurement.welch)):
+        yield "Linearity: ", linear, "."
 
 
 def _chance(x: float) -> tuple[Phrase, ...]:
@@ -137,6 +148,7 @@ def _chance(x: float) -> tuple[Phrase, ...]:
 
 
 def _table(a: Identification) -> Block:
+    """Return the table of the parameters, with their intervals."""
     caption = (
         "Each parameter: its standard error, its confidence interval by itself, and its "
         "range where all parameters are "
@@ -155,6 +167,7 @@ def _table(a: Identification) -> Block:
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
+    """Return the ends of an interval, rounded outwards."""
     return _certain_digits(x, low, ROUND_FLOOR), " to ", _certain_digits(x, high, ROUND_CEILING)
 
 
@@ -169,6 +182,7 @@ def _name(a: Identification, x: Estimate) -> Phrase:
 
 
 def _remarks(a: Identification) -> Iterator[Phrase]:
+    """Yield which other values give the same response, and what the scene file has."""
     if a.fit.others is None:
         yield undecided("whether other values give the same response")
     elif not a.fit.others:
@@ -187,12 +201,13 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         )
         yield f"No point of this response distinguishes them. Fix {paths} (", *fix
     if a.fit.period is not None:
-        step, more = near(2 * np.pi / a.fit.period), near(a.fit.period)
+        # At multiples of a frequency d, exp(-j omega tau) is the same for tau and tau + 2 pi/d.
+        step, period = near(2 * np.pi / a.fit.period), near(a.fit.period)
         words = (
             "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the "
             "shortest is kept."
         )
-        yield phrased(words, step, more)
+        yield phrased(words, step, period)
     yield from _unidentified(a)
     if a.has_ranges:
         yield (
@@ -211,11 +226,12 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
 
 
 def _unidentified(a: Identification) -> Iterator[Phrase]:
-    """What the data do not tell, or not apart."""
+    """Yield which parameters the data do not identify, or hardly separately."""
     for x in a.estimates:
         if not x.told:
             fix = doc.Code("model:key=value")
             yield "The data do not identify ", _name(a, x), ". Leave it out, or fix it: ", fix, "."
+    # Each pair once, and no parameter with itself.
     shares = np.triu(np.abs(correlation(a.fit)), 1)
     for i, j in np.argwhere(shares > _CORRELATED).tolist():
         one, other = (_name(a, a.estimates[k]) for k in (i, j))
@@ -227,6 +243,7 @@ def _unidentified(a: Identification) -> Iterator[Phrase]:
 
 
 def _how_sure(a: Identification) -> Phrase:
+    """Return what the intervals rest on."""
     start = (
         f"Estimated ({100 * a.fit.lines.confidence:g} %): errors from the curvature at the "
         f"least sum of squares, "

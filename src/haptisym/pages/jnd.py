@@ -1,7 +1,8 @@
 """The pages of just-noticeable differences.
 
-Of one that was measured: the threshold, how certain it is, the line for a scene, and the answers
-beside the curve; and of the published ones.
+Of a measured one: the threshold, its interval, the line for a scene, and the answers beside the
+fitted curve psi(x) = gamma + (1 - gamma - lambda) Phi((x - mu)/sigma). Of the published ones: a
+table, and their sources.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from haptisym.writing.layout import named
 
 
 def page(p: Psychometric) -> Document:
-    """The whole page."""
+    """Return the whole page of a measured JND."""
     caption = (
         "Shares of the answers at each level (the larger a dot, the more answers) and the fitted "
         "curve."
@@ -50,10 +51,12 @@ _ESTIMATED = (
 
 
 def _percent(share: float) -> str:
+    """Return a share in per cent."""
     return f"{100 * share:.4g}\xa0%"
 
 
 def _estimate(p: Psychometric, x: IntervalEstimate) -> Phrase:
+    """Return an estimate with its interval, where that has an end."""
     ends = tuple("unbounded" if end is None else near(end) for end in (x.low, x.high))
     if ends == ("unbounded", "unbounded"):
         return near(x.value)
@@ -61,13 +64,15 @@ def _estimate(p: Psychometric, x: IntervalEstimate) -> Phrase:
 
 
 def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
-    """The JND, the fraction, how well the curve fits, and the line for a scene."""
+    """Yield the JND, the fraction, whether the curve fits, and how it stands in a scene."""
     share, choices = _percent(p.asked.proportion), p.asked.alternatives
     of = "right" if choices else "“more”"
     where = (
         f", of {choices} alternatives" if choices else ", beyond the point of subjective equality"
     )
     curve, chance = p.fit.curve, p.asked.chance if choices else 0.0
+    # The proportion is that of a curve without lapses. With lapses, or guesses beyond chance, two
+    # levels are told apart: where it would be reached without these, and where it is.
     if curve.guess == chance and not curve.lapse:
         yield "JND", (_estimate(p, p.jnd), f", where {share} of the responses are {of}{where}")
     else:
@@ -81,6 +86,8 @@ def _found(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
                 f", where without {without} {share} of the responses would be {of}{where}",
             ),
         )
+        # The share p of all answers belongs to Phi = (p - gamma)/(1 - gamma - lambda), which has a
+        # level only between 0 and 1.
         inner = (p.asked.proportion - curve.guess) / (1 - curve.guess - curve.lapse)
         there: Phrase = "at no level"
         if 0 < inner < 1:
@@ -102,6 +109,7 @@ def _for_a_scene(p: Psychometric) -> Iterator[Block]:
 
 
 def _fit(p: Psychometric) -> Phrase:
+    """Return whether the answers scatter about the curve no more than by chance."""
     tested = p.deviance
     if tested.p is None:
         return "cannot be tested: no more levels with enough answers than numbers that are fitted"
@@ -111,6 +119,8 @@ def _fit(p: Psychometric) -> Phrase:
 
 
 def _warned(p: Psychometric) -> Iterator[Block]:
+    """Yield what forbids to rely on the JND: a curve that does not fit, an interval without an
+    end."""
     if p.deviance.fits is False:
         words = (
             "The curve does {} fit these responses: neither the JND nor its interval can be "
@@ -128,6 +138,7 @@ def _warned(p: Psychometric) -> Iterator[Block]:
 
 
 def _equation(p: Psychometric) -> doc.Line:
+    """Return the equation of the fitted curve."""
     curve = p.fit.curve
     x, mu, sigma = (named(name) for name in ("x", "mu", "sigma"))
     phi = Applied(named("Phi"), (Fraction(Sum(((1, x), (-1, mu))), sigma),))
@@ -141,6 +152,7 @@ def _equation(p: Psychometric) -> doc.Line:
 
 
 def _facts(p: Psychometric) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the parameters of the fitted curve."""
     curve = p.fit.curve
     middle = "middle of the curve" if p.asked.alternatives else "point of subjective equality"
     yield named("mu"), (_estimate(p, p.middle), f", the {middle}")
@@ -156,6 +168,7 @@ _MOST_ROWS = 40
 
 
 def _answers(p: Psychometric) -> Block:
+    """Return the table of the answers, or their number where there are many levels."""
     rows = p.answers.rows
     if len(rows) > _MOST_ROWS:
         trials = sum(x.trials for x in rows)
@@ -208,10 +221,12 @@ _DIFFER = (
 
 
 def _criterion(x: Published) -> str:
+    """Return at which share of correct answers a threshold was taken, where that is known."""
     return "" if x.criterion is None else f"{float(100 * x.criterion):g}\xa0%"
 
 
 def _reference(x: Published) -> Phrase:
+    """Return the source of a published threshold, and how far it was read."""
     doi = f", doi:{x.doi}" if x.doi else ""
     apart = f". Not for a scene: {x.apart}" if x.apart else ""
     return doc.Code(x.name), f": {x.source}{doi} [{x.read}]; {x.reference}{apart}."

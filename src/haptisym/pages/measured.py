@@ -27,7 +27,8 @@ _UNLIKELY = 0.01
 
 
 def measured_words(m: Measurement) -> Phrase:
-    """``bench.csv: 60 lines from 1 to 15 rad/s``, and what its discs come from."""
+    """Return what a measurement is, ``bench.csv: 60 frequency points from 1 to 15 rad/s``, and what
+    its discs come from."""
     low, high = float(m.omega[0]), float(m.omega[-1])
     where: Phrase = (
         ("at ", w.cell(low)) if len(m) == 1 else ("from ", w.cell(low), " to ", w.cell(high))
@@ -50,29 +51,31 @@ def measured_words(m: Measurement) -> Phrase:
 
 
 def linearity(found: Welch) -> Phrase | None:
-    """How far the force follows the cube of what the response predicts; None where that was not
-    asked."""
+    """Return how far the force follows the cube of what the response predicts, with the probability
+    of as much by chance; None where that was not tested."""
     if found.cube is None or found.cube_chance is None:
         return None
     words = (
         "the force has a cubic part of {} standard errors (probability if the display is linear: "
         "{})"
     )
-    told = w.phrased(words, w.near(found.cube, most=3), w.near(found.cube_chance, most=2))
+    result = w.phrased(words, w.near(found.cube, most=3), w.near(found.cube_chance, most=2))
     if found.cube_chance >= _UNLIKELY:
-        return told
+        return result
+    # A force below what the linear response predicts at large motions saturates; one above it
+    # hardens.
     as_if = "saturating" if found.cube < 0 else "hardening, or with play"
     words = f"{{}} ({as_if}): {{}}. The response holds for motions of this size alone"
-    return w.phrased(words, Strong("not linear"), told)
+    return w.phrased(words, Strong("not linear"), result)
 
 
 MOST_ROWS = 40
-"""Of a table with a row for each frequency point; where there are more, neighbours with equal
+"""Rows of a table of frequency points, at most; where there are more, neighbours with equal
 verdicts share one."""
 
 
 def shape(e: MeasuredEvaluation) -> str:
-    """Of the region: ``ellipse``."""
+    """Return the name of the region's shape, as ``ellipse``."""
     return str(e.scene.threshold.region.shape.value)
 
 
@@ -84,20 +87,24 @@ def _judgements(e: MeasuredEvaluation) -> list[tuple[str, Any]]:
 
 
 def _groups(e: MeasuredEvaluation) -> Any:
-    """A number for each line: the same for lines that are judged alike."""
+    """Return a number for each point: the same for points with equal verdicts."""
     code = np.zeros(len(e), dtype=int)
     for _, own in _judgements(e):
+        # Each verdict is -1, 0 or 1: as digits of base 3 they give different numbers for different
+        # rows of verdicts.
         code = 3 * code + own
     return code
 
 
 def _verdict_at(own: Any) -> w.Cell:
+    """Return the cell of the verdicts in one column."""
     return lambda i: verdict(CODES[int(own[i])].value)
 
 
 def _lines(e: MeasuredEvaluation) -> Block:
-    """All lines."""
-    judged = [w.Field(name, _verdict_at(own)) for name, own in _judgements(e)]
+    """Return the table of verdicts: a row for each point or, where there are many, for neighbours
+    with equal ones."""
+    judged = [w.Field(name, _verdict_at(codes)) for name, codes in _judgements(e)]
     caption = (
         "Each frequency point: exceeds or below where the whole uncertainty disc does, else "
         "unresolved."
@@ -111,6 +118,7 @@ def _lines(e: MeasuredEvaluation) -> Block:
             w.number("radius", lambda i: _ratio(rows[i].radius)),
         )
         return w.table(range(len(e)), caption, *numbers, *judged)
+    # The index of the first point of each run of equal verdicts, and that of the last.
     last = dict(islice(runs(_groups(e)), MOST_ROWS))
     points = w.number("points", lambda i: str(last[i] - i + 1))
     return w.table(
@@ -119,7 +127,7 @@ def _lines(e: MeasuredEvaluation) -> Block:
 
 
 def cut(e: MeasuredEvaluation) -> Iterator[Block]:
-    """That the table does not hold everything."""
+    """Yield a note where the table does not hold everything."""
     groups = 1 + np.count_nonzero(np.diff(_groups(e)))
     if len(e) > MOST_ROWS and groups > MOST_ROWS:
         yield doc.Notes(
@@ -133,7 +141,7 @@ def cut(e: MeasuredEvaluation) -> Iterator[Block]:
 
 
 def _each(*headings: Phrase) -> Iterator[w.Field]:
-    """The columns of rows of cells."""
+    """Yield the columns of rows that are cells already."""
     for i, x in enumerate(headings):
         yield w.Field(x, itemgetter(i), number=x == "points")
 
@@ -144,6 +152,7 @@ def verdict(word: str) -> Phrase:
 
 
 def _ratio(x: float | None) -> Phrase:
+    """Return a ratio in print; nothing where it is not known."""
     return "" if x is None else w.near(x) if np.isfinite(x) else "unbounded"
 
 
@@ -165,7 +174,7 @@ _OF = {"perceived": "", "environment": " of the environment"}
 
 
 def stated(e: MeasuredEvaluation) -> str:
-    """All bounds that were stated: ``|dH/dω| at most 40 N·s/m``."""
+    """Return all bounds on the slope that were stated: ``|dH/dω| at most 40 N·s/m``."""
     bounds = (
         (f"{x.bound:.6g} {unit_text(x.unit)}{' times |H|' * x.relative}", key)
         for key, x in e.scene.slopes.items()
@@ -174,6 +183,7 @@ def stated(e: MeasuredEvaluation) -> str:
 
 
 def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
+    """Yield what follows between the points from a bound on the slope of the response."""
     if found is None:
         return
     words = (
@@ -185,8 +195,8 @@ def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
     if not len(found.told[Part.REAL]):
         yield doc.Paragraph("No two neighbouring points have bounded discs: nothing follows.")
         return
-    for part, own in found.told.items():
-        yield doc.Paragraph(_summary(e, part, own))
+    for part, intervals in found.told.items():
+        yield doc.Paragraph(_summary(e, part, intervals))
     if found.contradicted:
         yield doc.Notes((_contradicted(found),))
     rows = list(_chosen(found))
@@ -208,19 +218,26 @@ def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
 
 
 def _chosen(found: Between) -> Iterator[tuple[Part | None, int]]:
-    """All stretches; of many the longest of each part that are told, in order."""
+    """Yield all intervals between points; of many the longest resolved ones of each part, in
+    order."""
     few = sum(map(len, found.told.values())) <= MOST_ROWS
-    for part, own in found.told.items():
-        length = np.where(own.code == 0, 0, own.high - own.low)
+    for part, intervals in found.told.items():
+        # Unresolved intervals count as having no length, so that the longest resolved ones come
+        # first.
+        length = np.where(intervals.code == 0, 0, intervals.high - intervals.low)
+        # The longest are found by length and printed in the order of frequency.
         longest = np.sort(np.argsort(-length, kind="stable")[:_LONGEST])
         yield from (
-            (part, int(i)) for i in (range(len(own)) if few else longest) if few or own.code[i]
+            (part, int(i))
+            for i in (range(len(intervals)) if few else longest)
+            if few or intervals.code[i]
         )
 
 
-def _summary(e: MeasuredEvaluation, part: Part | None, own: Stretches) -> Phrase:
-    exceeds, below, unresolved = (w.cell(own.length(code)) for code in (1, -1, 0))
-    whole = w.cell(float(own.high[-1] - own.low[0]))
+def _summary(e: MeasuredEvaluation, part: Part | None, intervals: Stretches) -> Phrase:
+    """Return on how much of the band a part exceeds, is below and is unresolved."""
+    exceeds, below, unresolved = (w.cell(intervals.length(code)) for code in (1, -1, 0))
+    whole = w.cell(float(intervals.high[-1] - intervals.low[0]))
     what: Phrase = (
         (w.RATIOS[part], f" ({w.PART_NAMES[part]} part) exceeds its threshold")
         if part
@@ -232,6 +249,7 @@ def _summary(e: MeasuredEvaluation, part: Part | None, own: Stretches) -> Phrase
 
 
 def _contradicted(found: Between) -> Phrase:
+    """Return where neighbouring discs are farther apart than the bound allows."""
     low, high = found.contradicted[0]
     return (
         Strong("Contradiction"),
@@ -250,13 +268,18 @@ def _contradicted(found: Between) -> Phrase:
     )
 
 
-def _row(e: MeasuredEvaluation, part: Part | None, own: Stretches, i: int) -> tuple[Phrase, ...]:
-    ends: Phrase = (w.cell(float(own.low[i])), " to ", w.cell(float(own.high[i])))
-    return w.PART_NAMES[part] if part else shape(e), ends, verdict(CODES[int(own.code[i])].value)
+def _row(
+    e: MeasuredEvaluation, part: Part | None, intervals: Stretches, i: int
+) -> tuple[Phrase, ...]:
+    """Return the row of one interval between points: part, ends, verdict."""
+    name = w.PART_NAMES[part] if part else shape(e)
+    span: Phrase = (w.cell(float(intervals.low[i])), " to ", w.cell(float(intervals.high[i])))
+    word = CODES[int(intervals.code[i])].value
+    return name, span, verdict(word)
 
 
 def page(e: MeasuredEvaluation) -> Document:
-    """The whole page."""
+    """Return the whole page of a measured evaluation."""
     blocks: tuple[Block, ...] = (
         doc.Facts(tuple(_about(e))),
         doc.Section("Step 1: where a hand notices", tuple(_step_1(e)), "step-1"),
@@ -273,9 +296,10 @@ def page(e: MeasuredEvaluation) -> Document:
 
 
 def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
-    """Where discs first exceed, and as what."""
+    """Yield where discs first exceed, and as what the change is felt."""
     joint = [(f"the {shape(e)}", e.joint.verdict)] if e.joint else []
     verdicts = joint or [(f"the {w.PART_NAMES[part]} part", e.verdict[part]) for part in Part]
+    # argmax of a mask is its first point that exceeds.
     first = [(int(np.argmax(codes == 1)), name) for name, codes in verdicts if (codes == 1).any()]
     if first:
         at, name = min(first)
@@ -288,6 +312,7 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
         )
     felt: dict[Phrase, Phrase] = {}
     for ends_, _, part, words in _felt(e):
+        # Rows come by part and frequency: the first place of each percept stays.
         felt.setdefault((words, f" ({part})"), ends_)
     few = [(words, " at ", at, "\xa0", FREQUENCY_UNIT) for words, at in islice(felt.items(), 2)]
     yield "Felt as", listed(few) if few else "not resolved"
@@ -295,16 +320,17 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _share(x: float, digits: int = 4) -> str:
+    """Return a share in per cent."""
     return f"{100 * x:.{digits}g}\xa0%"
 
 
 def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     """Environment, measurement, discs, band and threshold."""
-    own, felt = e.scene.environment, e.scene.perceived
-    if isinstance(own, Measurement):
-        yield "environment", measured_words(own)
-        if own.understood:
-            yield "read", own.understood
+    environment, felt = e.scene.environment, e.scene.perceived
+    if isinstance(environment, Measurement):
+        yield "environment", measured_words(environment)
+        if environment.understood:
+            yield "read", environment.understood
     else:
         function = e.scene.frame.distortion().env
         unit = f"\xa0{w.stiffness_unit(e.scene.frame)}"
@@ -330,6 +356,8 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
         yield "band", (low, " to ", high, "\xa0", FREQUENCY_UNIT)
     yield "threshold", w.limits(e.scene.threshold)
     if felt.coherence is not None and felt.averages is not None:
+        # A disc of the radius c about a change of 0 just fits below the threshold: so large may
+        # discs be, at most, to show that nothing is noticed.
         c = min(float(x.min()) for x in limits_of(e.scene, e.lines.omega).values())
         least = float(coherence_for(c, felt.averages, felt.confidence))
         told = (
@@ -344,6 +372,7 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
 
 
 def _discs(e: MeasuredEvaluation) -> Phrase:
+    """Return the confidence and the radii of the discs, or that none are known."""
     radius = e.lines.radius
     if radius is None:
         return Strong(
@@ -364,6 +393,8 @@ _SIZE: Phrase = "|H_env|"
 
 
 def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
+    """Yield the blocks of step 1: counts of verdicts, the table, figures, what would resolve the
+    rest."""
     if e.joint is not None:
         outside = f"The change lies outside the {shape(e)}"
         yield doc.Paragraph(
@@ -407,7 +438,7 @@ def _counted(e: MeasuredEvaluation, codes: Any, exceeds: str, below: str) -> tup
 
 
 def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
-    """What would resolve the unresolved points."""
+    """Yield what would resolve the unresolved points."""
     found, felt = e.needed, e.scene.perceived
     assert found is not None
     half, every = (_bound(x, _share) for x in (found.radius.half, found.radius.all))
@@ -432,10 +463,12 @@ def _resolving(e: MeasuredEvaluation) -> Iterator[Phrase]:
 
 
 def _half_and_all(x: Remedy, words: Callable[[float], str]) -> Phrase:
+    """Return what would resolve half of the points, and all of them."""
     return _bound(x.half, words), " (half), ", _bound(x.all, words), " (all)"
 
 
 def _bound(x: float | None, words: Callable[[float], str]) -> str:
+    """Return a bound in words."""
     return "more than can be measured" if x is None else words(x)
 
 
@@ -443,6 +476,8 @@ def _bound(x: float | None, words: Callable[[float], str]) -> str:
 
 
 def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
+    # One row more than is printed, to know whether any is left out.
+    """Yield the blocks of step 2: what is felt at the points that exceed."""
     rows = tuple(islice(_felt(e), MOST_ROWS + 1))
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
@@ -473,6 +508,8 @@ def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
     """Neighbouring points that are felt in the same way, as one row."""
     for part in (*Part, None) if e.joint else Part:
         named, noticed = e.named(part), e.noticed(part)
+        # Percepts have numbers from 0 on; -1 is noticed without a property, -2 not noticed: equal
+        # neighbours are one row.
         label = np.where(named, e.kinds(part), np.where(noticed, -1, -2))
         for first, last in runs(label):
             if noticed[first]:
@@ -486,6 +523,7 @@ def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
 
 
 def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
+    """Return what is felt at a point; of both parts together, the one nearer its limit last."""
     if part is not None:
         return felt_words(*e.signs[part].label(part, line))
     far, nearer = e.order(line)
@@ -493,10 +531,13 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
 
 
 def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
+    """Return a figure of this evaluation by its name."""
     return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
+    """Yield what the verdicts rest on: the points, a bound on the slope, the confidence of the
+    discs."""
     if e.between is not None:
         yield (
             "Measured: verdicts at these points, and between them by the stated bound on the "
@@ -509,6 +550,8 @@ def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:
         return
     share = 1 - e.scene.perceived.confidence
     both_ = isinstance(e.scene.environment, Measurement) and e.scene.environment.discs is not None
+    # By the union bound: a verdict is wrong only if one of its discs misses, of which there are two
+    # where the environment is measured as well.
     missed = min(1.0, share * (2 if both_ else 1)) * len(e)
     yield (
         (

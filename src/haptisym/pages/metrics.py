@@ -27,13 +27,14 @@ _MOST_LETTERS = 180  # of a formula in symbols; a longer one is told in numbers
 
 
 def page(m: Metrics) -> Document:
-    """The whole page."""
+    """Return the whole page of the measures."""
     shown = (
         "Distance of each measure from transparency over the band, and below where each measure "
         "is satisfied."
     )
-    told = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
-    notes = doc.Section("Where they disagree", w.noted(map(formulated, told)))
+    # A note on absolute stability is left out where that measure is.
+    remarks = (x for x in m.notes if m.tell_absolute or "absolutely stable" not in x)
+    notes = doc.Section("Where they disagree", w.noted(map(formulated, remarks)))
     blocks: tuple[Block, ...] = (
         _overview(m),
         notes,
@@ -55,8 +56,9 @@ def page(m: Metrics) -> Document:
 def control_page(found: ControlLoading) -> Document:
     """The report on a control by a rule: the tests, what was not tested and why, the JND's
     verdict."""
+    # None is a test that could not be made, which neither passes nor fails.
     tested = [x for x in found.trials if x.passes is not None]
-    failed, left = len(found.failed), len(found.untested)
+    failed, unmade = len(found.failed), len(found.untested)
     result: Phrase = (
         Strong(f"fails {failed} of {counted(len(tested), 'test')}")
         if failed
@@ -64,8 +66,8 @@ def control_page(found: ControlLoading) -> Document:
     )
     travel: Phrase = "" if found.travel is None else ("; travel ", w.near(found.travel), " m")
     answer = (
-        ("Result", (result, f"; {left} not tested" if left else "")),
-        ("FlightRule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", travel)),
+        ("Result", (result, f"; {unmade} not tested" if unmade else "")),
+        ("Rule", (f"14 CFR Part 60, table {found.rule.value}, {found.control}", travel)),
         ("JND", jnd_verdict(found)),
     )
     caption = "The tests: the environment is the aircraft's control, the display is the device's."
@@ -116,7 +118,7 @@ _RESULT: dict[bool | None, Phrase] = {True: "passes", False: Strong("fails"), No
 
 
 def _meanings(found: ControlLoading) -> Iterator[str]:
-    """What the names of the tests mean, those that were made."""
+    """Yield what the names of the tests mean, for those that were made."""
     tested = {x.name.partition(" ")[0] for x in found.trials if x.environment is not None}
     start = "the release" if found.rule is FlightRule.HELICOPTER else "90 % of A_d"
     response = (
@@ -152,21 +154,23 @@ def _test(x: Trial) -> Phrase:
 
 
 def _tolerance(x: Trial) -> Phrase:
+    """Return the tolerance of a test in a few letters."""
     return formulated(
         x.tolerance.replace("the same number to within ", "±").replace(" above static", "")
     )
 
 
 def _plain(x: RealNumber | int | None) -> Phrase:
+    """Return a number of a test; none where it has none, as a motion without overshoot."""
     return "none" if x is None else w.near(x) if isinstance(x, RealNumber) else str(x)
 
 
 def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
-    """What the JND evaluation says, in a line."""
-    found = m.evaluation.transparent
+    """Return the verdict of the JND evaluation in a line."""
+    bands = m.evaluation.transparent
     return (
         "transparent ",
-        w.spans(found) if found else "nowhere on the band",
+        w.spans(bands) if bands else "nowhere on the band",
         " (",
         w.limits(m.scene.threshold),
         ")",
@@ -174,16 +178,22 @@ def jnd_verdict(m: Metrics | ControlLoading) -> Phrase:
 
 
 _DESCRIBED = "relative distortion", "impedance range", "sensitivity", "effective impedance"
-"""What has no verdict of its own: a sentence that is true of every display, below its formulas."""
+"""Measures without a verdict of their own: their sentence, which is true of every display, stands
+below their formulas."""
 
 
 def _overview(m: Metrics) -> doc.Table:
+    """Return the table of verdicts, one row for measures with the same one."""
     names: dict[Phrase, list[str]] = {}
     for x in m.told:
         if x.name not in _DESCRIBED:
+            # Measures with the same verdict share a row.
             names.setdefault(_at(x.verdict, x.at), []).append(x.name)
     rows = [
-        (x[0] if len(x) == 1 else x[0].partition(",")[0], verdict) for verdict, x in names.items()
+        # Several measures that share a verdict are named by the first, without what follows its
+        # comma.
+        (x[0] if len(x) == 1 else x[0].partition(",")[0], verdict)
+        for verdict, x in names.items()
     ]
     return doc.Table(
         (doc.Column("measure"), doc.Column("verdict")), tuple(rows), "The verdict of each measure."
@@ -194,15 +204,16 @@ def _at(words: str, omega: RealNumber | None) -> Phrase:
     """Words in which the frequency is in the unit of the page."""
     if omega is None:
         return formulated(words)
+    # The verdict has the frequency as text in rad/s: it is cut out and put back as a frequency,
+    # which each page prints in its own unit.
     before, found, after = words.partition(f"{short(omega)} rad/s")
     return (formulated(before), w.both(omega), formulated(after)) if found else formulated(words)
 
 
 def _measure(x: Metric) -> doc.Section:
-    lines, values = (
-        tuple(written(x)),
-        tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values),
-    )
+    """Return the section of one measure: formulas, numbers, source."""
+    lines = tuple(written(x))
+    values = tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values)
     described = (f"{x.verdict[0].upper()}{x.verdict[1:]}.",) if x.name in _DESCRIBED else ()
     parts: tuple[Block | None, ...] = (
         doc.Equations(lines) if lines else None,
@@ -224,10 +235,11 @@ _WORDS = {
     Beyond.LATE.value: "not tested: the delays turn many times before it settles",
     "not decided": "undecided",
 }
-"""What a value of JSON is in words."""
+"""Values of the document of JSON, and the words for them on the page."""
 
 
 def _value(x: MetricValue) -> Phrase:
+    """Return a value of a measure in words."""
     if isinstance(x.value, str) and x.value in _WORDS:
         return _WORDS[x.value]
     if x.value is None:
@@ -247,6 +259,7 @@ def _value(x: MetricValue) -> Phrase:
 
 
 def _number(x: RealNumber | int | str, unit: str) -> Phrase:
+    """Return a number with its unit; frequencies also in Hz."""
     if isinstance(x, RealNumber) and unit == "rad/s":
         return w.both(x)
     return (
@@ -260,11 +273,15 @@ _SYMBOL = re.compile(r"\b((?:H|Z|r|P|A)_(?:env|perc|min|max|width|r|i|d|\d+))\b"
 def formulated(words: str) -> Phrase:
     """Words in which the names of quantities are formulas."""
     return tuple(
-        named(x) if i % 2 else x for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥"))) if x
+        # A split by a pattern with one group gives words and names in turn.
+        named(x) if i % 2 else x
+        for i, x in enumerate(_SYMBOL.split(words.replace(">=", "≥")))
+        if x
     )
 
 
 def _proven(m: Metrics) -> Iterator[Phrase]:
+    """Yield what is proven of the measures."""
     if not m.decided:
         yield "Proven: all else."
     elif not m.certified:
@@ -292,26 +309,30 @@ def written(x: Metric) -> Iterator[doc.Line]:
 
 
 def _closed(form: Form) -> doc.Line:
+    """Return the closed form of a quantity: its name, its definition, and its value."""
     left, means = _DEFINITIONS[form.name]
+    # In symbols where that is short, else in numbers, else by its definition alone.
     known = form.symbolic.factored() if form.symbolic else None
     if known is not None and len(text(layout(known))) <= _MOST_LETTERS:
         return doc.Line(left, known, meaning=means)
     if form.numeric is None:
         return doc.Line(left, means)
-    found = form.numeric
+    function = form.numeric
     shown = (
-        readable(found, s)
-        if isinstance(found, RationalFunction)
-        else readable(found.written, omega)
+        readable(function, s)
+        if isinstance(function, RationalFunction)
+        else readable(function.written, omega)
     )
     return doc.Line(left, *shown, means) if shown else doc.Line(left, means)
 
 
 def _of_s(name: str) -> Box:
+    """Return a function of s by its name."""
     return boxes.Titled(f"{name}(s)", boxes.Applied(named(name), (named("s"),)))
 
 
 def _im(of: Box) -> Box:
+    """Return the imaginary part of a box."""
     return boxes.Prefixed(boxes.Operator("Im"), of)
 
 

@@ -1,8 +1,9 @@
-"""How values show themselves: formulas as LaTeX, tables and sentences as HTML in notebooks, and
-LaTeX for a paper.
+"""What values look like in notebooks and papers: formulas as LaTeX, tables and sentences as
+HTML.
 
 The classes themselves know neither LaTeX nor HTML: ``Viewed`` finds what is here when a value is
-shown.
+shown. Two tables, from class to function, say what each class looks like; a subclass looks like the
+nearest of its bases that is in the table.
 """
 
 from __future__ import annotations
@@ -100,6 +101,8 @@ def as_html(x: Any) -> str | None:
 
 
 def _shown(views: Mapping[type, Callable[[Any], str]], x: Any) -> str | None:
+    # In the order of resolution: the view of the nearest base.
+    """Return a value as the table of views has it; None where no base of its class is there."""
     kind = next((kind for kind in type(x).__mro__ if kind in views), None)
     return None if kind is None else views[kind](x)
 
@@ -108,15 +111,19 @@ def _shown(views: Mapping[type, Callable[[Any], str]], x: Any) -> str | None:
 
 
 def _displayed(*parts: str) -> str:
+    """Return LaTeX as a formula of its own line."""
     return rf"$\displaystyle {''.join(parts)}$"
 
 
 def _environment(x: Environment) -> str:
+    """Return H(s) of an environment, and the values of its parameters."""
     equation = tex(Relation((function("H", layout(s)), layout(x.dynamics)), ("=",)))
     return _displayed(equation, _given(x.parameters))
 
 
 def _effect(x: Effect) -> str:
+    """Return an effect as the matrix that takes force and motion of the environment to those of the
+    hand."""
     a, b, c, d = x.dynamics
     chain = tex(layout(ImmutableMatrix([[a, b], [c, d]])))
     hand, environment = (tex(MatrixBox(((named(f"F_{y}"),), (named(f"X_{y}"),)))) for y in "he")
@@ -124,7 +131,7 @@ def _effect(x: Effect) -> str:
 
 
 def _solution(x: Solution) -> str:
-    """The formula, with its period and its conditions; or the equation."""
+    """Return the formula of a solution with its period and its conditions; or the equation."""
     if x.omega is None:
         return _displayed(formula(x.equation), " = 0")
     turns = rf" + {formula(x.period)} n" if x.period else ""
@@ -136,7 +143,7 @@ def _solution(x: Solution) -> str:
 
 
 def _given(parameters: Iterable[Parameter]) -> str:
-    """The values of parameters that have one."""
+    """Return the values of those parameters that have one."""
     return "".join(
         rf",\quad {_value(named(p.symbol.name), p.value)}{_unit(p)}"
         for p in parameters
@@ -145,6 +152,7 @@ def _given(parameters: Iterable[Parameter]) -> str:
 
 
 def _unit(p: Parameter) -> str:
+    """Return the unit of a parameter in upright letters; nothing for a number."""
     unit = p.unit_in(p.motion or MotionKind.TRANSLATION).replace("*", r"\,")
     return rf"\,\mathrm{{{unit}}}" if unit not in ("", "1") else ""
 
@@ -158,6 +166,7 @@ def _value(name: Box, value: Expr) -> str:
 
 
 def _distortion(x: Distortion) -> str:
+    """Return the readable formulas of a distortion, aligned."""
     return f"$${align(_rows(x)).replace('align*', 'aligned')}$$"
 
 
@@ -169,6 +178,7 @@ def _rows(x: Distortion) -> list[Line]:
 
 
 def _threshold(x: Threshold) -> str:
+    """Return the limits of a JND; a region in words."""
     if not x.is_plain:
         return _displayed(rf"\text{{{said(region(x))}}}")
     if x.real == x.imag:
@@ -177,6 +187,8 @@ def _threshold(x: Threshold) -> str:
 
 
 def _number(x: RealNumber) -> str:
+    # A number without a closed form is printed by its proven digits.
+    """Return a number: exact where it has a closed form, with a decimal beside a root."""
     if not isinstance(x, ExactNumber):
         return _displayed(_decimal(x.digits()))
     if x.value.is_Rational:
@@ -185,16 +197,21 @@ def _number(x: RealNumber) -> str:
 
 
 def _decimal(digits: str) -> str:
+    """Return digits with an exponent as a power of ten."""
     mantissa, _, exponent = digits.partition("E")
     return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def _short(x: RealNumber) -> str:
+    """Return a number in the digits of a page."""
     mantissa, _, exponent = printed(x, DIGITS, Way.NEAREST).partition("e")
     return rf"{mantissa} \times 10^{{{int(exponent)}}}" if exponent else mantissa
 
 
 def _crossing(x: Crossing) -> str:
+    # A limit that is no number, or a region: an equation could not say what is met, so it is a
+    # sentence.
+    """Return a crossing as an equation: the ratio is its threshold, and omega."""
     if x.criterion.region or x.criterion.threshold.free_symbols:
         return _displayed(
             rf"\text{{{said(event(x))} at}}\ \omega = {_decimal(x.omega.digits())}{_PER_SECOND}"
@@ -206,20 +223,24 @@ def _crossing(x: Crossing) -> str:
 
 
 def _peak(x: Peak) -> str:
+    """Return a local maximum: the ratio's value, and omega."""
     return _displayed(
         rf"{_ratio(x)} = {_short(x.ratio)},\quad \omega = {_short(x.omega)}{_PER_SECOND}"
     )
 
 
 def _ratio(x: Judged) -> str:
+    """Return the symbol of the ratio that a criterion judges."""
     return tex(named(x.criterion.symbol))
 
 
 def _point(x: Point) -> str:
+    """Return a frequency of a chart."""
     return _displayed(rf"\omega = {_decimal(x.omega.digits())}{_PER_SECOND}")
 
 
 def _interval(x: Interval) -> str:
+    """Return an interval of frequencies."""
     return _displayed(
         rf"\left[ {_short(x.low.omega)},\, {_short(x.high.omega)} \right]{_PER_SECOND}"
     )
@@ -243,6 +264,7 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
 
 
 def _answer_html(x: Answer) -> str:
+    """Return the page of an answer, or its text where that is all it has."""
     page = x.document()
     return (
         f'<pre class="haptisym">{escape(page)}</pre>' if isinstance(page, str) else fragment(page)
@@ -258,6 +280,7 @@ def _crossing_html(x: Crossing) -> str:
 
 
 def _peak_html(x: Peak) -> str:
+    """Return a local maximum in a sentence."""
     return str(
         phrase(
             (

@@ -1,5 +1,9 @@
-"""The report of an answer as a file: a page of HTML that holds all it needs, or a PDF, set by
-pdflatex."""
+"""The report of an answer as a file: a page of HTML that holds all it needs, or a PDF that pdflatex
+sets.
+
+The same answer gives the same page, byte for byte. The page of HTML holds its figures as drawings
+whose colours follow the reader's choice of light or dark, and the answer as JSON.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +56,8 @@ def page(answer: Answer) -> str:
     >>> from haptisym import effects, environments
     >>> from haptisym.verbs.evaluate.entry import evaluate
     >>> from haptisym.model.scene import Scene
-    >>> text = page(evaluate(Scene(environments.kelvin_voigt(290, 2), (effects.first_order_lag(100),), title="<b>")))
+    >>> wall, lag = environments.kelvin_voigt(290, 2), effects.first_order_lag(100)
+    >>> text = page(evaluate(Scene(wall, (lag,), title="<b>")))
     >>> text.startswith("<!DOCTYPE html>"), text.count("<h1>&lt;b&gt;</h1>")
     (True, 1)
     """
@@ -60,7 +65,10 @@ def page(answer: Answer) -> str:
 
 
 def _page(document: Document, record: str) -> str:
+    """Return the page of HTML of a document, with the answer's JSON in it."""
     told = json.loads(record)
+    # The record stands in the page under the name of its question: haptisym.evaluation/1 as
+    # evaluation.
     name = told["schema"].partition("/")[0].removeprefix("haptisym.")
     return html(document, _drawn, (name, json.dumps(told)), f"Made by haptisym {__version__}.")
 
@@ -90,7 +98,10 @@ def _drawn(figure: Figure) -> Html:
 
 
 def _svg(canvas: Canvas) -> str:
+    """Return a figure as the text of an SVG file, the same for the same figure."""
     text = StringIO()
+    # Letters as paths, so that a page looks the same without the font; a fixed salt, so that ids
+    # are the same each time.
     with mpl.rc_context({"svg.hashsalt": "haptisym", "svg.fonttype": "path"}):
         canvas.savefig(text, format="svg", metadata={"Date": None}, facecolor="none")
     return text.getvalue()
@@ -105,16 +116,21 @@ def _inline(svg: str, name: str, label: str) -> Html:
         svg[svg.index("<svg") :],
         flags=re.DOTALL,
     )
+    # Several drawings share the page: an id that two of them use would mix up their clips and
+    # glyphs.
     body = re.sub(r'(\bid="|url\(#|xlink:href="#)', rf"\g<1>{name}-", body)
     body = re.sub(r"\s*\n\s*", " ", body)
     for colour, variable in _COLOURS.items():
         body = body.replace(colour, f"var(--{variable})")
     words = element("title", label)
+    # Without width and height the drawing follows the width of the page; viewBox keeps its
+    # proportions.
     head = re.sub(r' (width|height)="[^"]*"', "", body[: body.index(">")], count=2)
     return Html(f'{head} role="img">{words}{body[body.index(">") + 1 :]}')
 
 
-_RUNS = 2  # the second one knows the numbers of the tables
+_RUNS = 2
+"""Runs of pdflatex: the second one knows the numbers of the tables."""
 _DATED = {"FORCE_SOURCE_DATE": "1"}
 """Makes the day of the document that of SOURCE_DATE_EPOCH, where that is set: then the same
 evaluation gives the same file."""
@@ -149,10 +165,12 @@ def _figures(document: Document, folder: Path) -> dict[str, str]:
 
 
 def _run(program: str, folder: str) -> None:
+    """Run pdflatex once in a folder; SceneError, with its own message, where it fails."""
     command = [
         program,
         "-interaction=nonstopmode",
         "-halt-on-error",
+        # The document holds texts from scene files: none of them may run a program.
         "-no-shell-escape",
         "report.tex",
     ]

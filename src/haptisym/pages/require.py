@@ -1,8 +1,9 @@
-"""The pages of requirements: which values satisfy what is required, what limits them; of a report
-those of each parameter.
+"""The pages of requirements: which values of a parameter satisfy what is required, and what limits
+them.
 
-Of a map of two parameters: its exact slices, what is proven between them, and what is estimated
-there.
+The set of all values is a union of intervals whose ends are exact. The same for each parameter is a
+section of a report. Of a map of two parameters: its exact slices, what is proven between them, and
+what is estimated there. Begin with ``page`` and ``page_map``.
 """
 
 from __future__ import annotations
@@ -50,7 +51,8 @@ _MOST_LIMITS = 2  # that the answer has; more are a table
 
 
 def page(r: Requirement) -> Document:
-    """The page of one parameter."""
+    """Return the page of one parameter."""
+    # Stability and passivity have no ratio along the band, so the figure has no curve.
     judged = any(x.name not in (*IN_HANDS, "passive") for x in r.criteria)
     worst = (
         "The worst case over the band against the parameter, with the threshold; grey: "
@@ -76,11 +78,12 @@ def required(criteria: tuple[Criterion, ...]) -> str:
 
 
 def kept(x: Criterion) -> str:
-    """What a display is that satisfies a criterion."""
+    """Return what a display is that satisfies a criterion: ``transparent``."""
     return x.kept.replace(" on the whole band", "")
 
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield what is required with its values, what limits these, and the range searched."""
     now = (
         (" (is ", w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST), ")")
         if r.free.value.is_number
@@ -91,6 +94,7 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
     if r.feasible:
         known = "" if r.certified else "at least ", "for ", sets(r)
     yield what[0].upper() + what[1:], (known, now)
+    # Few limits stand in the answer; many have a table of their own.
     limits = list(dict.fromkeys(x for end in r.ends for x in _bindings(end, r)))
     if limits and not _rows(r):
         yield "Limited by", listed(limits)
@@ -98,7 +102,7 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _range(r: Requirement) -> Phrase:
-    """From where to where values are searched, with 0 where the model allows it."""
+    """Return from where to where values are searched, with 0 where the model allows it."""
     low, high = searched(r.free, r.domain)
     zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
     return (
@@ -110,6 +114,7 @@ def _range(r: Requirement) -> Phrase:
 
 
 def _bindings(end: SingleValue, r: Requirement) -> Iterator[Phrase]:
+    """Yield what limits at an end: the part or the condition, and where."""
     for b in end.bindings:
         yield _part(b), ", " if b.kind is Kind.AXIS else " at ", _where(b, r)
 
@@ -121,7 +126,8 @@ def sets(r: Requirement) -> Phrase:
 
 
 def _nearest(r: Requirement) -> Iterator[Block]:
-    """Where no value satisfies it: the nearest one found, and what limits it."""
+    """Yield, where no value satisfies what is required, the nearest one found and what limits
+    it."""
     if r.alone:
         others = ", some others undecided"
         alone = (
@@ -131,6 +137,7 @@ def _nearest(r: Requirement) -> Iterator[Block]:
     x = _near(r)
     if x is None:
         return
+    # Without a proven bound for all values, a better one may have been missed.
     least = "" if x.at_least > 1 else " How near other values come is not proven."
     value, reached = w.value_of(r.free, float(x.value), Way.NEAREST), w.near(100 * float(x.ratio))
     yield doc.Paragraph(
@@ -151,11 +158,13 @@ def _nearest(r: Requirement) -> Iterator[Block]:
 
 
 def _near(r: Requirement) -> Nearest | None:
+    """Return the nearest value of the first condition that no value satisfies, or that of all."""
     return next((y.nearest for y in r.alone if y.nearest), r.nearest)
 
 
 def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
-    """What limits at each end, where that is more than the answer has room for."""
+    """Return what limits at each end, if that is more than the answer has room for; else
+    nothing."""
     ends = ((x.value, b) for x in r.ends for b in x.bindings)
     rows = dict.fromkeys(
         (w.value_of(r.free, x, Way.NEAREST), _part(b), _where(b, r)) for x, b in ends
@@ -164,6 +173,7 @@ def _rows(r: Requirement) -> list[tuple[Phrase, ...]]:
 
 
 def _ends(r: Requirement) -> Iterator[Block]:
+    """Yield the table of what limits at each end, if that is more than the answer has room for."""
     if rows := _rows(r):
         yield w.table(
             rows,
@@ -181,6 +191,7 @@ def heading(free: Knob) -> Phrase:
 
 
 def _part(b: Binding) -> Phrase:
+    """Return what limits, in words: passivity, stability, or a part of the distortion."""
     if b.criterion.name == "passive":
         return "passivity"
     if b.criterion.name in IN_HANDS:
@@ -193,7 +204,9 @@ def _part(b: Binding) -> Phrase:
 
 
 def _where(b: Binding, r: Requirement) -> Phrase:
+    """Return at which place of the band, or of the axis, a condition limits."""
     place = _OF_ALL[b.kind] if b.criterion.name == "passive" else _PLACES[b.kind]
+    # Poles of a sampled loop are those in z, whose boundary is the unit circle.
     if b.kind is Kind.AXIS and b.criterion.name in IN_HANDS and clocks(r.scene):
         place = "poles on the unit circle"
     joined = " at " if b.kind is Kind.AXIS else ", "
@@ -203,6 +216,7 @@ def _where(b: Binding, r: Requirement) -> Phrase:
 
 
 def _formulas(r: Requirement) -> Iterator[Block]:
+    """Yield the closed forms of the ends, where these follow from a condition at the band's end."""
     forms = tuple(doc.Line(named(r.free.symbol.name), form) for form in r.forms if form is not None)
     if forms:
         yield doc.Section(
@@ -211,16 +225,18 @@ def _formulas(r: Requirement) -> Iterator[Block]:
 
 
 def _is_all(r: Requirement) -> bool:
-    """Whether all that was asked about is undecided."""
+    """Return whether the whole range that was asked about is undecided."""
     [whole, *others] = r.undecided
     ends = [None if x is None else float(x) for x in (whole.low, whole.high, *r.domain.ends)]
     return not others and ends[:2] == ends[2:]
 
 
 def _proven(r: Requirement) -> Iterator[Phrase]:
+    """Yield what is proven about the values, and what is undecided."""
     what = required(r.criteria)
     if r.undecided:
         first, last = searched(r.free, r.domain)
+        # Undecided intervals are rounded outwards: what is printed holds all of them.
         where = listed(
             (w.bare(_limit(r, x.low, first, Way.DOWN)), " to ", _limit(r, x.high, last, Way.UP))
             for x in r.undecided
@@ -234,6 +250,7 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
         if not _is_all(r):
             yield "Proven: all other values in the range."
         return
+    # An end that is a Sliver is known by an enclosure, not as a closed number.
     exact = any(isinstance(end.value, Sliver) for piece in r.feasible for end in piece.ends)
     bounds = "; each end lies within the enclosure in --json" if exact else ""
     if r.feasible:
@@ -250,17 +267,19 @@ _LEAST = ", and none keeps all ratios below {} times their thresholds"
 
 
 def _limit(r: Requirement, x: RealNumber | None, end: Expr, way: Way) -> doc.Real:
+    """Return the end of an interval, or that of the range searched where it has none."""
     return w.value_of(r.free, end if x is None else x, way)
 
 
-_MOST_PARAMETERS = 8  # for more, ``haptisym require`` has the time
+_MOST_PARAMETERS = 8
+"""Parameters up to which a report has a row for each: for more it would take too long."""
 
 
 def design(e: Evaluation) -> Iterator[Block]:
     """A row for each parameter: the exact set of values, and what binds at its ends; all others
     keep the scene's values."""
-    found = requirements(e)
-    if not found:
+    rows = requirements(e)
+    if not rows:
         return
     yield doc.Paragraph(
         "All values of one parameter for which neither ratio exceeds its threshold on the "
@@ -270,7 +289,7 @@ def design(e: Evaluation) -> Iterator[Block]:
         yield doc.Paragraph(e.scene.untied_note())
     how = "proven" if e.scene.level is None else "of the fitted model"
     yield w.table(
-        found,
+        rows,
         f"Values for which the display is transparent on its whole band, {how}.",
         w.Field("parameter", lambda r: layout(r.free.symbol)),
         w.Field("in the scene", _in_scene),
@@ -280,20 +299,23 @@ def design(e: Evaluation) -> Iterator[Block]:
 
 
 def requirements(e: Evaluation) -> list[Requirement]:
-    """For each parameter and for the threshold, where that takes no more than moments; none for
-    other scenes."""
+    """Return the requirement on each parameter and on the threshold where that takes moments;
+    nothing for other scenes."""
     if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
         return []
     return [require(e.scene, path) for path in (*(x.path for x in e.scene.parameters), THRESHOLD)]
 
 
 def _in_scene(r: Requirement) -> Phrase:
-    if r.free.value.free_symbols:  # a limit may be a formula in omega
+    # A limit of the JND may be a formula in omega.
+    """Return the value that a parameter has in the scene."""
+    if r.free.value.free_symbols:
         return layout(r.free.value)
     return w.value_of(r.free, ExactNumber(r.free.value), Way.NEAREST)
 
 
 def _binding(r: Requirement) -> Phrase:
+    """Return what limits at the ends of a set of values, and where."""
     limits = [(w.symbol(b.criterion.symbol), b.omega) for end in r.ends for b in end.bindings]
     return (
         listed((x, "" if omega is None else (" at ", w.both(omega))) for x, omega in limits)
@@ -316,8 +338,10 @@ def page_map(m: DesignMap) -> Document:
         "their ends."
     )
     rows = _slices(m)
-    left = len(m.slices) - len(rows.rows)
-    more = [f"Printed: {len(rows.rows)} of {len(m.slices)} slices; --json has all."] if left else []
+    omitted = len(m.slices) - len(rows.rows)
+    more = (
+        [f"Printed: {len(rows.rows)} of {len(m.slices)} slices; --json has all."] if omitted else []
+    )
     drawn = doc.Figure("map", shown, m.figure)
     blocks = rows, *w.noted(more), *_stiffest(m), *_contours(m), *_classical(m), drawn, *_between(m)
     return w.page_about(
@@ -331,6 +355,7 @@ def page_map(m: DesignMap) -> Document:
 
 
 def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield on how many slices values satisfy what is required, and what limits them."""
     a, b = m.free
     some = [x for x in m.slices if x.requirement.feasible]
     what = required(m.criteria)
@@ -362,6 +387,7 @@ _KINDS = {
 
 
 def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
+    """Yield whether every slice is decided."""
     if m.certified:
         yield w.proof(m.scene, "every value of a slice")
         return
@@ -372,9 +398,10 @@ def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
 
 
 def _between(m: DesignMap) -> Iterator[Block]:
-    """What is estimated between slices."""
+    """Yield what is estimated between slices."""
     if not m.deviation:
         return
+    # The estimate comes from the curvature of the ends from slice to slice: it is no bound.
     share: Phrase = (" (", w.at_most(100 * m.deviation / m.height), "\xa0% of the range)")
     apart = sum(1 for x in m.gaps if x.deviation is None)
     others = (
@@ -391,10 +418,12 @@ def _between(m: DesignMap) -> Iterator[Block]:
 
 
 def _proven_map(m: DesignMap) -> Iterator[Phrase]:
-    """Of what is transparent, or stable, what is proven between the slices too."""
+    """Yield what is proven between the slices about what is transparent, or stable."""
     for x in m.proofs:
         what = listed(kept(y) for y in m.criteria if y.name == x.of) if x.of == STABLE else x.of
         threshold = "" if x.jnd is None else f" with a JND of {float(100 * x.jnd):.6g}\xa0%"
+        # How far from the lines between slices a boundary can be follows from the rectangles that
+        # are left.
         most = m.bound(x)
         share: Phrase = (w.at_most(100 * x.rectangles.share_left), "\xa0% of the map")
         near: Phrase = ""
@@ -414,12 +443,13 @@ def _proven_map(m: DesignMap) -> Iterator[Phrase]:
 
 
 def _stiffest(m: DesignMap) -> Iterator[Block]:
-    """Of a map along a wall's damping, the stiffest wall."""
+    """Yield the stiffest stable wall of a map along a wall's damping."""
     if m.stiffest is None:
         return
     at, top = m.stiffest
     b, k = m.free
     stable = listed(kept(x) for x in m.criteria if x.name == "stable")
+    # Rounded down: a wall as stiff as is printed is still stable.
     value, damping = w.value_of(k, top, Way.DOWN), w.value_of(b, float(at.at), Way.NEAREST)
     words = "Stiffest wall of these slices that is {}: {} < {}, at {} = {}."
     yield doc.Paragraph(
@@ -428,34 +458,42 @@ def _stiffest(m: DesignMap) -> Iterator[Block]:
 
 
 def _contours(m: DesignMap) -> Iterator[Block]:
-    """On how many slices something is transparent with each of the other thresholds."""
+    """Yield on how many slices the display is transparent for some values with each other
+    threshold."""
     for i, jnd in enumerate(m.thresholds):
-        found = [x.contours[i] for x in m.slices]
-        held = sum(1 for r in found if r.feasible)
-        left = "" if all(r.certified for r in found) else "; others are undecided"
+        contours = [x.contours[i] for x in m.slices]
+        held = sum(1 for r in contours if r.feasible)
+        left = "" if all(r.certified for r in contours) else "; others are undecided"
         yield doc.Paragraph(
             f"With a JND of {float(100 * jnd):.6g}\xa0%: transparent values on {held} slices{left}."
         )
 
 
 def _classical(m: DesignMap) -> Iterator[Block]:
-    """The classical bounds that the figure has beside what is exact, and what each takes for
-    granted."""
+    """Yield the classical bounds that the figure shows beside the exact sets, and what each
+    assumes."""
     if m.lines:
         yield doc.Paragraph("Classical bounds in the figure, computed, not proven:")
         yield doc.Facts(tuple((x.name, f"{x.rule} ({x.assumes})") for x in m.lines))
 
 
 def _of_slice(r: Requirement) -> Phrase:
+    """Return the values of one slice."""
     return Strong("undecided") if r.undecided and not r.feasible else sets(r)
 
 
 def _slices(m: DesignMap) -> doc.Table:
-    """Some of the slices, the first and the last one among them."""
+    """Return the table of some slices, the first and the last among them."""
+    # At most ten evenly spaced slices and the last one, so that both ends of the map are there.
     step = ceil((len(m.slices) - 1) / _MOST_ROWS)
     some = [*m.slices[:-1:step], m.slices[-1]]
-    caption = ("Some of the slices" if len(some) < len(m.slices) else "The slices") + ", proven."
-    shown = m.free[0].shown_unit(m.free[0].motion).size
-    what = "satisfied for" if len(m.that) > 1 else f"{m.that[0]} for"
-    value = w.number(heading(m.free[0]), lambda x: w.near(in_unit(float(x.at), shown)))
-    return w.table(some, caption, value, w.Field(what, lambda x: _of_slice(x.requirement)))
+    which = "Some of the slices" if len(some) < len(m.slices) else "The slices"
+    along = m.free[0]
+    size = along.shown_unit(along.motion).size
+    what = "satisfied" if len(m.that) > 1 else m.that[0]
+    return w.table(
+        some,
+        f"{which}, proven.",
+        w.number(heading(along), lambda x: w.near(in_unit(float(x.at), size))),
+        w.Field(f"{what} for", lambda x: _of_slice(x.requirement)),
+    )

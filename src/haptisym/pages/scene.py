@@ -79,7 +79,7 @@ class ClosedForms:
     distortion: Distortion
 
     def all(self) -> list[doc.Line]:
-        """All of them."""
+        """Return all closed forms, in the order of a derivation."""
         return [
             *self.dynamics(),
             *self.difference(),
@@ -116,7 +116,8 @@ class ClosedForms:
         ]
 
     def properties(self, system: str) -> list[doc.Line]:
-        """What is felt of a system (section 2.3): Re H and Im H; stiffness, mass and damping."""
+        """Return what a system is felt as (section 2.3): k = Re H, m = -Re H/omega^2, b = Im
+        H/omega."""
         real, imag = self._parts(system)
         return [
             _row(f"k_{system}", real),
@@ -125,7 +126,8 @@ class ClosedForms:
         ]
 
     def parameter_jnds(self) -> list[doc.Line]:
-        """By how much a single parameter must change to be noticed."""
+        """Return by how much a single parameter must change to be noticed: c |H_env|, over omega
+        for damping and over omega^2 for mass."""
         least = Symbol("c", positive=True) * sqrt(self._square)
         powers = {"k": 0, "b": 1, "m": 2}
         return [
@@ -143,6 +145,7 @@ class ClosedForms:
 
     @property
     def _square(self) -> Expr:
+        """|H_env|^2 as a quotient of sums of two squares."""
         return squared_modulus(self.distortion.env)
 
     def _change(self, part: Part) -> Expr:
@@ -151,9 +154,12 @@ class ClosedForms:
         return on_axis(self.distortion.difference, part) if is_lowest else form
 
     def _parts(self, system: str) -> tuple[Expr, Expr]:
+        """Return Re H and Im H of the environment or of what is perceived."""
         real, imag = (on_axis(self.distortion.env, part) for part in Part)
         if system == "env":
             return real, imag
+        # Re H_perc is written by itself where dH is in lowest terms; else as Re H_env + Re dH,
+        # whose terms are shorter.
         if all(self.distortion.form(part)[1] for part in Part):
             return on_axis(self.distortion.perc, Part.REAL), on_axis(
                 self.distortion.perc, Part.IMAG
@@ -161,7 +167,9 @@ class ClosedForms:
         return real + self._change(Part.REAL), imag + self._change(Part.IMAG)
 
     def _ratio(self, part: Part) -> Expr:
+        """Return r_r or r_i: the magnitude of a part of dH over |H_env|."""
         form, difference = self._change(part), self.distortion.difference
+        # Not in lowest terms: SymPy is kept from multiplying out what stands in the absolute value.
         if not self.distortion.form(part)[1]:
             return Abs(form, evaluate=False) / sqrt(self._square)
         return magnitude(form, difference, evaluate=not is_long(form)) / sqrt(self._square)
@@ -186,11 +194,15 @@ def on_axis(function: RationalFunction, part: Part) -> Expr:
     (4 - omega**2)/(omega**2 + (4 - omega**2)**2)
     """
     axis = _ring(function).axis
+    # With delays, or with j among the numbers, parts are not those of polynomials: the general way.
     if axis.functions or axis.complex:
         return part_of(response.on_axis(function), part).factored()
     whole = function.reduced().cleared()
+    # With n = a + j b and d = c + j d on the axis, n/d = (a c + b d + j (b c - a d))/(c^2 + d^2).
     (a, b), (c, d) = axis.parts([whole.numerator, whole.denominator])
     above, below = (a * c + b * d if part is Part.REAL else b * c - a * d), c * c + d * d
+    # If something cancels, c^2 + d^2 is not the denominator in lowest terms, and a sum of squares
+    # would hide that.
     if not above.gcd(below).is_constant():
         return axis.function(above, below).factored()
     return axis.factored_expression(above) / _squares(whole, whole.denominator)
@@ -207,23 +219,28 @@ def squared_modulus(function: RationalFunction) -> Expr:
     if _ring(function).axis.functions or _ring(function).axis.complex:
         return response.squared_modulus(function).factored()
     reduced = function.reduced()
+    # Fractions among the coefficients are cleared, unless the denominator is a mere number.
     whole = reduced if reduced.denominator.is_constant() else reduced.cleared()
     return _squares(whole, whole.numerator) / _squares(whole, whole.denominator)
 
 
 def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
+    """Return a polynomial's squared modulus on the axis, as a product of sums of two squares."""
     axis = _ring(function).axis
     unit, factors = function.ring.factors(polynomial)
+    # A single simple factor keeps its number inside, so that the polynomial is seen as it is.
     if len(factors) == 1 and factors[0][1] == 1:
         unit, factors = S.One, [(polynomial, 1)]
     moduli = []
     for factor, exponent in factors:
+        # |p q|^2 = |p|^2 |q|^2: each factor gives a sum of two squares of its own.
         real, imag = map(axis.expression, axis.parts([factor])[0])
         moduli.append(finite(real**2 + imag**2) ** exponent)
     return Mul(unit**2, *moduli)
 
 
 def _ring(function: RationalFunction) -> Ring:
+    """Return the ring of a function, which has an imaginary axis."""
     ring = function.ring
     assert isinstance(ring, Ring)
     return ring
@@ -249,6 +266,7 @@ def scene_blocks(
     yield doc.Flow((*(_link(place, part) for place, part in scene.elements()), hand))
     rows = tuple(_parameter(scene, short_names, x) for x in scene.parameters)
     if rows:
+        # The column of ranges is there only if some parameter has one; it stands before the unit.
         ranges = ("range",) * any(x.interval for x in scene.parameters)
         columns = ("symbol", "of", "parameter", "quantity", "value", *ranges, "unit")
         if ranges:
@@ -298,11 +316,13 @@ def threshold(c: Threshold) -> Phrase:
 
 def _equality(name: str, value: Expr) -> Phrase:
     """``c = 0.1``, or with ≈ where the number is not rational and was rounded."""
+    # A rational number is printed exactly, any other rounded.
     decimal = value if value.is_Rational else rounded(value)
     return Relation((named(name), layout(decimal)), ("=" if value.is_Rational else "≈",))
 
 
 def _link(place: str, part: Environment | Effect) -> Phrase:
+    """Return an element of the chain in words: its name, and what its model is."""
     catalogue = ENVIRONMENTS if isinstance(part, Environment) else EFFECTS
     name = place.removeprefix("effects.")
     about = catalogue[part.model].summary.partition(":")[0].rstrip(".")
@@ -310,6 +330,7 @@ def _link(place: str, part: Environment | Effect) -> Phrase:
 
 
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> tuple[Phrase, ...]:
+    """Return the row of a parameter: symbol, elements, key, quantity, value, unit."""
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
     own = unit_text(p.unit_in(scene.motion or MotionKind.TRANSLATION))
     symbol = named(short_names.get(p.symbol, p.symbol).name)
@@ -328,6 +349,7 @@ def _value(value: Expr) -> Phrase:
     if value.free_symbols:
         return layout(value)
     if value.is_Rational:
+        # Up to 16 digits of numerator and denominator can be read; a longer fraction is rounded.
         return plain(value) if len(f"{value.p}{value.q}") <= 16 else f"≈ {plain(rounded(value))}"
     return Relation((layout(value), layout(rounded(value))), ("≈",))
 
@@ -360,9 +382,10 @@ class SceneForms:
 
     @cached_property
     def symbolic(self) -> Distortion | None:
-        """The distortion in symbols, unless that would be far too long."""
+        """The distortion in symbols; None where a bound on its length is too large."""
         return (
             self.evaluation.scene.symbolic_distortion()
+            # Bounded before it is computed: an expansion that is too long would take minutes.
             if _size(self.evaluation) <= _LARGEST
             else None
         )
@@ -374,8 +397,10 @@ class SceneForms:
         return self.found[group]
 
     def _in_symbols(self, group: FormulaGroup) -> list[doc.Line] | None:
+        """Find closed forms in symbols; None if these would be too long to read."""
         if self.symbolic is None:
             return None
+        # A first and cheap test by the number of terms; only then are the forms made and measured.
         parts = response.on_axis(group.function(self.symbolic))
         if max(len(x.numerator) for x in (parts.raw_real, parts.raw_imag)) > _MOST_TERMS:
             return None
@@ -396,13 +421,15 @@ class SceneForms:
         Where it is not written with numbers, what it is a multiple of.
         """
         limits = self.evaluation.scene.threshold
-        found = next(x for x in noticed(limits) if x.part is part).function(
+        excess = next(x for x in noticed(limits) if x.part is part).function(
             self.evaluation.distortion
         )
-        assert isinstance(found, RealFunction)  # of one part
-        shown = self.polynomial(_excess(part), found)
+        # Of a plain threshold each part is judged by one function, not by a lattice of several.
+        assert isinstance(excess, RealFunction)
+        shown = self.polynomial(_excess(part), excess)
         if isinstance(shown, doc.Line):
             return shown
+        # The polynomial is, up to a positive factor, (Re dH)^2 - c^2 |H_env|^2.
         change = Power(Fenced(quantity(f"{_OPERATORS[part]} dH")), Numeral("2"))
         return doc.Line(
             shown,
@@ -420,16 +447,21 @@ class SceneForms:
         function = found.written
         if function.is_zero:
             return doc.Line(left, S.Zero)
+        # The sign alone matters, so that the unit of the factorisation is kept as its sign.
         unit, factors = function.ring.factors(function.numerator)
         exact = Mul(1 if unit > 0 else -1, *(function.ring.expression(f) ** n for f, n in factors))
         if not is_long(exact, lines=2 if exact.has(pi) else 5):
             return doc.Line(left, exact)
+        # Monic factors keep their roots better when coefficients are rounded. With sines and
+        # cosines there is no leading coefficient in omega.
         if not function.ring.functions:
             sign = sign_of_number(_gain(function, function.numerator))
             exact = sign * _monic_factors(function, function.numerator, omega)
         band = self.evaluation.scene.band
         for digits in _OF_POLYNOMIALS:
             shown = _faithful(exact, band, (digits,))
+            # Two tests: the rounded formula is true to its digits on the band, and has the same
+            # zeros there.
             if shown and keeps_zeros(shown[0], found, band):
                 return doc.Line(left, *shown)
         return left
@@ -443,28 +475,31 @@ class SceneForms:
 
     @cached_property
     def short_names(self) -> dict[Symbol, Symbol]:
-        """The number of an effect, for its long name, in the subscripts of its parameters."""
+        """Short symbols for the parameters of effects with long names: the number of the effect
+        stands for its name in the subscript."""
         scene = self.evaluation.scene
         taken = {formula(p.symbol) for p in scene.parameters}
-        found = {}
+        names = {}
         for i, effect in enumerate(scene.effects, 1):
             label = re.sub("[- ]", "_", effect.name)
             for symbol in (p.symbol for p in effect.parameters):
                 short_name = Symbol(
                     f"{symbol.name.removesuffix(f'_{label}')}_{i}", **symbol.assumptions0
                 )
+                # A long name of an effect fills every subscript: its number stands for it, unless
+                # another parameter is called so already.
                 if (
                     len(label) > 8
                     and symbol.name.endswith(f"_{label}")
                     and formula(short_name) not in taken
                 ):
-                    found[symbol] = short_name
+                    names[symbol] = short_name
                     taken.add(formula(short_name))
-        return found
+        return names
 
 
 def _expression(row: doc.Line) -> Expr:
-    """The value of a closed form, which is more than what it looks like."""
+    """Return the value of a closed form, which is always an expression."""
     assert isinstance(row.value, Expr)
     return row.value
 
@@ -485,6 +520,7 @@ def _faithful(exact: Expr, band: Band, digits: Sequence[int]) -> tuple[Expr, str
 
 def _monic(exact: Expr) -> Expr:
     """A quotient as a number times factors with leading coefficient 1; a polynomial as it is."""
+    # Roots and absolute values are no quotients of polynomials, nor are sines or complex numbers.
     if any(isinstance(x, Abs) or not x.exp.is_Integer for x in exact.atoms(Abs, Pow)):
         return exact
     variable = s if exact.has(s) else omega
@@ -520,6 +556,8 @@ def _size(e: Evaluation) -> int:
     """A bound on the products of terms that H_perc makes when all of its parameters are symbols."""
     above, below = _terms(e.scene.rendering.dynamics)
     for effect in e.scene.effects:
+        # An effect maps H = n/d to (A H + B)/(C H + D). With A = a/p and so on, over a common
+        # denominator each term is a product of four numbers of terms and one of n or d.
         (a, p), (b, q), (c, r), (d, t) = map(_terms, effect.dynamics)
         above, below = (
             a * q * r * t * above + b * p * r * t * below,
@@ -532,12 +570,15 @@ def _terms(expression: Expr) -> tuple[int, int]:
     """At most how many terms numerator and denominator have when they are multiplied out."""
     if isinstance(expression, Add):
         found = [_terms(x) for x in expression.args]
+        # A common denominator is at most the product of all; each numerator is multiplied by the
+        # others' denominators.
         below = prod(d for _, d in found)
         return sum(n * below // d for n, d in found), below
     if isinstance(expression, Mul):
         found = [_terms(x) for x in expression.args]
         return prod(n for n, _ in found), prod(d for _, d in found)
     if isinstance(expression, Pow) and expression.exp.is_Integer:
+        # The power n of a sum of x terms has at most C(x + n - 1, x - 1) terms.
         n, d = (comb(x + abs(int(expression.exp)) - 1, x - 1) for x in _terms(expression.base))
         return (n, d) if expression.exp > 0 else (d, n)
     return int(expression != 0), 1
@@ -584,9 +625,11 @@ class _Steps:
 
     @property
     def evaluation(self) -> Evaluation:
+        """The evaluation whose formulas are derived."""
         return self.forms.evaluation
 
     def dynamics(self) -> Iterator[Block]:
+        """Yield the dynamics: the environment, each effect as what it does to H, H_perc."""
         scene = self.evaluation.scene
         yield doc.Paragraph(
             (
@@ -608,6 +651,7 @@ class _Steps:
             lines += entries
         if said:
             yield doc.Paragraph(tuple(said))
+        # The first of the closed forms is H_env, which is there already.
         yield from self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
         if scene.parameters:
             rounded_so = (
@@ -618,6 +662,7 @@ class _Steps:
             yield from self._equations(self.forms.in_numbers(DYNAMICS))
 
     def distortion(self) -> Iterator[Block]:
+        """Yield dH, the ratios, and the relative distortion, in symbols and in numbers."""
         where = Relation((named("s"), layout(I * omega)), ("=",))
         change = Relation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
         yield from self._formulas(
@@ -634,9 +679,12 @@ class _Steps:
             yield from self._equations(self.forms.in_numbers(DIFFERENCE))
 
     def thresholds(self) -> Iterator[Block]:
+        """Yield the polynomials that are positive exactly where a ratio exceeds its threshold."""
         if not self.evaluation.scene.threshold.is_plain:
             yield from self._regions()
             return
+        # With delays Re and Im of H(j omega) have sines and cosines of omega: then p is no
+        # polynomial in omega^2.
         functions = self.evaluation.distortion.squared_modulus.axis.functions
         kind = (
             "polynomials in ω, its powers, sines and cosines" if functions else "polynomials in ω²"
@@ -663,17 +711,16 @@ class _Steps:
         yield from self._equations(lines)
 
     def _regions(self) -> Iterator[Block]:
-        """Of what is judged by a region or by a formula in omega: which functions must not all be
-        positive."""
+        """Yield, for a region or limits that are formulas in omega, the functions that decide what
+        is noticed."""
         said: list[Phrase] = []
         lines: list[Written] = []
         for x in self.evaluation.criteria:
             found = x.function(self.evaluation.distortion)
             where, functions = ways(x, found)
             said += [where, " "]
-            moves = (
-                bool(x.joint) and not self.evaluation.scene.threshold.is_constant
-            )  # corners may change sign
+            # Corners that are functions of omega may change sign, and with them a denominator.
+            moves = bool(x.joint) and not self.evaluation.scene.threshold.is_constant
             singles = ((name, f) for name, f in functions if isinstance(f, RealFunction))
             lines += [self.forms.polynomial(name, _whole(f) if moves else f) for name, f in singles]
         if len(lines) > _MOST_POLYNOMIALS:
@@ -690,6 +737,7 @@ class _Steps:
         yield from self._equations(lines)
 
     def properties(self) -> Iterator[Block]:
+        """Yield what Re H and Im H are felt as, and the changeover frequencies."""
         real, imag = (Prefixed(OPERATORS[part], _H) for part in Part)
         lead = (
             real,
@@ -699,13 +747,14 @@ class _Steps:
             "stiffness, mass and damping perceived are",
         )
         yield from self._formulas(lead, FELT)
-        d, values = (
-            self.forms.symbolic,
-            {p.symbol: p.value for p in self.evaluation.scene.parameters},
-        )
-        found = {name: d.changeover(name, values) for name in ("env", "perc")} if d else {}
+        d = self.forms.symbolic
+        values = {p.symbol: p.value for p in self.evaluation.scene.parameters}
+        changeovers = {name: d.changeover(name, values) for name in ("env", "perc")} if d else {}
+        # Frequencies whose formulas do not fit into a line are left out.
         shown = {
-            name: x for name, x in found.items() if x is not None and width(formula(x)) < LINE - 5
+            name: x
+            for name, x in changeovers.items()
+            if x is not None and width(formula(x)) < LINE - 5
         }
         if shown:
             yield doc.Paragraph(f"The lowest frequencies of changeover, with {_VALUES}, are")
@@ -729,11 +778,12 @@ class _Steps:
         yield from self._equations(lines)
 
     def _equations(self, lines: Iterable[Written]) -> Iterator[Block]:
-        """The formulas, and which of them are left out."""
-        found = list(lines)
-        if shown := self.forms.named(x for x in found if isinstance(x, doc.Line)):
+        """Yield the formulas, then which of them have no readable form that is true."""
+        formulas = list(lines)
+        if shown := self.forms.named(x for x in formulas if isinstance(x, doc.Line)):
             yield doc.Equations(tuple(shown))
-        if left := [x for x in found if not isinstance(x, doc.Line)]:
+        # A box alone is the left side of a formula that no rounding leaves true (see Written).
+        if left := [x for x in formulas if not isinstance(x, doc.Line)]:
             why = (
                 " with numbers: large terms cancel, and rounded to a length that can be read it "
                 "would be false. "
@@ -751,16 +801,20 @@ class _Steps:
 
 def _whole(f: RealFunction) -> RealFunction:
     """A polynomial of the sign of a function, whatever that of its denominator."""
+    # n/d and n d have one sign, for every sign of d.
     return RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
 
 
 def _excess(part: Part) -> Box:
+    """Return the name of the polynomial that is positive where a part is noticed."""
     return quantity("p_r" if part is Part.REAL else "p_i")
 
 
 def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
-    """What the effect of that number does to H, in words, and the formulas that the words name."""
+    """Return what an effect, by its number, does to H: in words, and the formulas that the words
+    name."""
     a, b, c, d = effect.dynamics
+    # A sampled rendering is a H + b with b = a Z: H becomes G (H + Z).
     if effect.renders and effect.setting("method"):
         words = (
             f"renders it sampled ({effect.setting('method')}): ",
@@ -772,6 +826,7 @@ def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
         )
         return (*words, " + ", named(f"Z_{i}"), ")"), [_of_s("Z", i, b / a), _of_s("G", i, a)]
     names = {x: named(f"{x}_{i}") for x in "GZYABCD"}
+    # The usual special cases of the two-port (a H + b)/(c H + d) are named for what they are.
     if (b, c, d) == (0, 0, 1):
         return ("multiplies the force by ", names["G"]), [_of_s("G", i, a)]
     if (a, c, d) == (1, 0, 1):
@@ -786,4 +841,5 @@ def _action(i: int, effect: Effect) -> tuple[Phrase, list[doc.Line]]:
 
 
 def _of_s(letter: str, i: int, value: Expr) -> doc.Line:
+    """Return the equation of a function of s with the number of its effect."""
     return doc.Line(function(f"{letter}_{i}", layout(s)), value)

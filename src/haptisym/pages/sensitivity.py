@@ -28,7 +28,7 @@ _FEW = 3
 
 
 def page(found: Sensitivities) -> Document:
-    """The whole page."""
+    """Return the whole page of the sensitivities."""
     blocks = [*_crossings(found), *_changeovers(found)]
     further = (
         ('haptisym derive SCENE --of "d omega_r/d NAME"',) if found.scene.threshold.is_plain else ()
@@ -40,7 +40,7 @@ def page(found: Sensitivities) -> Document:
 
 
 def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
-    """The bandwidth, and what moves it most."""
+    """Yield the bandwidth, and the parameters that move it most."""
     x = found.bandwidth
     if x is None:
         yield "Bandwidth", "none: noticed from the low end of the band on"
@@ -53,6 +53,7 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
             else (", limited by ", named(x.criterion.symbol))
         )
     yield "Bandwidth", (w.both(x.omega), limit)
+    # Both parts may cross at the bandwidth: then each has parameters that move it.
     there = [y for y in found.crossings if y.omega is x.omega]
     moved = [(y, _movers(y)) for y in there if _movers(y)]
     several = len(moved) > 1
@@ -65,12 +66,13 @@ def _answer(found: Sensitivities) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _movers(x: Sensitive) -> Phrase:
-    """The parameters that move a crossing most; nothing if none does."""
+    """Return the parameters that move a crossing most; nothing if none does."""
     moving = [p for p in x.ranked if p.elasticity is not None and float(p.elasticity)][:_FEW]
     return listed((named(p.name), " (", _signed(p.elasticity), "\xa0% per %)") for p in moving)
 
 
 def _crossings(found: Sensitivities) -> Iterator[Block]:
+    """Yield a section for each crossing."""
     if not found.crossings:
         yield Paragraph("No ratio crosses its threshold on the band.")
     yield from (
@@ -81,6 +83,7 @@ def _crossings(found: Sensitivities) -> Iterator[Block]:
 
 
 def _changeovers(found: Sensitivities) -> Iterator[Block]:
+    """Yield a section for each changeover frequency, and the figure of all."""
     systems = (("H_env", found.changeovers_environment), ("H_perc", found.changeovers_perceived))
     moved = [
         _moved(found.scene, ("Changeover of ", named(name)), x)
@@ -97,16 +100,20 @@ def _changeovers(found: Sensitivities) -> Iterator[Block]:
 
 
 def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
+    """Return the table of how a frequency moves with each parameter; a sentence where it has no
+    derivative."""
     heading = what, " at ", w.both(x.omega)
     if x.reason:
         return Section(heading, (Paragraph(f"{x.reason[0].upper()}{x.reason[1:]}."),))
     units = {p.path: scene.knobs[p.path].shown_unit(scene.motion) for p in x.ranked}
 
     def slope(p: Sensitivity) -> Phrase:
+        # From SI to the units of the page: a frequency's unit per that of the parameter.
         return _signed(
             p.derivative, scene.frequency.size / units[p.path].size
         ), f" {p.side}" * bool(p.side)
 
+    # Proven to be 0 both ways: these have a line below the table.
     still = [
         p
         for p in x.ranked
@@ -128,20 +135,23 @@ def _moved(scene: Scene, what: Phrase, x: Sensitive) -> Section:
     for p in x.ranked:
         whose.setdefault(p.reason, []).append(named(p.name))
     one_sided = dict.fromkeys(p.reason for p in x.ranked if p.derivative and p.reason)
-    told = (w.phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)
-    return Section(heading, (shown, *w.noted([*none, *told])))
+    remarks = (w.phrased("{}: {}.", listed(whose[reason]), reason) for reason in one_sided)
+    return Section(heading, (shown, *w.noted([*none, *remarks])))
 
 
 def _has(p: Sensitivity) -> bool:
+    """Return whether a derivative is known."""
     return p.derivative is not None and p.elasticity is not None
 
 
 def _signed(x: RealNumber | None, unit: Expr = S.One) -> Phrase:
-    """``unit`` : the size in SI of the unit in which it is printed."""
+    """Return a number with its sign; ``unit`` : the size in SI of the unit in which it is
+    printed."""
     return "" if x is None else ("+" if float(x) > 0 else "", w.near(x, unit=Unit("", unit)))
 
 
 def _proven(found: Sensitivities) -> Iterator[Phrase]:
+    """Yield what an elasticity is, and what is proven."""
     yield "Elasticity: (p/", FREQUENCY, ") d", FREQUENCY, "/dp, per cent per per cent."
     if found.certified:
         yield w.proof(found.scene, "all derivatives and all digits printed")

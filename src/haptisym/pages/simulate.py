@@ -18,14 +18,20 @@ _AGREES: dict[bool | None, Phrase] = {True: "yes", False: Strong("no"), None: "-
 _CAPTIONS = {
     "simulated-time": "Motion and force at the hand in time.",
     "simulated-loop": "Force over displacement, as felt and of the environment alone.",
-    "recovered-real": "Real part as recovered from the force (rings) and by its closed form (dashed).",
-    "recovered-imag": "Imaginary part as recovered from the force (rings) and by its closed form (dashed).",
+    "recovered-real": (
+        "Real part as recovered from the force (rings) and by its closed form (dashed)."
+    ),
+    "recovered-imag": (
+        "Imaginary part as recovered from the force (rings) and by its closed form (dashed)."
+    ),
 }
 
 
 def page(found: Simulation | Simulations) -> Document:
-    """The whole page; several runs of one scene, one for each frequency, are one table."""
+    """Return the page of a simulation; several runs of one scene, one for each frequency, are one
+    table."""
     runs = found.runs
+    # Without a ratio that was recovered there is nothing to compare with the closed form.
     drawn = (
         w.drawing(name, caption, "files:draw_figure", found, name)
         for name, caption in _CAPTIONS.items()
@@ -45,6 +51,7 @@ _HOW_SURE = (
 
 
 def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
+    """Yield what was simulated: motion, time, force, and the errors that hardware adds."""
     first = runs[0]
     length, force = (
         w.unit(x, first.scene.motion) for x in (Dimension.DISPLACEMENT, Dimension.FORCE)
@@ -80,6 +87,7 @@ def _simulated(runs: Sequence[Simulation]) -> Iterator[tuple[str, Phrase]]:
 
 
 def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
+    """Yield the table of H_perc as recovered from the force, against the closed form."""
     rows = [x for run in runs for x in run.estimates]
     if rows:
         heading = w.H_PERC, f" recovered from the force, {w.stiffness_unit(runs[0].scene)}"
@@ -96,17 +104,20 @@ def _table(runs: Sequence[Simulation]) -> Iterator[Block]:
             w.number("Im", lambda x: w.near(x.simulated.imag)),
             w.number("difference", lambda x: w.near(x.difference, most=2)),
             w.number("estimated error", lambda x: w.near(x.error, most=2)),
+            # Where all agree, the answer says so, and the column would be all yes.
             *[agrees] * (not all(x.agrees for x in rows)),
         )
         yield doc.Section(heading, (shown,))
 
 
 def _verdict(runs: Sequence[Simulation]) -> Phrase:
+    """Return whether the closed form agrees with the simulation, or is not exact for it."""
     rows = [x for run in runs for x in run.estimates]
     if not rows:
         return "not compared: no ratio is recovered from this motion, or from so short a run"
     reasons = dict.fromkeys(x.approximate for x in rows if x.approximate)
     if reasons:
+        # The distance relative to H_perc; a closed form of 0 has none.
         sizes = [x.difference / abs(x.closed) for x in rows if x.approximate and x.closed]
         worst: Phrase = (
             ("; it differs by up to ", w.at_most(100 * max(sizes)), "\xa0%") if sizes else ""
@@ -129,7 +140,7 @@ def _verdict(runs: Sequence[Simulation]) -> Phrase:
 
 
 def page_release(r: Release) -> Document:
-    """The whole page."""
+    """Return the page of a release."""
     shown = "Motion after the hand lets go, and the envelope of the rightmost pole in closed form."
     chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
     blocks = (
@@ -142,6 +153,8 @@ def page_release(r: Release) -> Document:
 
 
 def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
+    # With dry friction or an encoder the motion may end, which no linear loop does.
+    """Yield how the motion goes on, and what the linear loop is proven to do."""
     rests = bool(r.extras) and r.stopped == "come to rest"
     motion: Phrase = (
         "undecided from this run" if r.grows is None else Strong("grows") if r.grows else "decays"
@@ -172,6 +185,7 @@ def _rattle(r: Release) -> Phrase:
 
 
 def _run(r: Release) -> Iterator[tuple[str, Phrase]]:
+    """Yield what was released: the hand, its displacement, the time, and which poles decide."""
     motion = r.scene.motion
     numbers = listed(
         (f"{p.key} = ", w.near(p.value, unit=p.shown_unit(motion))) for p in r.hand.parameters
@@ -194,11 +208,13 @@ def _table_release(r: Release) -> Iterator[Block]:
     """Rate and frequency as read from the motion, and of the closed form."""
     rows: list[tuple[Phrase, ...]] = []
     if r.fitted is not None:
+        # Of a chain of poles no single one lasts longest, so no frequency is read.
         omega: Phrase = "-" if r.is_envelope else w.cell(r.fitted.omega)
         rows.append(("simulated motion", w.near(r.fitted.rate), omega, f"{r.error:.2g}"))
     if r.closed is not None and not r.is_envelope:
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
         root = "largest pole z, ln z/T" if clocks(r.scene) else "rightmost pole"
+        # The closed form has no dry friction, which is not linear.
         without = " without friction" * any(x.model == FRICTION for x in r.scene.effects)
         rows.append((root + without, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
     if rows:
@@ -217,6 +233,7 @@ def _table_release(r: Release) -> Iterator[Block]:
 
 
 def _held(r: Release) -> Phrase:
+    """Return the proven verdict on the linear loop."""
     roots = r.held.roots
     if roots is None:
         return Strong("undecided"), f" ({r.held.reason})"
@@ -232,6 +249,7 @@ def _held(r: Release) -> Phrase:
 
 
 def _chain(closed: Closed) -> Phrase:
+    """Return to which rate the poles of an infinite chain tend."""
     words = (
         "Infinitely many poles have rates that tend to {} 1/s: the simulated rate is that of the "
         "motion's largest values."
@@ -240,6 +258,7 @@ def _chain(closed: Closed) -> Phrase:
 
 
 def _how_sure(r: Release) -> Phrase:
+    """Return what is proven and what is computed about a release."""
     if r.extras and r.held.roots is not None:
         return (
             "Proven: the verdict on the linear loop. Computed: the motion, a simulation with "

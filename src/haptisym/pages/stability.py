@@ -1,5 +1,9 @@
-"""The page of stability: each hand, any passive operator, and prescribed motion, which are three
-statements; the limits."""
+"""The page of stability: three statements, and the limits of each parameter.
+
+The display in each given hand (no root of H_perc + H_hand in Re s >= 0), in the hand of any passive
+operator (H_perc is passive), and under prescribed motion (no pole of H_perc there). None of the
+three stands for another. Begin with ``page``.
+"""
 
 from __future__ import annotations
 
@@ -42,15 +46,16 @@ _WALLS = (
 _MOST = 6  # active intervals that are printed
 _FEW = 2  # limits that the answer has of a hand
 _CHAINS = {
-    RootChain.RIGHT: "infinitely many poles lie to the right of the imaginary axis: the highest power of s is "
-    "delayed (the "
+    RootChain.RIGHT: "infinitely many poles lie to the right of the imaginary axis: the highest "
+    "power of s is delayed (the "
     "system is neutral, or advanced)",
-    RootChain.NEAR: "infinitely many poles come arbitrarily near to the imaginary axis: the system is neutral",
+    RootChain.NEAR: "infinitely many poles come arbitrarily near to the imaginary axis: the system "
+    "is neutral",
 }
 
 
 def page(found: Stability) -> Document:
-    """The whole page."""
+    """Return the whole page of a stability question."""
     is_sampled = bool(clocks(found.scene))
     drawn = (
         (doc.Figure("plane", _WALLS if is_sampled else _PLANE, found.figure),)
@@ -74,6 +79,7 @@ def page(found: Stability) -> Document:
 
 
 def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield a line for each hand, and one for any passive operator."""
     if not found.held:
         yield "Hand", ("none given: --hand NAME; the package ships ", ", ".join(hands))
     for x, rows in zip(found.held, found.critical, strict=True):
@@ -81,44 +87,52 @@ def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
     yield "Any operator", _any_operator(found)
 
 
-def _verdict(x: Held) -> Phrase:
-    if x.roots is None:
-        return Strong("undecided"), ": ", x.reason
-    if x.stable:
+def _verdict(held: Held) -> Phrase:
+    """Return the verdict in one hand: stable, drifting, unstable with its poles, or undecided."""
+    if held.roots is None:
+        return Strong("undecided"), ": ", held.reason
+    if held.stable:
         return Strong("stable"), ""
-    if x.shakes is False and x.drifts:
+    # Its only unstable roots are at s = 0, as nothing holds the handle in place: that is no
+    # oscillation.
+    if held.shakes is False and held.drifts:
         return "does not shake; drifts: nothing holds it in place"
-    if x.roots.chain is not None:
-        return Strong("unstable"), ": ", _CHAINS[x.roots.chain]
-    on_axis = x.on_axis[bool(x.drifts) :]
-    if on_axis and len(on_axis) * 2 >= (x.unstable or 0):
+    if held.roots.chain is not None:
+        return Strong("unstable"), ": ", _CHAINS[held.roots.chain]
+    # The first place on the axis is 0 where it drifts. The others are pairs, at omega and -omega:
+    # hence twice as many poles.
+    on_axis = held.on_axis[bool(held.drifts) :]
+    if on_axis and len(on_axis) * 2 >= (held.unstable or 0):
         return (
             Strong("unstable"),
             " (poles on the imaginary axis at ",
             listed(map(w.both, on_axis)),
             ")",
         )
-    return Strong("unstable"), f" ({x.unstable} unstable pole{'' if x.unstable == 1 else 's'})"
+    return Strong(
+        "unstable"
+    ), f" ({held.unstable} unstable pole{'' if held.unstable == 1 else 's'})"
 
 
-def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> Phrase:
-    """Of a stable display how far the nearest parameters may go; of an unstable one what makes it
-    stable."""
-    if not (x.stable or x.shakes):
+def _nearest_limits(found: Stability, held: Held, sets: Mapping[str, ValueSet]) -> Phrase:
+    """Return, of a stable display, how far the nearest parameters may go; of an unstable one, which
+    values make it stable."""
+    if not (held.stable or held.shakes):
         return ""
-    told: list[tuple[float, Phrase]] = []
+    candidates: list[tuple[float, Phrase]] = []
     for path, values in sets.items():
         knob = found.scene.knobs[path]
-        for piece in (
-            y for y in values.feasible if not y.is_single
-        ):  # a single value is in the table alone
+        # A single value for which it is stable is no limit; the table has it.
+        for piece in (y for y in values.feasible if not y.is_single):
+            # Ends of the search are no limits: nothing changes there.
             limits = [y for y in piece.ends if y in values.ends]
-            if x.stable:
+            if held.stable:
+                # Rounded into the stable side: a lower limit upwards, an upper one downwards.
                 ends = (
                     (("down to ", Way.UP) if y is piece.first else ("up to ", Way.DOWN), y)
                     for y in limits
                 )
-                told += [
+                candidates += [
                     (
                         _distance(knob, y),
                         (words, _name(knob), " = ", w.value_of(knob, y.value, way)),
@@ -128,21 +142,22 @@ def _nearest_limits(found: Stability, x: Held, sets: Mapping[str, ValueSet]) -> 
             else:
                 now = w.value_of(knob, ExactNumber(knob.value), Way.NEAREST)
                 reach = min((_distance(knob, y) for y in limits), default=inf)
-                told.append(
+                candidates.append(
                     (reach, (w.values_in(piece, values, knob, _name(knob)), " (is ", now, ")"))
                 )
-    few = [words for _, words in sorted(told, key=lambda y: y[0])[:_FEW]]
-    so = ": " if x.stable else ": does not shake for " if x.drifts else ": needs "
-    return (so, listed(few, "and" if x.stable else "or")) if few else ""
+    few = [words for _, words in sorted(candidates, key=lambda y: y[0])[:_FEW]]
+    so = ": " if held.stable else ": does not shake for " if held.drifts else ": needs "
+    return (so, listed(few, "and" if held.stable else "or")) if few else ""
 
 
 def _distance(knob: Knob, x: SingleValue) -> float:
-    """From the value that a parameter has, relative to it."""
+    """Return how far a limit is from the present value, relative to that where it is not 0."""
     now = float(knob.value)
     return abs(float(x.value) - now) / (abs(now) or 1)
 
 
 def _any_operator(found: Stability) -> Phrase:
+    """Return whether the display is passive, and what it lacks."""
     x = found.every_passive_hand
     if x.holds:
         return Strong("passive"), ": stable in the hand of any passive operator"
@@ -155,23 +170,27 @@ def _any_operator(found: Stability) -> Phrase:
     ) if x.sampled else ""
 
 
-def _needs(x: SampledPassivity, damping: str) -> Phrase:
-    """What Colgate and Schenkel's condition asks of the device's damping."""
-    if x.sides is None:
+def _needs(condition: SampledPassivity, damping: str) -> Phrase:
+    """Return the damping of the device that Colgate and Schenkel's condition requires."""
+    if condition.sides is None:
         return ""
-    has = " (is ", w.near(ExactNumber(x.damping)), ")"
-    if x.needed is None or x.pushes:
+    has = " (is ", w.near(ExactNumber(condition.damping)), ")"
+    # A display that pushes at rest is unstable with any damping; and no damping exceeds a right-
+    # hand side that has no bound.
+    if condition.needed is None or condition.pushes:
         return ": no damping of the device is enough"
-    if x.asks_nothing:
+    if condition.asks_nothing:
         return ": needs device damping ≥ 0", *has
     return (
-        (": needs device damping > ", w.at_most(x.needed.value), f" {damping}", *has)
-        if x.passive is False
+        (": needs device damping > ", w.at_most(condition.needed.value), f" {damping}", *has)
+        if condition.passive is False
         else ""
     )
 
 
 def _why_open(p: Passivity) -> Phrase:
+    """Return why passivity is undecided: the places of the poles, or the sign above the band that
+    was searched."""
     if p.beyond is Beyond.NEVER:
         return _IM, " ≥ 0 at all frequencies, but where poles lie is undecided"
     return "above ", w.both(ExactNumber(p.high)), " the sign of ", _IM, f" is {p.beyond.value}"
@@ -181,10 +200,12 @@ def _why_open(p: Passivity) -> Phrase:
 
 
 def _of_hand(i: int) -> w.Cell:
+    """Return the cell of one parameter of a hand: mass, damping or stiffness."""
     return lambda x: w.near(ExactNumber(x.hand.parameters[i].value))
 
 
 def _hands(found: Stability) -> Iterator[Block]:
+    """Yield the table of the hands: parameters, verdicts, counts of unstable poles."""
     if not found.held:
         return
     units = [
@@ -196,6 +217,7 @@ def _hands(found: Stability) -> Iterator[Block]:
         for i, (key, unit_) in enumerate(zip("mbk", units, strict=True))
     )
     notes = [_box(x.hand, box) for x, box in zip(found.held, found.boxes, strict=True) if box]
+    # Passive parts cannot make a motion grow, so poles that come near to the axis stay on its left.
     notes += [
         f"{x.hand.name}: no motion grows, as all parts are passive."
         for x in found.held
@@ -212,38 +234,41 @@ def _hands(found: Stability) -> Iterator[Block]:
     yield doc.Section("Does it shake?", (shown, *w.noted(notes)))
 
 
-def _only_near(found: Stability, x: Held) -> bool:
+def _only_near(found: Stability, held: Held) -> bool:
     """Whether a chain of poles that comes to the axis is known to stay on its left."""
-    p = found.every_passive_hand.passivity
+    passivity = found.every_passive_hand.passivity
     return bool(
-        x.roots is not None and x.roots.chain is RootChain.NEAR and p and p.has_passive_parts
+        held.roots is not None
+        and held.roots.chain is RootChain.NEAR
+        and passivity
+        and passivity.has_passive_parts
     )
 
 
-def _stable(x: Held) -> Phrase:
-    drifts = x.shakes is False and x.drifts
+def _stable(held: Held) -> Phrase:
+    """Return the verdict on one hand in a word."""
+    drifts = held.shakes is False and held.drifts
     return (
         Strong("undecided")
-        if x.stable is None
+        if held.stable is None
         else "yes"
-        if x.stable
+        if held.stable
         else "drifts"
         if drifts
         else Strong("no")
     )
 
 
-def _count(x: Held) -> str:
+def _count(held: Held) -> str:
     """How many poles are unstable, where that is known."""
-    if (
-        x.roots is None or x.roots.chain is RootChain.NEAR
-    ):  # of a chain that only comes near, none need lie there
-        return "" if x.roots is None else "a chain near the axis"
-    return "infinite" if x.unstable is None else str(x.unstable)
+    # Of a chain of poles that only comes near to the axis none need lie on its right.
+    if held.roots is None or held.roots.chain is RootChain.NEAR:
+        return "" if held.roots is None else "a chain near the axis"
+    return "infinite" if held.unstable is None else str(held.unstable)
 
 
 def _box(hand: Hand, box: HandsOfBox) -> Phrase:
-    """In which hands of given ranges it is stable."""
+    """Return in how many hands of given ranges the display is stable: all, some, or none."""
     within = [(p.key, *map(ExactNumber, p.interval)) for p in hand.parameters if p.interval]
     ranges = listed(
         (named(str(key)), " from ", w.near(low), " to ", w.near(high)) for key, low, high in within
@@ -259,13 +284,14 @@ def _box(hand: Hand, box: HandsOfBox) -> Phrase:
 
 
 def _limits(found: Stability) -> Iterator[Block]:
-    """What is stable of each parameter, one varied at a time, the nearest first; those that change
-    nothing in a line."""
+    """Yield the stable values of each parameter, one varied at a time, the nearest limit first;
+    those without a limit in a line."""
     lines: list[tuple[str, Knob, ValueSet]] = []
     notes: list[Phrase] = []
     for x, sets in zip(found.held, found.critical, strict=True):
         rows = [(found.scene.knobs[path], values) for path, values in sets.items()]
         shown = sorted(((knob, y) for knob, y in rows if y.ends), key=lambda row: _reach(*row))
+        # The name of the hand stands in the first of its rows alone.
         lines += [("" if i else x.hand.name, *row) for i, row in enumerate(shown)]
         notes += _notes(x, rows)
     holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
@@ -293,8 +319,10 @@ def _limits(found: Stability) -> Iterator[Block]:
 
 
 def _notes(x: Held, rows: Sequence[tuple[Knob, ValueSet]]) -> Iterator[Phrase]:
-    """Of a hand: which parameters change nothing, how far was searched, and what stayed open."""
+    """Yield, of one hand, which parameters change nothing, how far was searched, and what stayed
+    undecided."""
     looked = [(knob, looked_at(knob, values), values) for knob, values in rows]
+    # Proven to change nothing: no limit, and nothing open on either side of the present value.
     none = [
         (knob, ends)
         for knob, ends, values in looked
@@ -318,6 +346,8 @@ def _notes(x: Held, rows: Sequence[tuple[Knob, ValueSet]]) -> Iterator[Phrase]:
 
 def _least(knob: Knob, values: ValueSet) -> str:
     """Whether what is stable may go on beyond what is known of it."""
+    # A stable interval that ends where the unknown begins may in truth go on: only a part of it is
+    # proven.
     open_ = [
         y for side in (-1, 1) if (y := values.unknown(ExactNumber(knob.value), side)) is not None
     ]
@@ -331,15 +361,16 @@ def _name(knob: Knob) -> Phrase:
 
 
 def _name_and_unit(knob: Knob) -> Phrase:
+    """Return a parameter with its unit in brackets."""
     shown = knob.shown_unit(knob.motion).text
     return _name(knob), f" ({shown})" if shown else ""
 
 
-def _kept(x: Held) -> str:
-    """What holds where no value changes anything."""
-    if x.shakes is False and x.drifts:
+def _kept(held: Held) -> str:
+    """Return the words for parameters no value of which changes the verdict."""
+    if held.shakes is False and held.drifts:
         return "does not shake for any value searched of "
-    return f"{'stable' if x.stable else 'unstable'} for all values searched of "
+    return f"{'stable' if held.stable else 'unstable'} for all values searched of "
 
 
 def _reach(knob: Knob, values: ValueSet) -> float:
@@ -359,6 +390,7 @@ def _searched(
 
 
 def _place(x: SingleValue) -> Phrase:
+    """Return where on the axis a pole is at a limit; from infinity for one of a chain."""
     omega = x.bindings[0].omega
     return "from infinity" if omega is None else w.cell(omega)
 
@@ -367,8 +399,12 @@ def _place(x: SingleValue) -> Phrase:
 
 
 def _margins(found: Stability) -> Iterator[Block]:
-    """By how much the rendered force may change in each hand."""
-    rows = [(x.hand.name, own) for x, own in zip(found.held, found.margins, strict=True) if own]
+    """Yield by how much the rendered force may change in each hand."""
+    rows = [
+        (x.hand.name, margins)
+        for x, margins in zip(found.held, found.margins, strict=True)
+        if margins
+    ]
     if not rows:
         return
 
@@ -389,6 +425,8 @@ def _margins(found: Stability) -> Iterator[Block]:
                 ),
                 w.Field("hand", lambda x: x[0]),
                 w.Field("factor", gain(doc.Real)),
+                # A logarithm in floats is correct to far more than the three digits that are
+                # printed.
                 w.Field("dB", gain(lambda x, way: doc.Real(20 * log10(float(x)), way, most=3))),
                 w.number("more delay (ms)", lambda x: _up_to(x[1].delay, Rational(1, 1000))),
                 *phase,
@@ -398,33 +436,37 @@ def _margins(found: Stability) -> Iterator[Block]:
     )
 
 
-def _factors(x: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:
-    """From which factor to which one it is stable; of a side on which that is not known as far as
-    it is."""
-    about, at_1 = x.gain.about(ExactNumber(Integer(1))), ExactNumber(Integer(1))
+def _factors(margins: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:
+    """Return from which factor to which one the loop is stable; on a side with an undecided rest,
+    as far as that is proven."""
+    about, at_1 = margins.gain.about(ExactNumber(Integer(1))), ExactNumber(Integer(1))
+    # The margins are those about the present loop, at the factor 1.
     if about.verdict is Verdict.UNDECIDED or about.low is None or about.high is None:
         return Strong("undecided")
     low, high = of(about.low, Way.UP), of(about.high, Way.DOWN)
-    if any(x.gain.unknown(at_1, side) for side in (-1, 1)):
+    if any(margins.gain.unknown(at_1, side) for side in (-1, 1)):
         return "at least ", low, " to ", high
-    if x.below is None:
-        return "any" if x.above is None else ("< ", high)
-    return ("> ", low) if x.above is None else (low, " to ", high)
+    # On a side without an end every factor that was searched is stable.
+    if margins.below is None:
+        return "any" if margins.above is None else ("< ", high)
+    return ("> ", low) if margins.above is None else (low, " to ", high)
 
 
-def _up_to(x: ValueSet | None, size: Expr) -> Phrase:
-    """The delay, or the angle, up to which it is stable, or is known to be."""
+def _up_to(values: ValueSet | None, size: Expr) -> Phrase:
+    """Return the delay, or the angle, up to which the loop is proven to be stable."""
     zero = ExactNumber(Integer(0))
-    if x is None:
+    if values is None:
         return ""
-    about, end, more = x.about(zero), x.end(zero, 1), x.unknown(zero, 1)
+    about, end, unknown = values.about(zero), values.end(zero, 1), values.unknown(zero, 1)
+    # Three cases: a limit that is known, no limit in the range, or an open rest, below which what
+    # is stable is proven.
     if end is not None:
         return doc.Real(in_unit(end.value, size), Way.DOWN)
-    if more is None:
+    if unknown is None:
         return "any"
     if about.verdict is Verdict.UNDECIDED or about.is_single or about.high is None:
         return Strong("undecided")
-    beyond = "; not searched above" if more.reason == UNSEARCHED else ""
+    beyond = "; not searched above" if unknown.reason == UNSEARCHED else ""
     return "at least ", doc.Real(in_unit(about.high, size), Way.DOWN), beyond
 
 
@@ -436,13 +478,13 @@ _MARGINS = {"gain": "factor", "delay": "more delay", "phase_deg": "phase"}
 
 
 def _open_margins(rows: Sequence[tuple[str, Margins]]) -> Iterator[Phrase]:
-    """The margins that are not known, and why: those with the same reason together."""
-    left: dict[str, list[tuple[str, str]]] = {}
+    """Yield the margins that are not known, those with the same reason together."""
+    reasons: dict[str, list[tuple[str, str]]] = {}
     for hand, x in rows:
         for name, why in x.undecided:
-            left.setdefault(why, []).append((hand, _MARGINS[name]))
-    for why, found in left.items():
-        hands_, names = (listed(dict.fromkeys(x)) for x in zip(*found, strict=True))
+            reasons.setdefault(why, []).append((hand, _MARGINS[name]))
+    for why, pairs in reasons.items():
+        hands_, names = (listed(dict.fromkeys(x)) for x in zip(*pairs, strict=True))
         yield names, " in ", hands_, f": {why}"
 
 
@@ -450,9 +492,10 @@ def _open_margins(rows: Sequence[tuple[str, Margins]]) -> Iterator[Phrase]:
 
 
 def _prescribed(found: Stability) -> Phrase:
-    x = found.imposed
-    if x.stable is None:
-        why = f": {x.reason}" if x.reason else ""
+    """Return whether the display is stable under prescribed motion, by the poles of H_perc."""
+    motion = found.imposed
+    if motion.stable is None:
+        why = f": {motion.reason}" if motion.reason else ""
         return (
             Strong("undecided"),
             ", whether all poles of ",
@@ -461,27 +504,27 @@ def _prescribed(found: Stability) -> Phrase:
             _LEFT,
             f"{why}.",
         )
-    if x.stable:
+    if motion.stable:
         return (
             "stable",
             "; infinitely many poles come arbitrarily near to the imaginary axis."
-            if x.chain
+            if motion.chain
             else ".",
         )
-    if x.chain is RootChain.NEAR:
+    if motion.chain is RootChain.NEAR:
         return Strong("unstable"), ": ", w.H_PERC, " has poles on the imaginary axis."
-    if x.chain:
-        return Strong("unstable"), ": of the poles of ", w.H_PERC, f", {_CHAINS[x.chain]}."
+    if motion.chain:
+        return Strong("unstable"), ": of the poles of ", w.H_PERC, f", {_CHAINS[motion.chain]}."
     count = (
         "at least one pole"
-        if x.unstable is None
-        else f"{x.unstable} pole{'' if x.unstable == 1 else 's'}"
+        if motion.unstable is None
+        else f"{motion.unstable} pole{'' if motion.unstable == 1 else 's'}"
     )
     return Strong("unstable"), f": {count} of ", w.H_PERC, " in ", _RIGHT, "."
 
 
 def _passivity(found: Stability) -> Iterator[Phrase]:
-    """Where the display is active, and what compensates it."""
+    """Yield where the display is active, and what compensates it."""
     x = found.every_passive_hand
     p, sampled = x.passivity, x.sampled
     if p is not None and p.active:
@@ -497,27 +540,31 @@ def _passivity(found: Stability) -> Iterator[Phrase]:
     if p.is_unbounded:
         yield w.endless()
     elif p.is_active and p.damping:
+        # Damping of the hand adds b omega to Im H_perc, and moves no pole of H_perc.
         if p.poles_allow:
             yield w.enough_damping(w.at_most(p.damping.value), found.scene)
     elif p.is_active and p.beyond is not Beyond.CLOCK:
         yield w.undecided(("how large −", _IM, "/", w.OMEGA, " becomes"))
 
 
-def _sampled(x: SampledPassivity, scene: Scene) -> Iterator[Phrase]:
-    if x.pushes:
-        value = w.at_least(ExactNumber(x.at_rest)), f" {w.stiffness_unit(scene)}"
+def _sampled(condition: SampledPassivity, scene: Scene) -> Iterator[Phrase]:
+    """Yield which damping of the hand compensates a sampled display that is not passive."""
+    if condition.pushes:
+        value = w.at_least(ExactNumber(condition.at_rest)), f" {w.stiffness_unit(scene)}"
         yield (
             "The stiffness of the display at rest is negative (",
             *value,
             "): no damping compensates it.",
         )
-    elif x.passive is False and x.hand_needed is not None:
-        yield w.enough_damping(w.at_most(x.hand_needed), scene)
+    elif condition.passive is False and condition.hand_needed is not None:
+        yield w.enough_damping(w.at_most(condition.hand_needed), scene)
 
 
 def _bands(p: Passivity) -> Phrase:
+    """Return the active intervals in words, and how they go on at high frequency."""
     shown = [w.span(x) for x in p.active[:_MOST]]
     if p.beyond is Beyond.ALWAYS and len(p.active) <= _MOST:
+        # The last one goes on for ever; its upper end is only that of the search.
         shown[-1] = ("above ", w.both(p.active[-1].low.omega))
     more = [f"{len(p.active) - _MOST} more intervals"] if len(p.active) > _MOST else []
     again = (
@@ -529,6 +576,7 @@ def _bands(p: Passivity) -> Phrase:
 
 
 def _proven(found: Stability) -> Iterator[Phrase]:
+    """Yield what is proven on this page, and for which model of the loop."""
     parts = ["pole counts", *(["limits"] if any(found.critical) else []), "passivity"]
     what = f"{', '.join(parts[:-1])} and {parts[-1]}"
     matrices = (x for effect in found.scene.effects for x in effect.dynamics)

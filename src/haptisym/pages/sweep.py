@@ -28,12 +28,13 @@ _MOST_DRAWN = 2  # parameters that one chart shows
 
 
 def page(found: Swept) -> Document:
-    """The whole page."""
+    """Return the whole page of a sweep."""
     told = found.to_dict()
     shown = (
         "Bandwidth and first crossings over the parameter, or the bandwidth over both; see the "
         "legend."
     )
+    # A parameter with one value has no axis.
     is_drawn = len(told["vary"]) <= _MOST_DRAWN and all(x["values"] > 1 for x in told["vary"])
     figure = (Figure("sweep", shown, found.figure),) if is_drawn else ()
     spans = [
@@ -57,6 +58,7 @@ def page(found: Swept) -> Document:
 
 
 def _varied(found: Swept, told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+    """Yield what was varied, from where to where, and the band."""
     for x in told["vary"]:
         knob = found.scene.knobs[x["path"]]
         low, high = (w.value_of(knob, end, Way.NEAREST) for end in (x["low"], x["high"]))
@@ -65,6 +67,7 @@ def _varied(found: Swept, told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase
 
 
 def _frequency(span: list[float] | None) -> Phrase:
+    """Return from where to where a frequency goes over all sets."""
     if span is None:
         return "none"
     low, high = _ends(span)
@@ -72,12 +75,15 @@ def _frequency(span: list[float] | None) -> Phrase:
 
 
 def _ends(span: list[float]) -> tuple[Frequency, Frequency]:
-    """Of all sets the least and the largest: outward, or one and the same to the nearest."""
-    low, high = (Way.DOWN, Way.UP) if span[0] != span[1] else (Way.NEAREST, Way.NEAREST)
-    return w.cell(span[0], low), w.cell(span[1], high)
+    """Return the least and the largest of all sets, rounded outwards; one and the same to the
+    nearest."""
+    down, up = (Way.DOWN, Way.UP) if span[0] != span[1] else (Way.NEAREST, Way.NEAREST)
+    return w.cell(span[0], down), w.cell(span[1], up)
 
 
 def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+    """Yield which part of the band is transparent, and in how many sets there are how many
+    crossings."""
     clear = told["ranges"]["transparent"]
     share: Phrase = (
         (w.at_least(100 * clear[0]), " to ", w.at_most(100 * clear[1]), "\xa0%")
@@ -91,6 +97,7 @@ def _counts(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
 
 
 def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
+    """Yield in how many sets the display is stable in each hand."""
     for x in told.get("held", ()):
         yield f"stable in {x['hand']}", f"{x['stable']:,} of {told['sets']:,} sets"
         if x["stable"] == told["sets"]:
@@ -103,10 +110,12 @@ def _held(told: Mapping[str, Any]) -> Iterator[tuple[str, Phrase]]:
 
 
 def _in_sets(what: object, sets: int) -> str:
+    """Return in how many sets something is so."""
     return f"{what} in {sets:,} set{'s' * (sets != 1)}"
 
 
 def _how_sure(found: Swept, told: Mapping[str, Any]) -> Iterator[Phrase]:
+    """Yield what is proven of the sets, and which are undecided."""
     if there := told["certified_in_floats"] + told["exact"]:
         sets = f"for {there:,} sets of floats"
         yield w.proof(found.scene, f"all counts, and all frequencies to a relative 1e-10, {sets}")

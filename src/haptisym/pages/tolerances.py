@@ -1,5 +1,9 @@
-"""The page of tolerances: what holds for all values in the ranges, where crossings lie, and apart
-from that what is estimated."""
+"""The page of tolerances: what holds for all values in the ranges, where crossings lie, and, apart
+from that, what is estimated.
+
+Verdicts, enclosures and counts are proven for every value of every range at once. Quantiles are of
+random sets of values, and estimates. Begin with ``page``.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +26,7 @@ from haptisym.writing.layout import named
 
 
 def page(a: Tolerances) -> Document:
-    """The whole page."""
+    """Return the whole page of tolerances."""
     scene = a.box.scene
     asides = filter(None, [scene.estimated, scene.untied_note(scene.ranges())])
     blocks = (
@@ -41,8 +45,9 @@ def page(a: Tolerances) -> Document:
 
 
 def _answer(a: Tolerances) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the bandwidth, the verdict on the band, and that on each hand, for all values."""
     yield "Bandwidth", _bandwidth(a)
-    yield "BandVerdict", _verdict(a)
+    yield "Verdict", _verdict(a)
     if not a.held:
         yield "Stability", "not tested: add --hand NAME"
     for x in a.held:
@@ -53,6 +58,7 @@ def _answer(a: Tolerances) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _bandwidth(a: Tolerances) -> Phrase:
+    """Return the bandwidths of all values in the ranges, or that no common one is proven."""
     if a.bandwidth is None:
         return (
             "none common to all values is proven: for some the display may be noticed at the low "
@@ -63,11 +69,14 @@ def _bandwidth(a: Tolerances) -> Phrase:
     if low == high:
         return w.both(low), " for all values in the ranges"
     shown: Phrase = (" (nominal ", w.cell(nominal), ")") if nominal is not None else ""
+    # Outwards: the range holds the bandwidths of all values.
     ends = w.cell(low, Way.DOWN), w.cell(high, Way.UP), FREQUENCY_UNIT
     return w.phrased("{} to {}\xa0{} for all values in the ranges{}", *ends, shown)
 
 
 def _verdict(a: Tolerances) -> Phrase:
+    """Return whether the display is transparent on the band for all values, for none, or for
+    some."""
     low, high = (w.cell(ExactNumber(x)) for x in a.box.scene.band)
     band: Phrase = (" on ", low, " to ", high, "\xa0", FREQUENCY_UNIT)
     words: dict[BandVerdict, Phrase] = {
@@ -88,10 +97,11 @@ _SHARES: dict[Share, Phrase] = {
 
 def _examples(a: Tolerances) -> Iterator[Block]:
     """Values of either kind where it depends."""
-    told: list[Phrase] = []
+    remarks: list[Phrase] = []
+    # One example of either kind shows that it depends; of a proven verdict there is only one kind.
     if a.verdict in (BandVerdict.DEPENDS, BandVerdict.UNDECIDED):
         examples = (("Transparent", a.transparent), ("Noticed", a.noticed))
-        told = [
+        remarks = [
             (f"{how}, for example, with ", _at(a, one.values), ".")
             for how, one in examples
             if one is not None
@@ -102,13 +112,14 @@ def _examples(a: Tolerances) -> Iterator[Block]:
                 (f"Stable in {x.hand.name}", x.stable),
                 (f"Unstable in {x.hand.name}", x.unstable),
             )
-            told += [
+            remarks += [
                 (f"{how}, for example, with ", _at(a, found), ".") for how, found in pairs if found
             ]
-    yield from w.noted(told)
+    yield from w.noted(remarks)
 
 
 def _at(a: Tolerances, found: Mapping[str, Expr]) -> Phrase:
+    """Return values of parameters as in a sentence."""
     knobs = a.box.scene.knobs
     rows = ((knobs[name], x) for name, x in found.items())
     return listed(
@@ -125,6 +136,7 @@ _LINE = " Line: the boundary for the nominal values, computed."
 
 
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
+    """Yield the plane of hands where a hand was asked about."""
     if a.held:
         yield w.drawing(
             "hands",
@@ -139,9 +151,12 @@ def _hands_figure(a: Tolerances) -> Iterator[Block]:
 
 
 def _enclosures(a: Tolerances) -> Block:
+    """Return the section of where crossings lie; a sentence where there are none for any values."""
     region = joint(a.criteria)
     if not a.enclosures:
         return doc.Paragraph(f"{nothing_meets(region)} on the band, for any values in the ranges.")
+    # An end is attained if the crossing is there for some corner of the ranges; any other is a
+    # bound.
     attained = any(x.at_low is not None or x.at_high is not None for x in a.enclosures)
     said = (
         f"* {'attained at a corner of the ranges' if a.box.sides else 'a crossing'}; any other "
@@ -150,7 +165,7 @@ def _enclosures(a: Tolerances) -> Block:
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
     figure = w.drawing("enclosures", shown, "files:draw_figure", a, "enclosures")
-    found = w.table(
+    rows = w.table(
         a.enclosures,
         "Where crossings lie, proven.",
         w.Field(
@@ -168,20 +183,21 @@ def _enclosures(a: Tolerances) -> Block:
         w.Field("increases with", lambda x: _moving(x, 1)),
         w.Field("decreases with", lambda x: _moving(x, -1)),
     )
+    # If the display is transparent for all values, a ratio can at most touch its threshold.
     meet, cross = ("may touch", "may touch") if a.verdict is BandVerdict.ALL else ("meets", "cross")
     of = (
         f"the distortion {meet} the border of the {region.kind}"
         if region
         else f"the ratios {cross} their thresholds"
     )
-    return doc.Section(f"Where {of}", (found, *([doc.Paragraph(said)] if attained else []), figure))
+    return doc.Section(f"Where {of}", (rows, *([doc.Paragraph(said)] if attained else []), figure))
 
 
 _COUNTS = {0: "none", 1: "exactly one", 2: "exactly two"}
 
 
 def _moving(x: Enclosure, sign: int) -> Phrase:
-    """The parameters with which a crossing moves that way: one, two, three; a stroke for none."""
+    """Return the parameters with which a crossing moves that way; a stroke for none."""
     return (
         tuple(y for name, n in x.monotonic.items() if n == sign for y in (", ", named(name)))[1:]
         or "-"
@@ -189,6 +205,7 @@ def _moving(x: Enclosure, sign: int) -> Phrase:
 
 
 def _end(x: RealNumber, at: Mapping[str, Expr] | None, way: Way) -> Phrase:
+    """Return an end of an enclosure, with a star if it is attained."""
     return doc.Frequency(x, way, alone=True), "" if at is None else "*"
 
 
@@ -196,12 +213,13 @@ def _end(x: RealNumber, at: Mapping[str, Expr] | None, way: Way) -> Phrase:
 
 
 def _ranges(a: Tolerances) -> Iterator[Phrase]:
-    """What varies, of the display and of its hands."""
+    """Yield which parameters vary, of the display and of its hands, and how far."""
     knobs = a.box.scene.knobs
     rows: list[Phrase] = [
         (
             named(x.name),
             " ",
+            # The lower end without its unit, which stands behind the upper end.
             doc.Real(ExactNumber(x.low / knobs[x.name].shown_unit(None).size), Way.DOWN),
             " to ",
             w.value_of(knobs[x.name], ExactNumber(x.high), Way.UP),
@@ -223,14 +241,16 @@ def _ranges(a: Tolerances) -> Iterator[Phrase]:
 
 
 def _of_hand(hand: Hand) -> list[tuple[Parameter, tuple[Expr, Expr]]]:
+    """Return the parameters of a hand that have ranges, with these."""
     return [(p, p.interval) for p in hand.parameters if p.interval]
 
 
 def _quantiles(a: Tolerances) -> Iterator[Block]:
-    """In full only the table; a line in brief is with what is proven."""
+    """Yield the table of quantiles over random sets of values, which are estimates."""
     if not a.samples:
         return
     q = quantiles(a.samples)
+    # Where both have the same quantiles, as every first crossing is a bandwidth, one row is enough.
     rows = [("first crossing", q.first), ("bandwidth", q.bandwidth)][q.first == q.bandwidth :]
     levels = (
         w.number(f"{p}\xa0%", lambda x, p=p: "none" if x[1][p] is None else w.cell(x[1][p]))  # type: ignore[misc]
@@ -247,6 +267,7 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
 
 
 def _proven(a: Tolerances) -> Iterator[Phrase]:
+    """Yield what is proven for all values, and what is undecided."""
     fit = w.region_of_fit(a.box.scene)
     parts = [
         *(["verdict"] if a.verdict is not BandVerdict.UNDECIDED else []),
@@ -255,6 +276,7 @@ def _proven(a: Tolerances) -> Iterator[Phrase]:
         *(["stability"] if any(x.share for x in a.held) else []),
     ]
     what = listed(parts)
+    # The ranges of a fitted scene are estimated themselves: proven is only what follows from them.
     if fit:
         yield (
             "Proven for the fitted model: ",

@@ -1,5 +1,10 @@
 """The words of all pages: frequencies, bands, thresholds and the names of the ratios, as
-phrases."""
+phrases.
+
+A phrase is a text, a box, a number, or a tuple of these; the kind of output decides how each is
+set. Numbers keep their rounding with them: to the nearest for places, down for lower bounds, up for
+upper ones, into a set for its ends. Begin with ``page_about``, of which most pages are made.
+"""
 
 from __future__ import annotations
 
@@ -76,19 +81,22 @@ def page_about(
     ``further`` : commands that lead on; one of the options that print formulas is left out where
     they are printed.
     """
-    found = tuple(answer)
+    lines = tuple(answer)
     notes = [doc.coded(x) for x in (scene.asides() if asides is None else asides)]
-    end: list[Phrase] = [("Model: ", x) for x in model_words(scene)]
-    end += [f"Source: {scene.source}"] if scene.source else []
-    told: list[Block] = [doc.Facts(found, "findings")] if found else []
-    told += [*blocks, doc.Notes((*proof, *notes))]
+    about: list[Phrase] = [("Model: ", x) for x in model_words(scene)]
+    about += [f"Source: {scene.source}"] if scene.source else []
+    content: list[Block] = [doc.Facts(lines, "findings")] if lines else []
+    content += [*blocks, doc.Notes((*proof, *notes))]
 
     def last(commands: Iterable[str]) -> list[Block]:
+        # Each command with a semicolon before it; the first semicolon is cut off.
         steps = tuple(y for x in commands for y in ("; ", doc.Code(x)))[1:]
-        return [doc.Notes((*end, ("Next: ", *steps)) if steps else tuple(end))]
+        return [doc.Notes((*about, ("Next: ", *steps)) if steps else tuple(about))]
 
+    # Two versions of the last line: where formulas are printed already, the option that prints them
+    # is no next step.
     used = doc.Formulas(lambda: last(x for x in further if not x.startswith("--")), last(further))
-    blocks = (*told, doc.Versions((used,), lambda: last(())))
+    blocks = (*content, doc.Versions((used,), lambda: last(())))
     return Document(scene.title or "Untitled scene", (), blocks, kind, scene.frequency)
 
 
@@ -105,6 +113,8 @@ def in_numbers(
     if written and len(text(written)) <= _MOST_LETTERS:
         return written, unit
     reduced = function.reduced()
+    # The closed form is too long, or no rounding of its numbers is true on the band: its length is
+    # said instead.
     above, below = (
         _terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator)
     )
@@ -112,6 +122,7 @@ def in_numbers(
 
 
 def _terms(coefficients: Iterable[Expr]) -> int:
+    """Return the number of terms of a polynomial whose coefficients are sums, multiplied out."""
     return sum(len(Add.make_args(c.expand())) for c in coefficients if c != 0)
 
 
@@ -125,6 +136,8 @@ def phrased(words: str, *given: Phrase) -> Phrase:
     'from '
     """
     first, *others = words.split("{}")
+    # strict: a placeholder without a phrase, or the reverse, is an error of the page, not of the
+    # scene.
     return (first, *(x for pair in zip(given, others, strict=True) for x in pair))
 
 
@@ -143,7 +156,7 @@ class Field:
 
 
 def number(heading: Phrase, cell: Cell) -> Field:
-    """A column of numbers."""
+    """Return a column of numbers, which is set to the right."""
     return Field(heading, cell, number=True)
 
 
@@ -175,6 +188,7 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
     elif isinstance(scene, Scene):
         environment = scene.environment
         H = environment.H
+        # First the digits of a page, then more, until the rounded H_env is true on the band.
         shown_ = faithful(
             lambda n: approximate(H, n) if n else H, scene.band, (doc.DIGITS, *DIGITS)
         )
@@ -188,17 +202,21 @@ def model_words(scene: Scene | SceneFamily | MeasuredScene) -> Iterator[Phrase]:
 
 
 def _effects(scene: Scene) -> str:
+    """Return the effects of a scene in a line, each with its model."""
     named_ = (x.name if x.name == x.model else f"{x.name} ({x.model})" for x in scene.effects)
     return ", ".join(named_) or "no effects"
 
 
 def region_of_fit(scene: Scene | SceneFamily) -> str:
-    """What the ranges of a scene are that was fitted; empty for one that was not."""
+    """Return what the ranges of a fitted scene are; empty for one that was not fitted."""
     return "" if scene.level is None else f"{float(100 * scene.level):g} % region of the fit"
 
 
 def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
-    """What is proven, as the last line of a page; of a fitted scene for the fitted model alone."""
+    """Return what is proven, as the last line of a page; for a fitted scene of the fitted model
+    alone."""
+    # The weakest premise decides: what is proven for a fitted model is no more certain than the
+    # fit.
     region = region_of_fit(scene)
     if region:
         fitted = f". The model is estimated; for all values in the {region}: "
@@ -207,7 +225,7 @@ def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
 
 
 def undecided(what: Phrase) -> Phrase:
-    """What was examined and not settled."""
+    """Return a line for what was examined and not settled."""
     return Strong("Undecided"), ": ", what, "."
 
 
@@ -244,9 +262,13 @@ def both(x: Printable, way: Way = Way.NEAREST) -> doc.Frequency:
 def apart(values: Sequence[RealNumber]) -> list[doc.Frequency]:
     """Frequencies in order, without their unit: those that would look the same with more digits."""
     need = [1] * len(values)
+    # Digits are added to both neighbours until they print differently; values that are equal in 50
+    # digits stay as they are.
     for i, (low, high) in enumerate(pairwise(values)):
-        count = next((n for n in _DIGITS if reals.short(low, n) != reals.short(high, n)), 1)
-        need[i], need[i + 1] = max(need[i], count), max(need[i + 1], count)
+        enough = (n for n in _DIGITS if reals.short(low, n) != reals.short(high, n))
+        count = next(enough, 1)
+        need[i] = max(need[i], count)
+        need[i + 1] = max(need[i + 1], count)
     return [doc.Frequency(x, Way.NEAREST, n, alone=True) for x, n in zip(values, need, strict=True)]
 
 
@@ -304,19 +326,21 @@ def values_of(found: ValueSet, knob: Knob, name: Phrase = "", *, in_table: bool 
 def values_in(
     x: Piece, found: ValueSet, knob: Knob, name: Phrase, *, in_table: bool = False
 ) -> Phrase:
-    """The same of one of its pieces. A single value is alone where those beside it are known to be
-    otherwise."""
+    """Return one interval of the values that hold, as in a sentence. A single value is ``alone``
+    where those beside it are known not to hold."""
     shown = bare if in_table else lambda x: x
     if x.low is None and x.high is None:
         return "every value of ", name
     if x.low is not None and x.is_single:
         alone = " alone" if found.is_alone(x) else ""
         return name, " = ", shown(value_of(knob, x.low, Way.NEAREST)), alone
+    # Ends are rounded into the set: what is printed is never a value that does not hold.
     least = None if x.low is None else value_of(knob, x.low, Way.UP)
     most = "" if x.high is None else shown(value_of(knob, x.high, Way.DOWN))
     signs = [" ≤ " if closed else " < " for closed in x.closed]
     if least is not None and x.high is None:
         return name, " ≥ " if x.closed[0] else " > ", shown(least)
+    # Between two ends the unit is printed once, behind the upper one.
     return (bare(least), signs[0]) if least is not None else (), name, signs[1], most
 
 
@@ -324,7 +348,7 @@ _SYMBOLS = {"|G - 1|": Absolute(Sum(((1, named("G")), (-1, Numeral("1")))))}
 
 
 def symbol(text: str) -> Phrase:
-    """What a criterion judges, or its threshold, by its symbol."""
+    """Return the symbol of what a criterion judges, or of its threshold."""
     return named(text) if text.isidentifier() else _SYMBOLS.get(text, text)
 
 
@@ -340,9 +364,11 @@ def percent(c: Expr) -> str:
 
 
 def limits(c: Threshold) -> Phrase:
-    """The threshold of both parts, or of each where they differ; the region, where it is none of
-    that."""
+    """Return the threshold of both parts, or of each where they differ; the region in words where
+    both parts are judged at once."""
     if c.conversion:
+        # The threshold as it is used, without the conversion, then what the conversion made of the
+        # published one.
         f, (p, q) = c.conversion, (percent(x) for x in (c.conversion.start, c.conversion.end))
         own = limits(replace(c, conversion=None))
         return (
@@ -371,6 +397,8 @@ def region(c: Threshold) -> Phrase:
     if own.corners:
         corners = listed(("(", amount(x), ", ", amount(y), ")") for x, y in own.corners)
         return "a polygon with the corners ", corners, *of
+    # Four half widths where shrinking and growing parts have limits of their own; one where all are
+    # equal.
     widths: Phrase = (_width(c, Part.REAL), " (real) and ", _width(c, Part.IMAG), " (imaginary)")
     if c.real == c.imag and own.lower == (None, None):
         widths = amount(c.real)
@@ -383,6 +411,8 @@ def region(c: Threshold) -> Phrase:
 
 
 def _width(c: Threshold, part: Part) -> Phrase:
+    """Return the threshold of one part; two where growing and shrinking have limits of their
+    own."""
     lower = c.lower(part)
     return (
         amount(c[part])
@@ -402,7 +432,7 @@ def compared(left: Box, relation: str) -> Box:
 
 
 def unit(of: Dimension, motion: MotionKind | None) -> str:
-    """A unit as it is printed: that of a translation where nothing tells the motion."""
+    """Return a unit as it is printed: that of a translation where no motion is known."""
     return unit_text(of.unit(motion or MotionKind.TRANSLATION))
 
 
@@ -412,13 +442,14 @@ def stiffness_unit(scene: Scene) -> str:
 
 
 def enough_damping(least: Phrase, scene: Scene) -> Phrase:
-    """The damping of a hand that compensates whatever a display generates."""
+    """Return the sentence on the damping of a hand that compensates all that a display
+    generates."""
     least = least, f" {unit(Dimension.DAMPING, scene.motion)}"
     return phrased("Stable in any hand with damping above {}, for any mass and stiffness.", least)
 
 
 def endless() -> Phrase:
-    """That no damping of a hand compensates what a display generates."""
+    """Return the sentence that no damping of a hand compensates what a display generates."""
     words = "No damping of a hand is enough for all masses and stiffnesses: −{}/{} is unbounded."
     return phrased(words, Prefixed(OPERATORS[Part.IMAG], H_PERC), OMEGA)
 
@@ -436,6 +467,7 @@ def caveats(found: Iterable[str]) -> tuple[doc.Notes, ...]:
 
 def is_transparent_throughout(e: Evaluation) -> bool:
     """Whether neither ratio exceeds its threshold anywhere on the band."""
+    # One transparent interval that has both ends of the band: identity of the points, no rounding.
     found = [(x.low, x.high) for x in e.transparent]
     return found == [(e.chart.points[0], e.chart.points[-1])]
 
@@ -448,9 +480,10 @@ def drawing(
 ) -> doc.Figure:
     """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is
     given; it is told ``wide``."""
-    told = {"wide": True} if wide else {}
+    # Resolved by name when the figure is drawn: pages alone never load matplotlib.
+    options = {"wide": True} if wide else {}
     return doc.Figure(
-        name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **told), wide
+        name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **options), wide
     )
 
 

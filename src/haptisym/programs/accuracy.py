@@ -1,4 +1,4 @@
-"""How good the floats of a compiled function are: a choice with a price."""
+"""The choice of how accurate the floats of a compiled function are, and of what computes them."""
 
 from __future__ import annotations
 

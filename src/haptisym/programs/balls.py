@@ -1,7 +1,9 @@
-"""A program in ball arithmetic at single points: enclosures of its results, as tight as asked for.
+"""A program in ball arithmetic at single points, and the value of a closed form at an exact
+frequency.
 
-Beside it values of closed forms there, as exact as anyone asks: limits, poles, and the last word
-where balls have none.
+``BallPoint`` gives enclosures of a program's results with any number of bits. Balls never show that
+a result is exactly 0, or infinite, or the limit of 0/0: ``PointValue`` decides these from the
+closed form in lowest terms, over the rational numbers where that is possible.
 """
 
 from __future__ import annotations
@@ -25,6 +27,7 @@ from haptisym.programs.program import Program
 
 def power(x: Ball, exponent: Ball) -> Ball:
     """x^exponent for x >= 0 and an exponent > 0; 0 at 0."""
+    # The power grows with x, so it lies between 0 and that of the upper end; log 0 is not finite.
     if x.contains(0):
         top = x.upper()
         return arb(0) if top.is_zero() else arb(0).union((top.log() * exponent).exp())
@@ -35,6 +38,7 @@ def sincm1(x: Ball) -> Ball:
     """sin(x)/x - 1 with as many digits where x is small: between -x^2/6 and 0."""
     if x.contains(0):
         return arb(0).union(-(x * x).upper() / 6)
+    # The difference is about x^2/6: it loses two bits for each bit that x is below 1.
     mantissa, exponent = abs(x).mid().man_exp()
     lost = max(0, -2 * (int(exponent) + int(mantissa).bit_length()))
     with flint.ctx.workprec(flint.ctx.prec + lost):
@@ -78,10 +82,11 @@ class BallPoint:
     def balls(self, bits: int) -> dict[str, Ball]:
         """Balls around all results, computed with that many bits."""
         with flint.ctx.workprec(bits):
-            found: Mapping[str, Ball] = self.program.run(
-                FUNCTIONS, [*map(arb, self.inputs)], _constants(self.program, bits)
+            constants = _constants(self.program, bits)
+            results: Mapping[str, Ball] = self.program.run(
+                FUNCTIONS, [*map(arb, self.inputs)], constants
             )
-            return dict(found)
+            return dict(results)
 
 
 def nearest_double(ball: Ball, bits: int) -> float | None:
@@ -95,13 +100,15 @@ def nearest_double(ball: Ball, bits: int) -> float | None:
         return None
     with flint.ctx.workprec(bits + 64):
         low, high = float(ball.lower()), float(ball.upper())
-    tie = (
-        ball.rel_accuracy_bits() > 200 and bits > 400
-    )  # two neighbours, the ball a dot half-way between them
+    # A number half-way between two doubles is never enclosed on one side of the middle. After so
+    # many bits both neighbours are within half a unit, and a bit, of it.
+    tie = ball.rel_accuracy_bits() > 200 and bits > 400
     return low if low == high or tie else None
 
 
-_LIMIT_BITS, _TERMS = 1024, 32  # a coefficient at 0 that so many bits do not tell from 0 is 0
+# Of the series at omega = 0: their precision and length. A coefficient that so many bits do not
+# distinguish from 0 is taken for 0.
+_LIMIT_BITS, _TERMS = 1024, 32
 
 
 @dataclass(frozen=True, repr=False)
@@ -109,8 +116,8 @@ class PointValue(RealNumber):
     """The value of a real function, in lowest terms and with no symbol left, at an exact frequency;
     or its square root.
 
-    ``special`` says it where it is 0, infinite or not a number. At omega = 0 it is the limit from
-    above.
+    ``special`` is the value where that is 0, infinite or not a number. At omega = 0 the value is
+    the limit from above.
 
     >>> from haptisym.kernel.dynamics import Ring
     >>> f = RealFunction(Ring().axis.convert(omega / (omega**2 + 1)))
@@ -128,6 +135,7 @@ class PointValue(RealNumber):
             return value.nonnegative_part().sqrt() if self.rooted else value
 
     def _ball(self) -> Ball:
+        # At omega = 0 the function itself may be 0/0; the quotient is then that of the limit.
         above, below = self._quotient
         if isinstance(above, fmpq):
             return arb(above / below)
@@ -148,8 +156,8 @@ class PointValue(RealNumber):
 
     @property
     def special(self) -> float | None:
-        """The value where it is none that balls of small relative radius enclose; otherwise
-        None."""
+        """The value as a float if it is 0, infinite or not a number, which no ball of small
+        relative radius can enclose; otherwise None."""
         above, below = self._quotient
         if above is None:
             return self._pole
@@ -164,9 +172,9 @@ class PointValue(RealNumber):
         """The infinite value where the denominator, with pi or other functions in it, is exactly 0
         and the numerator is not."""
         f = self.function.function
-        if not _vanishes(f.ring, f.denominator, self.frequency) or _vanishes(
-            f.ring, f.numerator, self.frequency
-        ):
+        if not _vanishes(f.ring, f.denominator, self.frequency):
+            return None
+        if _vanishes(f.ring, f.numerator, self.frequency):
             return None
         if self.rooted:
             return inf
@@ -179,6 +187,7 @@ class PointValue(RealNumber):
         f = self.function.function
         if f.is_zero:
             return fmpq(0), fmpq(1)
+        # Without pi, delays and fractional powers the value at a double is a rational number.
         rows = [f.ring.univariate(p) for p in (f.numerator, f.denominator)]
         if rows[0] is not None and rows[1] is not None:
             return fmpq_poly(rows[0])(self.frequency), fmpq_poly(rows[1])(self.frequency)
@@ -186,6 +195,8 @@ class PointValue(RealNumber):
 
     def _limit(self) -> tuple[Any, Any]:
         """The limit at 0 from above, from the leading terms of numerator and denominator."""
+        # Of a function c omega^n/(d omega^m) to first order the limit is c/d for n = m, 0 for n >
+        # m, and infinite otherwise, with the sign of c/d: as 1/0 or -1/0.
         f = self.function.half_angled
         with flint.ctx.workprec(_LIMIT_BITS):
             (n, above), (m, below) = (_leading(f.ring, p) for p in (f.numerator, f.denominator))
@@ -197,29 +208,32 @@ class PointValue(RealNumber):
 def _vanishes(ring: PolynomialRing, polynomial: Polynomial, frequency: fmpq) -> bool:
     """Whether a polynomial of a ring of real functions is 0 at a frequency whatever the functions
     beside omega are there."""
-    at, rest = ring.meanings.index(omega), dict[tuple[int, ...], fmpq]()
+    # As a polynomial in the other generators it must have no coefficient but 0 at that frequency:
+    # exact, and enough, though not necessary if the generators depend on each other.
+    place = ring.meanings.index(omega)
+    coefficients: dict[tuple[int, ...], fmpq] = {}
     for exponents, coefficient in polynomial.to_dict().items():
         powers = [int(n) for n in exponents]
-        beside = (*powers[:at], *powers[at + 1 :])
-        rest[beside] = rest.get(beside, fmpq(0)) + coefficient * frequency ** powers[at]
-    return not any(rest.values())
+        power_of_omega = powers.pop(place)
+        others, value = tuple(powers), coefficient * frequency**power_of_omega
+        coefficients[others] = coefficients.get(others, fmpq(0)) + value
+    return not any(coefficients.values())
 
 
 def _leading(ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Ball]:
     """The lowest power of omega in a polynomial of a ring of real functions, and its
     coefficient."""
-    found: dict[Rational, Ball] = {}
+    coefficients: dict[Rational, Ball] = {}
     for shift, series in _series(ring, polynomial):
         for n, coefficient in enumerate(series):
-            found[shift + n] = found.get(shift + n, arb(0)) + coefficient
-    return min(
-        ((power, value) for power, value in found.items() if not value.contains(0)),
-        default=(Rational(0), arb(0)),
-    )
+            coefficients[shift + n] = coefficients.get(shift + n, arb(0)) + coefficient
+    nonzero = ((power, x) for power, x in coefficients.items() if not x.contains(0))
+    return min(nonzero, default=(Rational(0), arb(0)))
 
 
 def _series(ring: PolynomialRing, polynomial: Polynomial) -> Iterator[tuple[Rational, list[Ball]]]:
-    """Its terms, each as a fractional power of omega and a power series of the rest."""
+    """The terms of a polynomial, each as a fractional power of omega and a power series of the
+    rest."""
     values = [_power_series(x) for x in ring.meanings]
     for exponents, coefficient in polynomial.to_dict().items():
         total, shift = arb_series([arb(coefficient)], _TERMS), Rational(0)
@@ -235,18 +249,21 @@ def _power_series(meaning: Expr) -> Any:
     """A generator of such a ring as a power series in omega; None for a fractional power."""
     if meaning == omega:
         return arb_series([0, 1], _TERMS)
+    # A symbol that a ring brings along, such as that of the threshold, occurs in no polynomial
+    # here.
     if isinstance(meaning, Symbol):
-        return arb_series(
-            [0], _TERMS
-        )  # a symbol that a ring brings along, such as that of the threshold: it occurs nowhere
+        return arb_series([0], _TERMS)
     if not meaning.has(omega):
         return arb_series([expression_ball(meaning)], _TERMS)
     if isinstance(meaning, Pow):
         return None
+    # A cosine or sin(x)/x of x = rate omega: neighbouring terms of cos x differ by the factor
+    # -x^2/((n + 1)(n + 2)), those of sin(x)/x by -x^2/((n + 2)(n + 3)).
     scale, wave = meaning.as_independent(omega, as_Add=False)
     rate = expression_ball(wave.args[0] / omega)
+    first = 1 if isinstance(wave, cos) else 2
     row, term = [arb(0)] * _TERMS, expression_ball(scale)
     for n in range(0, _TERMS, 2):
         row[n] = term
-        term = -term * rate**2 / ((n + 1) * (n + 2) if isinstance(wave, cos) else (n + 2) * (n + 3))
+        term = -term * rate**2 / ((n + first) * (n + first + 1))
     return arb_series(row, _TERMS)

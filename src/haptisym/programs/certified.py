@@ -34,14 +34,16 @@ from haptisym.programs.floats import nearest
 from haptisym.programs.program import Program
 
 BLOCK = 4096
-_SPLIT = 134217729.0  # 2^27 + 1
+_SPLIT = 134217729.0  # 2^27 + 1: splits 53 bits into halves of 26, whose products are exact
+# The error counted for a step, relative to its value; what underflow may cost; and a factor that
+# covers the rounding of the bounds themselves, and low parts left out of them.
 _STEP, _LOST, _UP = 2.0**-100, 2.0**-1060, 1 + 2.0**-40
 _BITS = 140  # of the balls that stand for sines, cosines and powers
 
 
 class Doubled(NamedTuple):
-    """hi + lo, and a bound of its distance from the true value; ``error`` is None, in all numbers
-    alike, where none is kept."""
+    """A number as hi + lo, and ``error``, a bound of its distance from the true value: None, in all
+    numbers alike, where errors are not tracked."""
 
     hi: Any
     lo: Any
@@ -114,21 +116,26 @@ def absolute(x: Doubled) -> Doubled:
 
 def mul(x: Doubled, y: Doubled) -> Doubled:
     """x y."""
+    # The product of both low parts is below 2^-106 of the whole, and is left out.
     p, e = two_product(x.hi, y.hi)
     hi, lo = fast_two_sum(p, e + (x.hi * y.lo + x.lo * y.hi))
     if x.error is None:
         return Doubled(hi, lo, None)
-    return Doubled(hi, lo, _bound(hi, np.abs(x.hi) * y.error, (np.abs(y.hi) + y.error) * x.error))
+    # |x y - x' y'| <= |x| dy + (|y| + dy) dx
+    by_y, by_x = np.abs(x.hi) * y.error, (np.abs(y.hi) + y.error) * x.error
+    return Doubled(hi, lo, _bound(hi, by_y, by_x))
 
 
 def div(x: Doubled, y: Doubled) -> Doubled:
     """x / y; its bound is infinite where y may be 0."""
+    # A float's quotient t, and one correction by its remainder (x - t y)/y.
     t = x.hi / y.hi
     p, e = two_product(t, y.hi)
     rest = ((x.hi - p) - e) + (x.lo - t * y.lo)
     hi, lo = fast_two_sum(t, rest / y.hi)
     if x.error is None:
         return Doubled(hi, lo, None)
+    # |x/y - x'/y'| <= (dx + |x/y| dy)/(|y| - dy)
     below = np.abs(y.hi) - 2 * y.error  # less than |y| less its error, whatever its low part
     moved = (x.error + _LOST + np.abs(hi) * y.error * _UP) / below
     return Doubled(hi, lo, np.where(below > 0, _bound(hi, moved, 0.0), inf))
@@ -136,19 +143,20 @@ def div(x: Doubled, y: Doubled) -> Doubled:
 
 def sqrt(x: Doubled) -> Doubled:
     """The square root of x >= 0."""
+    # A float's root s, and one step of Newton's method, (x - s^2)/(2 s).
     s = np.sqrt(x.hi)
     p, e = two_product(s, s)
     lo = np.where(s == 0, 0.0, (((x.hi - p) - e) + x.lo) / (2 * s))
     hi, lo = fast_two_sum(s, lo)
     if x.error is None:
         return Doubled(hi, lo, None)
-    return Doubled(
-        hi, lo, np.where(x.hi > 2 * (x.error + _LOST), _bound(hi, (x.error + _LOST) / hi, 0.0), inf)
-    )
+    # |sqrt(x) - sqrt(x + d)| <= |d|/sqrt(x). Where x may be 0 the slope of the root has no bound.
+    change = x.error + _LOST
+    return Doubled(hi, lo, np.where(x.hi > 2 * change, _bound(hi, change / hi, 0.0), inf))
 
 
 def _bound(value: Any, *carried: Any) -> Any:
-    """What the operands' errors carry over, and the operation's own."""
+    """A bound of the error of a result: what the errors of the operands make of it, and its own."""
     if carried[0] is None:
         return None
     return (carried[0] + carried[1] + np.abs(value) * _STEP) * _UP + _LOST
@@ -196,17 +204,18 @@ class Doubles:
     def run(self, inputs: Sequence[Any], size: int) -> dict[str, Doubled]:
         """The results for inputs that are floats or arrays of that size."""
         names = list(self.program.results)
-        found = {name: Doubled(np.empty(size), np.empty(size), np.empty(size)) for name in names}
+        results = {name: Doubled(np.empty(size), np.empty(size), np.empty(size)) for name in names}
         with np.errstate(all="ignore"):
             for start in range(0, size, BLOCK):
                 part = slice(start, start + BLOCK)
                 known = self._block([x if np.ndim(x) == 0 else x[part] for x in inputs])
                 for name in names:
-                    for whole, piece in zip(found[name], known[name], strict=True):
+                    for whole, piece in zip(results[name], known[name], strict=True):
                         whole[part] = piece if piece is not None else nan
-        return found
+        return results
 
     def _block(self, inputs: Sequence[Any]) -> dict[str, Doubled]:
+        """The results for one block; inputs are doubles, so they have no low part and no error."""
         floats = (np.asarray(x)[()] for x in inputs)  # a single number as a NumPy float
         given = [
             Doubled(x, np.zeros_like(x), np.zeros_like(x) if self.bounded else None) for x in floats
@@ -215,21 +224,20 @@ class Doubles:
         return self.program.run(by_balls | _ARITHMETIC, given, self.constants)
 
     def _by_balls(self, function: Callable[..., Ball], *arguments: Doubled) -> Doubled:
-        """A function that is no arithmetic, point by point."""
-        columns = np.broadcast_arrays(
-            *(0.0 if x is None else x for argument in arguments for x in argument)
-        )
+        """A function such as a sine or a power, evaluated in balls point by point."""
+        # Three columns, hi, lo and error, for each argument; one row for each point.
+        parts = [0.0 if x is None else x for argument in arguments for x in argument]
+        columns = np.broadcast_arrays(*parts)
         shape = columns[0].shape
+        rows = []
         with flint.ctx.workprec(_BITS):
-            rows = [
-                of_ball(function(*(_ball(row[n : n + 3]) for n in range(0, len(row), 3))))
-                for row in zip(*(x.ravel().tolist() for x in columns), strict=True)
-            ]
-        hi, lo, error = (
-            (np.array(x).reshape(shape) for x in zip(*rows, strict=True))
-            if rows
-            else (np.empty(shape),) * 3
-        )
+            for row in zip(*(x.ravel().tolist() for x in columns), strict=True):
+                balls = [_ball(row[n : n + 3]) for n in range(0, len(row), 3)]
+                rows.append(of_ball(function(*balls)))
+        if not rows:
+            hi, lo, error = (np.empty(shape),) * 3
+        else:
+            hi, lo, error = (np.array(x).reshape(shape) for x in zip(*rows, strict=True))
         return Doubled(hi, lo, error if self.bounded else None)
 
     def _of_ball(self, ball: Ball) -> Doubled:
@@ -260,13 +268,15 @@ class Certified:
     def run(self, inputs: Sequence[Any], size: int) -> tuple[dict[str, Any], int]:
         """The doubles by name, and how many points needed balls; inputs are floats or arrays of
         that size."""
-        found = self.doubles.run(inputs, size)
-        values = {name: self.constant(name, x) for name, x in found.items()}
-        open_ = {name: ~self._proven(name, x) for name, x in found.items()}
+        doubled = self.doubles.run(inputs, size)
+        values = {name: self.constant(name, x) for name, x in doubled.items()}
+        open_ = {name: ~self._proven(name, x) for name, x in doubled.items()}
         points = np.flatnonzero(np.logical_or.reduce(list(open_.values())))
+        # Balls are slow, so they see only the points and the results that are left over.
         for n in points:
-            given = tuple(float(x) if np.ndim(x) == 0 else float(x[n]) for x in inputs)
-            for name, value in self.at(given, [name for name in open_ if open_[name][n]]).items():
+            point = tuple(float(x) if np.ndim(x) == 0 else float(x[n]) for x in inputs)
+            names = [name for name in open_ if open_[name][n]]
+            for name, value in self.at(point, names).items():
                 values[name][n] = value
         return values, len(points)
 
@@ -289,6 +299,7 @@ class Certified:
         binade at a power of 2."""
         if self.program.operations[self.program.results[name]].name == "constant":
             return np.ones(x.hi.shape, dtype=bool)
+        # Comparisons with not-a-number are False: what overflowed stays open.
         size = np.abs(x.hi)
         with np.errstate(all="ignore"):
             return np.abs(x.lo) + x.error <= size - np.nextafter(size, 0)
@@ -298,25 +309,29 @@ class Certified:
         inputs that are none."""
         if not np.isfinite(inputs).all():
             return dict.fromkeys(names, float("nan"))
-        if inputs[0] < 0:  # H(-j omega) is the conjugate of H(j omega)
+        # Powers of omega are defined for omega >= 0 alone; H(-j omega) is the conjugate of H(j
+        # omega).
+        if inputs[0] < 0:
             mirrored = self.at((-inputs[0], *inputs[1:]), names)
             return {
                 name: value if name in SQUARED or name.endswith("real") else -value
                 for name, value in mirrored.items()
             }
-        point, found = BallPoint(self.program, inputs), {}
+        point, proven = BallPoint(self.program, inputs), {}
         for bits in _BITS_CERTIFIED:
-            left = [name for name in names if name not in found]
+            left = [name for name in names if name not in proven]
             if left:
                 balls = point.balls(bits)
                 rounded = {name: nearest_double(balls[name], bits) for name in left}
-                found.update({name: value for name, value in rounded.items() if value is not None})
+                proven.update({name: value for name, value in rounded.items() if value is not None})
+        # What balls do not settle, such as 0, a pole, or 0/0 in the steps, the closed form may.
         return {
-            name: found[name] if name in found else self._settled(inputs, name) for name in names
+            name: proven[name] if name in proven else self._settled(inputs, name) for name in names
         }
 
     def _settled(self, inputs: tuple[float, ...], name: str) -> float:
-        """By the closed form; not a number where that is not decided."""
+        """The double nearest to a result, from its closed form; not a number where that is
+        undecided."""
         try:
             return float(self.exact(inputs, name))
         except UndecidedError:
@@ -324,6 +339,7 @@ class Certified:
 
     def exact(self, inputs: tuple[float, ...], name: str) -> PointValue:
         """A result from its closed form in lowest terms."""
+        # Every double is a rational number, so the arguments are exact.
         frequency, *values = (x.as_integer_ratio() for x in inputs)
         known = {
             x.name: Rational(*value)
@@ -338,6 +354,7 @@ class Certified:
             raise SceneError(f"digits: omega = {inputs[0]} rad/s must be >= 0")
         if not np.isfinite(inputs).all():
             return float("nan")
+        # No ball shows that a result is exactly 0, however narrow it is: the closed form does.
         value = ProgramValue(BallPoint(self.program, inputs), name)
         ball = value.ball(_BITS_CERTIFIED[1])
         if ball.is_finite() and not ball.contains(0):

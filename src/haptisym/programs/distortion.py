@@ -1,22 +1,20 @@
-"""A distortion as a straight-line program whose floats keep their digits, and its closed forms as
-one.
+"""Straight-line programs for a distortion dH = H_perc - H_env whose floats keep their digits: one
+of the chain of effects (``stable_program``), one of its closed forms (``closed_program``).
 
 What cancels for every parameter is cancelled before there are numbers: each effect gives its
 relative distortion p + j q = G - 1 in lowest terms. Effects in a row are put together by 1 + P' + j
 Q' = (g + j Q)(1 + p + j q), with g = Re G of those so far: P' = P + g p - Q q telescopes and keeps
 its digits at low frequencies, and Q' = g q + Q (1 + p) is taken from the product, where it keeps
-them at high ones. What is felt is the product, never the sum H_env + dH.
+them at high ones. H_perc is computed as the product, never as the sum H_env + dH.
 
 The steps that a reader would name have labels: R + j X of an environment, and R_n + j X_n of what
 is felt behind effect n, N = |H_env|^2, P_n + j Q_n of an effect, G_n = 1 + P_n, S_n + j T_n of a
 shunt, Y_n + j Z_n of a factor in a two-port, U + j V of a denominator and M = U^2 + V^2, K + j L of
 what stands over it, E + j F of dH.
 
-Closed forms in lowest terms as a straight-line program: where the steps of a chain are 0/0, these
-have the limit.
-
-Where a factor is the squared modulus of a factor R + j X of the dynamics, it is computed as R^2 +
-X^2, which is never negative, and keeps its digits at a resonance.
+Closed forms in lowest terms have the limit where the steps of a chain are 0/0. A factor of them
+that is the squared modulus of a factor R + j X of the dynamics is computed as R^2 + X^2, which is
+never negative, and keeps its digits at a resonance.
 """
 
 from __future__ import annotations
@@ -41,23 +39,24 @@ from haptisym.kernel.rings import (
 from haptisym.programs.program import Program, Writer, sincm1
 
 ComplexStep: TypeAlias = tuple[int, int]
-"""Steps for real and imaginary part."""
+"""The steps that compute the real and the imaginary part of a complex number."""
 
 
 def stable_program(
     environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]], inputs: Sequence[Symbol]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
-    """What writes the program of some fields of ``numeric.Values``, some of them known to be 0, for
-    a chain of dynamics.
+    """For a chain of dynamics, a function that gives the program of some fields of
+    ``programs.values.Values``: of the names of the fields, and of those among them known to be 0.
 
     Each matrix is taken in a ring of its own: the angles of one effect are no multiples of those of
     another, and stay short.
     ``inputs`` : the parameters, after omega.
     """
+    # All fields are written once; every program takes from them the steps that it needs.
     author = Author(Writer((omega, *inputs)))
-    found, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
+    fields, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
     return lambda of, zero: author.write.program(
-        {name: nothing if name in zero else found[name] for name in of}
+        {name: nothing if name in zero else fields[name] for name in of}
     )
 
 
@@ -76,19 +75,16 @@ class Author:
         H = self.named("RX", self.sum_of_fractions(environment, "_e"))
         felt, dH = H, self.pair(0, 0)
         if rendered != environment:
+            # Subtracted as fractions: in floats a small difference of both would have no digits.
             ring = Ring.of([rendered, environment])
             more = (ring.convert(rendered) - ring.convert(environment)).reduced()
-            felt, dH = (
-                self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r"),
-                self.closed(more, "_d"),
-            )
-            dH = self.named("EF", dH, "_r")
-        parts, last = (
-            runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices]),
-            len(matrices),
-        )
+            felt = self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r")
+            dH = self.named("EF", self.closed(more, "_d"), "_r")
+        parts = runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices])
+        last = len(matrices)
         labels = [f"_{n}" for n in range(1, last + 1)] if last > 1 else [""]
         fraction, relative = None, None
+        # With series effects alone dH/H_env is G - 1, without a division by H_env.
         if rendered == environment and len(parts) == 1 and _is_series(parts[0][0]):
             if last == 1:  # the one effect's denominator stays below the line: a division less
                 above, below = self.fraction(less_one(parts[0][0][0]), "")
@@ -96,13 +92,13 @@ class Author:
                 fraction = self.named("EF", self.times(H, self.named(letters, above))), below
             relative = self.series([row[0] for row in parts[0]], labels)[1]
         for run in parts:
-            own, labels = labels[: len(run)], labels[len(run) :]
-            felt, dH = self.after(run, felt, dH, own)
+            run_labels, labels = labels[: len(run)], labels[len(run) :]
+            felt, dH = self.after(run, felt, dH, run_labels)
             if labels:
-                felt, dH = self.named("RX", felt, own[-1]), self.named("EF", dH, own[-1])
-        return self.results(
-            H, felt, fraction or (self.named("EF", dH), self.write.constant(1)), relative
-        )
+                last_label = run_labels[-1]
+                felt, dH = self.named("RX", felt, last_label), self.named("EF", dH, last_label)
+        whole = fraction or (self.named("EF", dH), self.write.constant(1))
+        return self.results(H, felt, whole, relative)
 
     def after(
         self,
@@ -111,7 +107,7 @@ class Author:
         dH: ComplexStep,
         labels: Sequence[str],
     ) -> tuple[ComplexStep, ComplexStep]:
-        """What is felt, and by how much it differs, behind some more effects."""
+        """H_perc and dH behind a further run of effects, from those in front of it."""
         if not _is_series(run[0]):
             return self.port(run[0], felt, dH, labels[0])
         gain, change = self.series([row[0] for row in run], labels)
@@ -124,21 +120,22 @@ class Author:
         fraction: tuple[ComplexStep, int],
         relative: ComplexStep | None,
     ) -> dict[str, int]:
-        """The steps of all results, with no square and no 0/0 where the environment lies on an
+        """The steps of all fields, with no square and no 0/0 where the environment lies on an
         axis."""
         w, (R, X), dH = self.write, H, self.over(*fraction)
-        if (
-            w.number(X) == 0 or w.number(R) == 0
-        ):  # H on an axis: no squares, and no 0/0 where it has a zero
-            found = relative or (
-                (self.over(dH, R)) if w.number(X) == 0 else self.over((dH[1], w.neg(dH[0])), X)
-            )
-            ratios = found if w.number(X) == 0 else (found[1], found[0])
+        is_real, is_imaginary = w.number(X) == 0, w.number(R) == 0
+        if is_real or is_imaginary:
+            # |H_env| is |R| or |X|: no squares, whose quotient would be 0/0 at a zero of H_env. Of
+            # H_env = j X the quotient (E + j F)/(j X) is (F - j E)/X.
+            if relative is None:
+                turned = dH if is_real else (dH[1], w.neg(dH[0]))
+                relative = self.over(turned, R if is_real else X)
+            ratios = relative if is_real else (relative[1], relative[0])
             real, imag = (w.abs(x) for x in ratios)
             squared = tuple(w.mul(x, x) for x in ratios)
         else:
             N = w.label(self.square(H), "N")
-            found = relative or self.over(self.times(dH, (R, w.neg(X))), N)
+            relative = relative or self.over(self.times(dH, (R, w.neg(X))), N)
             above, below = fraction
             scale = w.div(w.constant(1), w.mul(below, w.sqrt(N)))
             real, imag = (w.mul(w.abs(x), scale) for x in above)
@@ -147,7 +144,7 @@ class Author:
             "": dH,
             "ratio_": (real, imag),
             "squared_": squared,
-            "relative_": found,
+            "relative_": relative,
             "environment_": H,
             "perceived_": felt,
         }
@@ -158,8 +155,9 @@ class Author:
         }
 
     def sum_of_fractions(self, H: Expr, label: str) -> ComplexStep:
-        """The polynomial of a dynamics and each of its fractions for itself, as they are written in
-        the model."""
+        """The steps of a dynamics: its polynomial, and each of its fractions for itself, as they
+        are written in the model."""
+        # Over one denominator a small term would be added to products of large ones.
         ring = Ring.of([H])
         terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
         whole, total = ring.zero, self.pair(0, 0)
@@ -178,13 +176,13 @@ class Author:
     ) -> tuple[ComplexStep, ComplexStep]:
         """G and G - 1 of effects in a row."""
         G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
+        write = self.write
         for gain, label in zip(gains, labels, strict=True):
             p, q = self.named("PQ", self.closed(less_one(gain), label), label)
-            own = self.named("GQ", self.closed(gain, label), label)
-            telescoped = self.write.sub(
-                self.write.add(P, self.write.mul(G[0], p)), self.write.mul(Q, q)
-            )
-            G = self.times(G, own)
+            factor = self.named("GQ", self.closed(gain, label), label)
+            # P' = P + g p - Q q, as in the docstring of the module: small terms alone are added.
+            telescoped = write.sub(write.add(P, write.mul(G[0], p)), write.mul(Q, q))
+            G = self.times(G, factor)
             P, Q = self.named("PQ", (telescoped, G[1]), f"{labels[0]}{label}")
             self.write.label(G[0], f"G{labels[0]}{label}")
         return G, (P, Q)
@@ -194,17 +192,16 @@ class Author:
     ) -> tuple[ComplexStep, ComplexStep]:
         """(A H + B)/(C H + D), and what it adds, ((A - D) H + B - C H^2)/(C H + D)."""
         A, B, C, D = map(matrix[0].ring.function, cleared(matrix))
-        if C.is_zero:  # beside the environment
-            before = (
-                (B / A).reduced() if not A.is_zero else B
-            )  # what a sampled loop adds is short before its gain
+        if C.is_zero:
+            # An impedance beside the environment, with a gain: (A H + B)/D = (A/D) (H + B/A). What
+            # a sampled loop adds is short before its gain.
+            before = (B / A).reduced() if not A.is_zero else B
             Z = self.named("ST", self.closed(before, label), label)
             gain, change = self.series([(A / D).reduced()], [label])
             felt = self.plus(felt, Z)
             return self.times(felt, gain), self.plus(dH, self.plus(self.times(felt, change), Z))
-        common = int(
-            min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D))
-        )  # then C H + D is not 0 at 0
+        # Without the power of s that all entries share C H + D is not 0 at s = 0.
+        common = int(min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D)))
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
         over = self.division(self.plus(c_H, d), label)
@@ -217,10 +214,12 @@ class Author:
         ring = ring_of(entry)
         unit, factors = ring.factors(entry.numerator, in_square=False)
         total = self.pair(unit, 0)
+        # Each factor gives up as many zeros at s = 0 as it has, until all that are asked for are
+        # gone.
         for factor in (factor for factor, n in factors for _ in range(n)):
-            own = int(min(ring.order_at_0(factor), zeros))
-            over = ring.function(factor, ring.variable**own).reduced()
-            total, zeros = self.times(total, self.factor(over)), zeros - own
+            order = int(min(ring.order_at_0(factor), zeros))
+            over = ring.function(factor, ring.variable**order).reduced()
+            total, zeros = self.times(total, self.factor(over)), zeros - order
         return total
 
     def factor(self, f: RationalFunction) -> ComplexStep:
@@ -236,14 +235,15 @@ class Author:
         return self.over(*self.fraction(f, label))
 
     def fraction(self, f: RationalFunction, label: str) -> tuple[ComplexStep, int]:
-        """The same, over the squared modulus U^2 + V^2 of its denominator, or over 1 where that is
-        no common one."""
+        """Re and Im of a dynamics as numerators over one real denominator: the squared modulus M =
+        U^2 + V^2 of its denominator U + j V, or 1 where that is not common to both."""
         axis, f, one = ring_of(f).axis, f.cleared(), self.write.constant(1)
         if f.is_zero:
             return self.pair(0, 0), one
         if self.has_functions(f):
             response = on_axis(f)
             return (self.quotient(response.real), self.quotient(response.imag)), one
+        # (p + j q)/(u + j v) = (p + j q) (u - j v)/(u^2 + v^2)
         (p, q), (u, v) = axis.parts([f.numerator, f.denominator])
         above, square = (p * u + q * v, q * u - p * v), u * u + v * v
         # Re^2 + Im^2 is |N|^2 |D|^2: a factor that one part shares with |D|^2 is one of both
@@ -257,16 +257,19 @@ class Author:
         return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
 
     def has_functions(self, f: RationalFunction) -> bool:
-        """Whether it holds more than rational functions of omega."""
+        """Whether delays or fractional powers of s occur in it, so that it is more than a rational
+        function of omega."""
         later = range(f.ring.size, len(f.ring.meanings))
         return any(degree_in([f.numerator, f.denominator], i) for i in later)
 
     def quotient(self, real: RealFunction) -> int:
-        """Numerator over denominator, a factor sinc x - 1 without cancellation."""
+        """The step of a real function, numerator over denominator; a factor sinc x - 1 without
+        cancellation."""
         hold = without_sinc_less_one(real)
         if hold is not None:
             angle, rest = hold
             return self.write.mul(self.write.expression(sincm1(angle)), self.quotient(rest))
+        # In half angles 1 - cos x is 2 sin^2(x/2), which keeps its digits where x is small.
         f = real.half_angled
         if f.denominator.is_constant():
             return self.product(f.ring, f.numerator / f.denominator.leading_coefficient())
@@ -281,12 +284,11 @@ class Author:
 
     def named(self, letters: str, pair: ComplexStep, label: str = "") -> ComplexStep:
         """The pair, labelled with the letters of its real and its imaginary part."""
-        return self.write.label(pair[0], f"{letters[0]}{label}"), self.write.label(
-            pair[1], f"{letters[1]}{label}"
-        )
+        real, imag = (f"{letter}{label}" for letter in letters)
+        return self.write.label(pair[0], real), self.write.label(pair[1], imag)
 
     def division(self, below: ComplexStep, label: str) -> Callable[[ComplexStep], ComplexStep]:
-        """What divides by a number."""
+        """A function that divides by a complex number, whose steps are written once."""
         below = self.named("UV", below, label)
         modulus = self.write.label(self.square(below), f"M{label}")
         turned = (below[0], self.write.neg(below[1]))
@@ -320,16 +322,15 @@ class Author:
 
 
 def without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
-    """An angle a and a function f, where f (sin(a)/a - 1) is the given one: what a sample-and-hold
-    brings."""
+    """An angle a and a function f, where f (sin(a)/a - 1) is the given one, as with a
+    sample-and-hold; None where the given function has no such factor."""
     axis, f = real.axis, real.function
     for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
         if angle.constant or f.is_zero:
             continue
+        # With t = tan(a/2), sin a = 2 t/(1 + t^2): sin(a) - a has this numerator.
         a = axis.convert(angle.rate * omega)
-        factor = (
-            2 * t * a.denominator - (1 + t**2) * a.numerator
-        )  # sin a = 2 t/(1 + t^2), t = tan(a/2)
+        factor = 2 * t * a.denominator - (1 + t**2) * a.numerator
         above, remainder = divmod(f.numerator, factor)
         if remainder.is_zero():
             other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
@@ -380,11 +381,11 @@ def closed_program(
     """
     author = _ClosedForms(Writer((omega, *inputs)))
     author.moduli = list(author.squares(next(iter(forms.values())).axis, dynamics))
-    found = {
+    results = {
         name: author.root(f) if name.startswith("ratio") else author.quotient(f)
         for name, f in forms.items()
     }
-    return author.write.program(found)
+    return author.write.program(results)
 
 
 @dataclass(frozen=True)
@@ -398,6 +399,8 @@ class _Modulus:
 
 
 class _ClosedForms(Author):
+    """Writes closed forms, with squared moduli of the dynamics in place of equal factors."""
+
     moduli: Sequence[_Modulus] = ()
 
     def squares(self, axis: Axis, dynamics: Iterable[Polynomial]) -> Iterator[_Modulus]:
@@ -405,9 +408,11 @@ class _ClosedForms(Author):
         for p in dynamics:
             R, X = axis.parts([p])[0]
             if not R.is_zero() and not X.is_zero():
-                halves = (
-                    axis.half_angles(axis.function(R, X)) if axis.angles else axis.function(R, X)
-                )
+                # Written as a function R/X to take both in half angles at once; a factor that both
+                # share is divided out.
+                halves = axis.function(R, X)
+                if axis.angles:
+                    halves = axis.half_angles(halves)
                 common = halves.numerator.gcd(halves.denominator)
                 parts = halves.numerator / common, halves.denominator / common
                 whole = parts[0] ** 2 + parts[1] ** 2
@@ -423,7 +428,9 @@ class _ClosedForms(Author):
         return total
 
     def root(self, square: RealFunction) -> int:
-        """The root of a real function that is nowhere negative: of each square, its magnitude."""
+        """The step of the root of a real function that is nowhere negative: of each square in it,
+        the magnitude."""
+        # In the square of a ratio such a factor comes twice.
         hold = without_sinc_less_one(square)
         twice = hold and without_sinc_less_one(hold[1])
         if twice:
@@ -437,6 +444,8 @@ class _ClosedForms(Author):
         )
 
     def root_of(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
+        """The step of the root of a polynomial, as the product of the roots of its factors."""
+        # An even power of a factor needs no root, only its magnitude.
         unit, factors = self.factors_of(ring, polynomial)
         total, write = self.write.expression(sqrt(unit)), self.write
         for step, n, positive in factors:
@@ -448,17 +457,18 @@ class _ClosedForms(Author):
     def factors_of(
         self, ring: PolynomialRing, polynomial: Polynomial
     ) -> tuple[Any, list[tuple[int, int, bool]]]:
-        """A number, and each factor with its exponent, and whether it is nowhere negative as it is
-        written."""
+        """A number; and of each factor its step, its exponent, and whether the step is nowhere
+        negative as it is written."""
         unit, factors = ring.factors(polynomial) if polynomial else (Integer(0), [])
         written = []
         for factor, n in factors:
+            # Factors are known up to a number, so both are compared with leading coefficient 1;
+            # what the modulus has more or less goes to the number in front.
             lead = factor.leading_coefficient()
-            known = next((x for x in self.moduli if x.monic * lead == factor), None)
-            if known:
-                ratio = lead / known.lead
+            modulus = next((x for x in self.moduli if x.monic * lead == factor), None)
+            if modulus:
+                ratio = lead / modulus.lead
                 unit *= Rational(int(ratio.p), int(ratio.q)) ** n
-            written.append(
-                (known.step if known else self.write.polynomial(ring, factor), n, bool(known))
-            )
+            step = modulus.step if modulus else self.write.polynomial(ring, factor)
+            written.append((step, n, bool(modulus)))
         return unit, written

@@ -1,8 +1,10 @@
-"""A program in floats: block by block, so that all that is computed stays in the cache, into
-buffers made once.
+"""A program in floats, as array operations of NumPy, and whether floats can be trusted with it.
 
-Beside it how large and how small its steps can get: where floats can neither overflow nor lose
-digits to underflow; and sin x/x, to within some roundings.
+``Floats`` runs a program block by block, so that what is computed stays in the cache, into buffers
+made once. ``judge`` bounds the magnitude of every step from those of the inputs: where all bounds
+lie within the exponents of a float, no step overflows or loses digits to underflow. Its bounds are
+powers of two, each rounded to the careful side. sin x/x and its slopes are here too, accurate to
+some roundings also where x is small.
 """
 
 from __future__ import annotations
@@ -22,13 +24,13 @@ from haptisym.kernel.rings import omega
 from haptisym.programs.program import LAST, SMALL, Operation, Program
 
 _TERMS = [(-1.0) ** k / factorial(2 * k + 1) for k in range(LAST // 2 + 1)]
-"""Of sin x/x, by powers of x^2."""
-_NEAR = 1.5
+"""Coefficients of the series of sin x/x, by powers of x^2."""
+_NEAR = 1.5  # below it the closed forms of the slopes are differences of nearly equal numbers
 _SLOPES = [
     [c * prod(range(2 * k - n + 1, 2 * k + 1)) for k, c in enumerate(_TERMS) if 2 * k >= n]
     for n in range(4)
 ]
-"""The same and three derivatives, those of odd order over x."""
+"""Coefficients of the series of sin x/x and three derivatives, those of odd order over x."""
 
 
 def sinc(x: Any, out: Any = None) -> Any:
@@ -38,6 +40,8 @@ def sinc(x: Any, out: Any = None) -> Any:
 
 def sincm1(x: Any, out: Any = None) -> Any:
     """sin(x)/x - 1, by its series while it is small."""
+    # ``where`` takes both branches of all points: each is kept within its own range, so that
+    # neither divides by 0 nor overflows.
     size = np.abs(x)
     square, far = np.minimum(size, SMALL) ** 2, np.maximum(size, SMALL)
     return _put(
@@ -47,6 +51,7 @@ def sincm1(x: Any, out: Any = None) -> Any:
 
 def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
     """sin x/x and three derivatives: near 0 by their series, else by x f'' + 2 f' + x f = 0."""
+    # Solved for f'', and once differentiated for f''', the equation divides by x at each order.
     near = [_horner(terms, x * x) * (x if n % 2 else 1.0) for n, terms in enumerate(_SLOPES)]
     far = np.where(np.abs(x) < _NEAR, _NEAR, x)
     f = np.sin(far) / far
@@ -59,21 +64,24 @@ def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
 
 
 def _horner(row: Sequence[float], x: Any) -> Any:
-    found = np.full_like(x, row[-1])
+    """The polynomial with these coefficients, the lowest first."""
+    total = np.full_like(x, row[-1])
+    # In place: two passes over one array, and no temporary ones.
     for c in row[-2::-1]:
-        found *= x
-        found += c
-    return found
+        total *= x
+        total += c
+    return total
 
 
-def _put(found: Any, out: Any) -> Any:
+def _put(values: Any, out: Any) -> Any:
+    """The values, or ``out`` filled with them: the calling convention of a ufunc."""
     if out is None:
-        return found
-    out[...] = found
+        return values
+    out[...] = values
     return out
 
 
-BLOCK = 8192
+BLOCK = 8192  # frequencies: a buffer of 64 KiB
 
 
 @cache
@@ -95,12 +103,13 @@ def ufuncs() -> dict[str, Callable[..., Any]]:
     }
 
 
-_SELDOM = frozenset({"sinc", "sincm1"})
+_SELDOM = frozenset({"sinc", "sincm1"})  # functions of this module, which are no ufuncs of NumPy
 
 
 def nearest(value: Any) -> np.float64:
     """The double nearest to an exact constant of a program."""
     if isinstance(value, fmpq):
+        # Python divides integers of any length with one rounding.
         try:
             return np.float64(int(value.p) / int(value.q))
         except OverflowError:
@@ -130,6 +139,7 @@ class Floats:
         digits to underflow.
         """
         flag: Any = "raise" if watched else "ignore"
+        # 0/0 and division by 0 are no failure here: the caller replaces what is not finite.
         with np.errstate(divide="ignore", invalid="ignore", over=flag, under=flag):
             plan = self._plan(tuple([not isinstance(x, np.ndarray) for x in inputs]))
             known = plan.known.copy()
@@ -146,6 +156,7 @@ class Floats:
                     held = [*(row[: part.stop - start] for row in buffers), *(x[part] for x in out)]
                     given = [x if np.ndim(x) == 0 else x[part] for x in inputs]
                     self._block(plan, known.copy(), given, held)
+        # Last, as a result may repeat another one, which is now there.
         for n, x, what, place in plan.others:
             out[n][...] = (
                 known[x] if what == "number" else inputs[place] if what == "input" else out[place]
@@ -176,11 +187,14 @@ class Floats:
 
 @dataclass(frozen=True)
 class _Plan:
-    """What is done, in order. ``known`` : the constants in their places, ``numbers`` and ``single``
-    : what is one number for all frequencies. ``steps`` : those that differ from frequency to
-    frequency, with the places of their arguments and of what they make: behind the places of all
-    operations stand so many ``buffers``, and then the results. ``others`` : results that are a
-    number, an input, or another result.
+    """How a program is run on arrays: its steps in order, and the place of each value in one list.
+
+    The list holds the values of all operations, then ``buffers`` arrays, then the results.
+    ``known`` : the constants in their places. ``numbers`` : inputs that are one number for all
+    frequencies, and ``single`` : steps of such numbers alone. ``inputs`` : those that are arrays.
+    ``steps`` : what differs from frequency to frequency: a function, the places of its one or two
+    arguments, and the place that it writes to. ``others`` : results that no step writes, as they
+    are a number, an input or an earlier result.
     """
 
     known: list[Any]
@@ -195,6 +209,7 @@ class _Plan:
 def _plan(
     program: Program, constants: Mapping[int, np.float64], are_numbers: Sequence[bool]
 ) -> _Plan:
+    """The plan of a program for inputs of which some ``are_numbers`` for all frequencies."""
     operations, results = program.operations, tuple(program.results.values())
     known: list[Any] = [constants.get(i) for i in range(len(operations))]
     numbers: list[tuple[int, int]] = []
@@ -208,11 +223,12 @@ def _plan(
             single.append((i, ufuncs()[step.name], step.arguments))
             are_single.add(i)
     moving = [(i, x) for i, x in enumerate(operations) if i not in are_single and x.name != "input"]
-    put, count = _places(moving, operations, results)
+    places, count = _places(moving, operations, results)
     steps = []
     for i, step in moving:
-        x, y = (put.get(a, a) for a in (*step.arguments, -1)[:2])
-        steps.append((ufuncs()[step.name], x, None if y < 0 else y, put[i]))
+        # -1 stands for the second argument of a function of one.
+        x, y = (places.get(a, a) for a in (*step.arguments, -1)[:2])
+        steps.append((ufuncs()[step.name], x, None if y < 0 else y, places[i]))
     others = []
     for n, x in enumerate(results):
         if x in are_single:
@@ -234,16 +250,18 @@ def _places(
     """Where each step is put: behind the places of all operations into as few buffers as will do,
     or into a result."""
     last = _last_uses(operations, results)
+    # Reversed, so that of equal results the first one holds the step; the others are copies.
     direct = {x: n for n, x in reversed(list(enumerate(results)))}
     free: list[int] = []
     place: dict[int, int] = {}
     count = 0
     for i, step in moving:
         ended = {x for x in step.arguments if last.get(x) == i and x in place and x not in direct}
-        if (
-            step.name not in _SELDOM
-        ):  # these read their argument again after they have begun to write
+        # A ufunc may write over its own argument, element by element; those of ``_SELDOM`` read
+        # theirs again after they have begun to write.
+        if step.name not in _SELDOM:
             free += [place[x] for x in ended]
+        # Results stand behind the buffers, whose number is not known yet: negative until then.
         if i in direct:
             place[i] = -1 - direct[i]
         else:
@@ -257,6 +275,7 @@ def _places(
 
 
 def _last_uses(operations: Sequence[Operation], results: Sequence[int]) -> dict[int, int]:
+    """For each step the last one that reads it; results are read after all steps."""
     last = {
         x: i for i, step in enumerate(operations) if step.name != "input" for x in step.arguments
     }
@@ -267,8 +286,8 @@ _SINE = 70.0  # no cosine, and no sine of a double of at least 2^-69, is smaller
 
 
 class MagnitudeRange(NamedTuple):
-    """What is known of a step at all frequencies: 2^low <= abs(x) <= 2^high where it is not 0; if
-    it is >= 0; if never 0."""
+    """What is known of a step x at all frequencies: 2^low <= abs(x) <= 2^high where x is not 0;
+    ``positive`` : whether x >= 0 is known; ``nonzero`` : whether x is known to be nowhere 0."""
 
     low: float
     high: float
@@ -302,14 +321,15 @@ def judge(program: Program, inputs: Sequence[Any], digits: int, limit: int) -> J
 
 
 def ranges(inputs: Sequence[Any]) -> tuple[MagnitudeRange, ...]:
-    """Of inputs, in powers of two, so that others of about the same size have the same ones."""
+    """The magnitude ranges of inputs, in powers of two, so that inputs of about the same size share
+    one judgement."""
     return tuple(_of_array(np.asarray(x)) for x in inputs)
 
 
 def judged(
     program: Program, inputs: Sequence[MagnitudeRange], digits: int, limit: int
 ) -> Judgement:
-    """The same for inputs in these ranges."""
+    """As ``judge``, for all inputs within these ranges."""
     known: list[MagnitudeRange] = []
     finite = True
     for step in program.operations:
@@ -334,19 +354,17 @@ def _of_number(x: float) -> MagnitudeRange:
 
 def _of_array(x: Any) -> MagnitudeRange:
     """The range of given numbers; where all are 0, that of 1."""
-    least, most = (
-        (float(np.minimum.reduce(x, None)), float(np.maximum.reduce(x, None)))
-        if x.size
-        else (inf, -inf)
-    )
-    low, high = (
-        least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf)),
-        max(most, -least),
-    )
+    least, most = inf, -inf
+    if x.size:
+        least, most = float(np.minimum.reduce(x, None)), float(np.maximum.reduce(x, None))
+    # The smallest magnitude that is not 0 takes a pass of its own, unless all are positive.
+    low = least if least > 0 else float(np.min(np.abs(x), where=x != 0, initial=inf))
+    high = max(most, -least)
     if not isfinite(high) and x.size:
         return MagnitudeRange(-inf, inf)
     if low == inf:
         return MagnitudeRange(0.0, 0.0, positive=True)
+    # frexp gives x = f 2^e with 1/2 <= f < 1, so that 2^(e - 1) <= x < 2^e.
     return MagnitudeRange(
         frexp(low)[1] - 1.0, float(frexp(high)[1]), least >= 0, least > 0 or most < 0
     )
@@ -355,33 +373,33 @@ def _of_array(x: Any) -> MagnitudeRange:
 def _step(
     name: str, arguments: Sequence[int], of: Sequence[MagnitudeRange], digits: int
 ) -> MagnitudeRange:
+    """The range of a step from those of its arguments; a power of two more or less covers the
+    rounding of the step itself."""
     x = of[0]
     if name in ("neg", "abs"):
         return x._replace(positive=name == "abs")
     if name == "sqrt":
         return MagnitudeRange(x.low / 2 - 1, x.high / 2 + 1, positive=True, nonzero=x.nonzero)
+    # sin x is about x where x is small, and sin x/x is divided by an x that may be large.
     if name in ("sin", "cos", "sinc"):
-        least = {"sin": min(-_SINE, x.low - 1), "cos": -_SINE, "sinc": -_SINE - max(x.high, 0.0)}[
-            name
-        ]
-        return MagnitudeRange(least, 0.0)
+        sine, sinc_ = min(-_SINE, x.low - 1), -_SINE - max(x.high, 0.0)
+        return MagnitudeRange({"sin": sine, "cos": -_SINE, "sinc": sinc_}[name], 0.0)
     if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
         return MagnitudeRange(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
     y = of[1]
     both = x.nonzero and y.nonzero
     if name == "mul":
-        return MagnitudeRange(
-            x.low + y.low,
-            x.high + y.high,
-            (x.positive and y.positive) or arguments[0] == arguments[1],
-            both,
-        )
+        is_square = arguments[0] == arguments[1]
+        positive = (x.positive and y.positive) or is_square
+        return MagnitudeRange(x.low + y.low, x.high + y.high, positive, both)
     if name == "div":
         return MagnitudeRange(
             x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero
         )
     if name == "power":  # of an exponent between 0 and 1
         return MagnitudeRange(min(x.low, 0.0), max(x.high, 0.0), positive=True, nonzero=x.nonzero)
+    # Nothing cancels between numbers >= 0. Otherwise a sum of two floats is a multiple of the last
+    # place of the smaller one: where it is not 0 it is no smaller than that.
     if name == "add" and x.positive and y.positive:
         return MagnitudeRange(
             min(x.low, y.low),
@@ -393,7 +411,7 @@ def _step(
 
 
 def floats_of(x: Expr, at: Any) -> Any:
-    """A number, or a formula in omega at frequencies."""
+    """The floats of a number, or of a rational function of omega at frequencies in rad/s."""
     if not x.has(omega):
         return float(x)
     above, below = (

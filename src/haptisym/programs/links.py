@@ -1,9 +1,10 @@
-"""A chain in links, each a program in s of its own, and its arithmetics: power series over balls,
-and arrays of complex floats.
+"""A chain as a row of links, each a program in complex s of its own, and the two arithmetics that
+run them: power series over complex balls, and arrays of complex floats.
 
-What is felt behind an effect follows from what is felt before it. The formulas are those of
-``stable``, in complex numbers:
-felt G and dH + felt (G - 1) behind a gain, and so on.
+A link takes the perceived dynamics F and the change dH before an effect to those behind it: behind
+a gain G these are F G and dH + F (G - 1). The formulas are those of ``programs.distortion``,
+written in complex numbers instead of pairs of real ones. ``links`` makes the programs, ``InSteps``
+runs one.
 """
 
 from __future__ import annotations
@@ -44,7 +45,9 @@ def links(environment: Expr, rendered: Expr, matrices: Sequence[Sequence[Expr]])
 
 
 def _start(environment: Expr, rendered: Expr) -> Program:
+    """The program of H_env, of what is rendered, and of their difference."""
     author = _InS(Writer((s,)))
+    # Subtracted as fractions, so that what both have in common cancels exactly.
     ring = Ring.of([rendered, environment])
     change: Any = author.closed((ring.convert(rendered) - ring.convert(environment)).reduced(), "")
     H: Any = author.sum_of_fractions(environment, "")
@@ -53,11 +56,13 @@ def _start(environment: Expr, rendered: Expr) -> Program:
 
 
 def _effect(matrix: Sequence[Expr]) -> Program:
+    """The program of one effect: from s, felt and change before it to both behind it."""
     author = _InS(Writer((s, FELT, CHANGE)))
-    before: tuple[Any, Any] = author.write.input(FELT), author.write.input(CHANGE)
-    [run] = runs([list(map(Ring.of(matrix).convert, matrix))])
-    after: tuple[Any, Any] = author.after(run, *before, [""])
-    felt, change = after
+    felt: Any = author.write.input(FELT)
+    change: Any = author.write.input(CHANGE)
+    ring = Ring.of(matrix)
+    [run] = runs([[ring.convert(x) for x in matrix]])
+    felt, change = author.after(run, felt, change, [""])
     return author.write.program({"felt": felt, "change": change})
 
 
@@ -102,19 +107,23 @@ def _smooth(f: RationalFunction) -> tuple[Polynomial, Polynomial, Sequence[Expr]
     assert isinstance(ring, Ring)
     if not ring.lags or f.is_zero or not all(ring.at_0(x).is_zero() for x in both):
         return *both, ring.meanings
-    gens, meanings = list(ring.context.gens()), list(ring.meanings)
+    # exp(-s lag) = 1 - s lag phi(s lag): written so, numerator and denominator show their common
+    # power of s, which is divided out, and phi is finite at 0.
+    generators, meanings = list(ring.context.gens()), list(ring.meanings)
     for i, lag in enumerate(ring.lags, ring.size):
         time = ring.convert(lag)
-        gens[i] = 1 - gens[0] * gens[i] * time.numerator / time.denominator.leading_coefficient()
+        whole = generators[0] * generators[i] * time.numerator
+        generators[i] = 1 - whole / time.denominator.leading_coefficient()
         meanings[i] = phi(s * lag)
-    above, below = (x.compose(*gens) for x in both)
-    common = ring.variable ** min(int(e[0]) for x in (above, below) for e in x.monoms())
+    above, below = (x.compose(*generators) for x in both)
+    orders = [int(exponents[0]) for x in (above, below) for exponents in x.monoms()]
+    common = ring.variable ** min(orders)
     return above / common, below / common, meanings
 
 
 Series: TypeAlias = Any  # flint's acb_series and arb_series, which ship no types
 
-_BITS, _LONGEST = 96, 64
+_BITS, _LONGEST = 96, 64  # of series: precision of their coefficients, and their greatest length
 
 
 @contextmanager
@@ -137,12 +146,14 @@ def along_axis(x: Any, terms: int) -> Series:
 
 def divided(above: Series, below: Series) -> Series:
     """The quotient, not a number where the denominator may vanish."""
+    # flint raises an error for a series whose constant term may be 0; not-a-number says that
+    # nothing is known, and is carried through all further steps.
     if isinstance(below, acb_series):
         if below[0].contains(0):
             return acb_series([acb(arb.nan(), arb.nan())] * below.prec, prec=below.prec)
-        return (
-            above if isinstance(above, acb_series) else acb_series([above], prec=below.prec)
-        ) / below
+        if not isinstance(above, acb_series):
+            above = acb_series([above], prec=below.prec)
+        return above / below
     return above / below if isinstance(above, acb) else above * (1 / below)
 
 
@@ -152,6 +163,9 @@ def _phi(x: Series) -> Series:
     z = x[0]
     if not z.contains(0):
         return divided(1 - (-x).exp(), x)
+    # The rectangle around -z and 0 holds -z u for all u from 0 to 1, so its exponential holds all
+    # exp(-z u). The k-th derivative is their mean with the weights (-u)^k, which add to
+    # (-1)^k/(k + 1); divided by k! it is the coefficient.
     mean, factor, coefficients = (-z).union(acb(0)).exp(), acb(1), []
     for k in range(x.prec):
         factor = factor / (k + 1)
@@ -192,7 +206,8 @@ FLOATS: Mapping[str, Callable[..., Any]] = {
 
 
 _Step: TypeAlias = tuple[int, Callable[..., Any] | None, tuple[int, ...]]
-"""Of a program: its place, what it computes (None for an input), and from which steps."""
+"""A step of a program: its index, the function that computes it (None for an input), and the
+indices of its arguments."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,18 +219,21 @@ class InSteps:
     operations: Mapping[str, Callable[..., Any]]
 
     def known(self, s: Any) -> list[Any]:
-        """All steps that s tells, None for the others."""
-        found = list(self._constants)
+        """The values of all steps that depend on s alone, None for the others."""
+        values = list(self._constants)
         for i, f, arguments in self._steps[0]:
-            found[i] = s if f is None else f(*[found[x] for x in arguments])
-        return found
+            values[i] = s if f is None else f(*[values[x] for x in arguments])
+        return values
 
     def results(self, known: Sequence[Any], inputs: Sequence[Any] = ()) -> tuple[Any, ...]:
         """The results in order, for inputs after s."""
-        found = list(known)
+        values = list(known)
         for i, f, arguments in self._steps[1]:
-            found[i] = inputs[arguments[0] - 1] if f is None else f(*[found[x] for x in arguments])
-        return tuple([found[x] for x in self.program.results.values()])
+            if f is None:
+                values[i] = inputs[arguments[0] - 1]
+            else:
+                values[i] = f(*[values[x] for x in arguments])
+        return tuple([values[x] for x in self.program.results.values()])
 
     @cached_property
     def _constants(self) -> list[Any]:
@@ -228,6 +246,7 @@ class InSteps:
 
     @cached_property
     def _steps(self) -> tuple[list[_Step], list[_Step]]:
+        """The steps that depend on s alone, and the others, both in order."""
         first: list[_Step] = []
         later: list[_Step] = []
         of_s: set[int] = set()
@@ -236,7 +255,10 @@ class InSteps:
                 of_s.add(i)
                 continue
             row = i, self.operations.get(step.name), step.arguments
-            if step.arguments[0] == 0 if step.name == "input" else of_s.issuperset(step.arguments):
+            needs_s_alone = of_s.issuperset(step.arguments)
+            if step.name == "input":
+                needs_s_alone = step.arguments[0] == 0
+            if needs_s_alone:
                 of_s.add(i)
                 first.append(row)
             else:

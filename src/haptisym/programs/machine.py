@@ -16,6 +16,8 @@ from haptisym.kernel.errors import SceneError
 from haptisym.programs.floats import Floats, nearest
 from haptisym.programs.program import LAST, SMALL, Operation, Program, sincm1
 
+# Nothing is evaluated: SymPy would reorder sums and products, and the doubles would be others than
+# those of ``Floats``.
 _WRITTEN: dict[str, Callable[..., Expr]] = {
     "add": lambda x, y: Add(x, y, evaluate=False),
     "sub": lambda x, y: Add(x, Mul(-1, y, evaluate=False), evaluate=False),
@@ -60,9 +62,8 @@ class Machine:
             Floats(self.program).run(inputs, size, out)
             return
         results = tuple(self.program.results.values())
-        for n in range(
-            0, len(results), 2
-        ):  # two rows in one pass: more would compete for the cache, and keep loops general
+        # Two rows in one pass: more would compete for the cache, and would need a general loop.
+        for n in range(0, len(results), 2):
             step, rows = _step(self.program, results[n : n + 2]), out[n : n + 2]
             _loops()[len(rows)](step, omega, tuple(numbers), *rows)
 
@@ -95,6 +96,8 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
     def less_one(x: float) -> float:
         if abs(x) > SMALL:
             return float(np.sin(x) / x - 1.0)
+        # Terms of the series differ by the factor -x^2/(n (n - 1)): summed from the last to the
+        # first.
         series = 0.0
         for n in range(LAST, 1, -2):
             series = -x * x / (n * (n - 1)) * (1.0 + series)
@@ -106,16 +109,18 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
     steps = [(names[i], _written(program.operations[i], names, arguments)) for i in needed]
     waves = {"sinc": wave, "sincm1": less_one}
     library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
-    found = tuple(names[x] for x in results)
+    outputs = tuple(names[x] for x in results)
     # lambdify prints the steps as they are, in their order: they are the common subexpressions, and
     # there is no more
-    source = lambdify(arguments, found, [library, "math"], cse=lambda _: (steps, found))
+    source = lambdify(arguments, outputs, [library, "math"], cse=lambda _: (steps, outputs))
     return numba.njit(source, error_model="numpy")
 
 
 def _written(step: Operation, names: Sequence[Symbol], arguments: Sequence[Symbol]) -> Expr:
+    """The SymPy expression of a step in the names of its arguments, for ``lambdify`` to print."""
     if step.name == "input":
         return arguments[step.arguments[0]]
     if step.name == "constant":
+        # 17 decimal digits give back every double exactly.
         return Float(float(nearest(step.value)), 17)
     return _WRITTEN[step.name](*(names[x] for x in step.arguments))

@@ -1,12 +1,12 @@
-"""Whether a characteristic function has zeros on the imaginary axis for some values of a box:
-excluded by branch and bound.
+"""Whether a characteristic function D(s) has zeros on the imaginary axis for some values of its
+parameters in a box of ranges: excluded by branch and bound.
 
-D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha; coefficients, delays and orders
-are functions of the box.
-Beyond a reach R the highest power of s outweighs all others in Re s >= 0, whatever the values. Up
-to it cells of omega and box are left out where D(j omega) lies, proven in Taylor models, on one
-side of a line through 0. If none is left, no zero comes to the axis anywhere in the box, and the
-number of zeros in Re s >= 0 is one for all values.
+D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha; its coefficients, delays and
+orders are functions of the parameters. There is a reach R from which on the highest power of s
+outweighs all other terms in Re s >= 0, whatever the values. Up to R, cells of frequency and
+parameters are excluded in which D(j omega) lies, proven in Taylor models, on one side of a line
+through 0. If no cell is left, no zero crosses the axis or reaches it from infinity anywhere in the
+box, so the number of zeros in Re s >= 0 is the same for all values. Begin with ``OnAxis.left``.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from haptisym.programs.taylormodels import TaylorModel, floated, valued, variabl
 _BATCH = 512  # cells that are bounded together
 _MOST_CELLS = 40_000
 _PIECES = 512  # of the box, over which coefficients are bounded
-_FARTHEST = 2.0**60
+_FARTHEST = 2.0**60  # rad/s: beyond it no reach is looked for
 
 
 _Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
@@ -52,34 +52,38 @@ class OnAxis:
         self._symbols, self.sides = list(ranges), 1 + len(ranges)
         self._never_negative = all(sign_of_number(low) >= 0 for low, _ in ranges.values())
         self._groups: dict[_Key, _Terms] = {}
+        # Generators of the ring in order: s, pi, symbols; from ``first`` on delays, from ``last``
+        # on fractional powers of s.
         first, last = ring.size, ring.size + len(ring.lags)
         for exponents, value in polynomial.to_dict().items():
-            own = [int(n) for n in exponents]
-            powers = dict(zip(ring.symbols, own[2:first], strict=True))
-            term = (
-                Rational(int(value.p), int(value.q)) * pi ** own[1],
-                tuple(powers.get(x, 0) for x in self._symbols),
-            )
-            group = self._groups.setdefault((tuple(own[first:last]), tuple(own[last:])), {})
-            group.setdefault(own[0], []).append(term)
+            power_of_s, power_of_pi, *powers = [int(n) for n in exponents]
+            of_symbols = dict(zip(ring.symbols, powers[: first - 2], strict=True))
+            number = Rational(int(value.p), int(value.q)) * pi**power_of_pi
+            monomial = tuple(of_symbols.get(x, 0) for x in self._symbols)
+            key = tuple(powers[first - 2 : last - 2]), tuple(powers[last - 2 :])
+            group = self._groups.setdefault(key, {})
+            group.setdefault(power_of_s, []).append((number, monomial))
 
     @cached_property
     def reach(self) -> float | None:
         """A frequency from which on the highest power prevails, for all values; None where that is
         not known."""
+        # Over the whole box bounds of coefficients may contain 0 that are nowhere 0; 2^9 pieces of
+        # one side, fewer of each of several, usually separate them from it.
         cells = np.broadcast_to([0.0, 1.0], (1, self.sides, 2)).copy()
         for i in range(9 * (self.sides - 1)):
             if len(cells) < _PIECES:
                 cells = halves(cells, np.full(len(cells), 1 + i % (self.sides - 1)))
         with np.errstate(all="ignore"):
             values = self._values(cells, 0.0)
-            found: dict[tuple[Expr, tuple[int, ...]], list[TaylorModel]] = {}
+            # Coefficients of the same power and delay are added as models, and bounded afterwards:
+            # bounds of each would lose what cancels between them.
+            coefficients: dict[tuple[Expr, tuple[int, ...]], list[TaylorModel]] = {}
             for (turns, powers), group in self._groups.items():
+                fractional = _weighted(powers, self._orders)
                 for power, model in self._coefficients(group, values).items():
-                    found.setdefault((power + _weighted(powers, self._orders), turns), []).append(
-                        model
-                    )
-            sizes = {key: _sizes(_total(models)) for key, models in found.items()}
+                    coefficients.setdefault((power + fractional, turns), []).append(model)
+            sizes = {key: _sizes(_total(models)) for key, models in coefficients.items()}
             return self._prevailing(sizes, values)
 
     def _prevailing(
@@ -90,6 +94,7 @@ class OnAxis:
         """From least and largest sizes of the terms, by their power and how late they come: of
         other delays phases may oppose."""
         zero = np.zeros(len(values[0].c0))
+        # With open orders which power is the highest may depend on the values: then none is.
         for top in {power for power, _ in sizes}:
             gaps = {
                 power: self._valued(top - power, values).bounds()
@@ -100,24 +105,29 @@ class OnAxis:
                 break
         else:
             return None
-        own = [(any(turns), size) for (power, turns), size in sizes.items() if power == top]
-        least = sum((-most if late else low for late, (low, most) in own), zero)
-        next_one = (
-            self._next(top)
-            if all(power == top - 1 or (low > 1).all() for power, (low, _) in gaps.items())
-            else None
-        )
-        helping = sizes[next_one][0] if next_one else zero
-        more = [
+        # |exp(-s tau)| <= 1 in Re s >= 0, and any phase is possible: a delayed term of the highest
+        # power counts against the undelayed one with all of its size.
+        leading = [(any(turns), size) for (power, turns), size in sizes.items() if power == top]
+        least = sum((-most if late else low for late, (low, most) in leading), zero)
+        # The inequality is tried at one radius and must stay true beyond it. Divided by the highest
+        # power, the next one falls as 1/R: it may help where all else falls at least as fast.
+        falls_fast = all(power == top - 1 or (low > 1).all() for power, (low, _) in gaps.items())
+        next_key = self._next(top) if falls_fast else None
+        helping = sizes[next_key][0] if next_key else zero
+        opposing = [
             (gaps[key[0]], most)
             for key, (_, most) in sizes.items()
-            if key[0] != top and key != next_one
+            if key[0] != top and key != next_key
         ]
         radius = 2.0**-20
         while radius < _FARTHEST:
+            # R^-gap is monotone in the gap, so its bounds are at the ends: below 1 rad/s at the
+            # larger gap, above at the smaller.
             rest = sum(
-                (most * np.maximum(*(radius ** -x[:, 0] for x in gap)) for gap, most in more), zero
+                (most * np.maximum(*(radius ** -x[:, 0] for x in gap)) for gap, most in opposing),
+                zero,
             )
+            # 1e-9 is far more than all roundings here: nothing is decided at equality.
             if (np.maximum(least, helping / radius) * (1 - 1e-9) > rest * (1 + 1e-9)).all():
                 return radius
             radius *= 2
@@ -126,22 +136,25 @@ class OnAxis:
     def _next(self, top: Expr) -> tuple[Expr, tuple[int, ...]] | None:
         """The power below the highest, if |a s + b| >= |a s|, |b| in Re s >= 0: neither comes late,
         and both have one sign."""
+        # Signs are read off the numbers before monomials in parameters that are never negative.
         signs: dict[tuple[Expr, tuple[int, ...]], set[int]] = {}
         for (turns, powers), group in self._groups.items():
+            fractional = _weighted(powers, self._orders)
             for power, terms in group.items():
-                signs.setdefault((power + _weighted(powers, self._orders), turns), set()).update(
-                    1 if c > 0 else -1 for c, _ in terms
-                )
-        (turns, own), *others = (
-            (turns, own) for (power, turns), own in signs.items() if power == top
-        )
-        found = top - 1, turns
-        alike = not any(turns) and not others and len(own | signs.get(found, {1, -1})) == 1
-        return found if alike and self._never_negative else None
+                key = power + fractional, turns
+                signs.setdefault(key, set()).update(1 if c > 0 else -1 for c, _ in terms)
+        leading = [(turns, found) for (power, turns), found in signs.items() if power == top]
+        (turns, top_signs), *others = leading
+        next_key = top - 1, turns
+        both_signs = top_signs | signs.get(next_key, {1, -1})
+        alike = not any(turns) and not others and len(both_signs) == 1
+        return next_key if alike and self._never_negative else None
 
     def left(self) -> Array:
         """Cells outside which there are no zeros on the axis, and in which there may be: none where
         that is proven."""
+        # Zeros lie at any scale between 0 and the reach, so the first cut of frequency is
+        # geometric.
         cells = np.zeros((64, self.sides, 2))
         cells[:, :, 1] = 1.0
         edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, 64)])
@@ -149,9 +162,9 @@ class OnAxis:
         waiting = Batches(
             cells, size=_BATCH, most=_MOST_CELLS, what="cells of frequency and ranges"
         )
-        for own in waiting:
-            clear, rates = self.bounded(own)
-            waiting.add(halves(own[~clear], np.argmax(rates, -1)[~clear]))
+        for batch in waiting:
+            clear, rates = self.bounded(batch)
+            waiting.add(halves(batch[~clear], np.argmax(rates, -1)[~clear]))
         return waiting.rest
 
     def bounded(
@@ -161,43 +174,54 @@ class OnAxis:
         shares of its size there."""
         c0, c1, c2, r = self._along(cells, parts)
         with np.errstate(all="ignore"):
-            rates = (np.abs(c1) + np.abs(c2).sum(-1)) / -c0[:, None]
+            changes = np.abs(c1) + np.abs(c2).sum(-1)
+            rates = changes / -c0[:, None]
+        # Rates only choose which side of a cell is cut; the proof rests on ``negative`` alone.
+        # Where they are unknown the widest side is cut, and a side without width never.
         width = cells[:, :, 1] - cells[:, :, 0]
         rates = np.where(np.isfinite(rates).all(-1, keepdims=True), rates, width)
-        return LineBound.of(c0, c1, c2, r).negative, rates * (width > 0) + 1e-12 * width
+        rates = rates * (width > 0) + 1e-12 * width
+        return LineBound.of(c0, c1, c2, r).negative, rates
 
     def curve(self, cells: Array) -> LineBound:
-        """As a judge of the one search: negative where D is not 0, and told nowhere to be positive,
-        which would mean nothing."""
+        """A bound for the search of ``kernel.where``: negative where D is not 0. It is never
+        positive, as that would prove nothing about D."""
         return LineBound.of(*self._along(cells)).never_positive()
 
     def _along(
         self, cells: Array, parts: tuple[TaylorModel, TaylorModel] | None = None
     ) -> tuple[Array, Array, Array, Array]:
-        """A Taylor model of minus D's share along what D is in the middle of a cell: D is not 0
-        where that is negative."""
+        """A Taylor model of -Re(D conj(D_0))/|D_0|, D_0 being D in the middle of the cell: where it
+        is negative D is not 0. As the arrays c0, c1, c2 and r of its value alone."""
         with np.errstate(all="ignore"):
             real, imag = parts or self.parts(cells)
             size = np.hypot(real.c0, imag.c0)
             a, b = -real.c0 / size, -imag.c0 / size
-            c1 = a[..., None] * real.c1 + b[..., None] * imag.c1
-            c2 = a[..., None, None] * real.c2 + b[..., None, None] * imag.c2
-            r = np.abs(a) * real.r + np.abs(b) * imag.r
-            r = r + 1e-13 * (np.abs(a) * real.deviation + np.abs(b) * imag.deviation)
-            return -size[:, 0] * (1 - 1e-12), c1[:, 0], c2[:, 0], r[:, 0]
+            c1 = _combined(a[..., None], real.c1, b[..., None], imag.c1)
+            c2 = _combined(a[..., None, None], real.c2, b[..., None, None], imag.c2)
+            # The direction may be any: that a and b are rounded costs nothing. The roundings of the
+            # sums above, and of the size, are counted in r and in the factor of c0.
+            a, b = np.abs(a), np.abs(b)
+            r = _combined(a, real.r, b, imag.r)
+            r = r + 1e-13 * _combined(a, real.deviation, b, imag.deviation)
+            c0 = -size * (1 - 1e-12)
+            return c0[:, 0], c1[:, 0], c2[:, 0], r[:, 0]
 
     def parts(self, cells: Array) -> tuple[TaylorModel, TaylorModel]:
         """Real and imaginary part of D(j omega) over cells."""
+        # A term is a polynomial in s, times a fractional power of s, times a delay.
         assert self.reach
         values = self._values(cells, self.reach)
         omega = values[0]
         real, imag = omega.number(0.0), omega.number(0.0)
         for (turns, powers), group in self._groups.items():
             x, y = self._polynomial(self._coefficients(group, values), omega)
-            if any(powers):  # (j omega)^a
+            # (j omega)^a = omega^a (cos(a pi/2) + j sin(a pi/2))
+            if any(powers):
                 a = self._valued(_weighted(powers, self._orders), values)
                 size, (c, s) = omega.to_the(a), a.times(np.pi / 2).cosine_and_sine()
                 x, y = (x * c - y * s) * size, (x * s + y * c) * size
+            # exp(-j omega tau) = cos(omega tau) - j sin(omega tau)
             if any(turns):
                 c, s = (
                     omega * self._valued(_weighted(turns, self._lags), values)
@@ -211,24 +235,27 @@ class OnAxis:
         return valued(formula, dict(zip(self._symbols, values[1:], strict=True)), values[0])
 
     def _values(self, cells: Array, reach: float) -> list[TaylorModel]:
-        found = []
+        """The models of omega and of the symbols over cells; without slopes, as only values
+        count."""
+        models = []
         for i, (low, width) in enumerate([(0.0, reach), *self._ranges]):
             start, end = cells[:, i].T
-            middle, radius = low + width * (start + end) / 2, width * (end - start) / 2
-            found.append(variable(middle, radius, abs(low) + width, i, self.sides, slopes=0))
-        return found
+            middle = low + width * (start + end) / 2
+            radius = width * (end - start) / 2
+            models.append(variable(middle, radius, abs(low) + width, i, self.sides, slopes=0))
+        return models
 
     def _coefficients(
         self,
         group: Mapping[int, Sequence[tuple[Rational, tuple[int, ...]]]],
         values: Sequence[TaylorModel],
     ) -> dict[int, TaylorModel]:
+        """The coefficients of a group by whole powers of s: polynomials in the symbols."""
         one = values[0].number(1.0)
 
         def monomial(exponents: tuple[int, ...]) -> TaylorModel:
-            return prod(
-                (x for x, n in zip(values[1:], exponents, strict=True) for _ in range(n)), start=one
-            )
+            factors = (x for x, n in zip(values[1:], exponents, strict=True) for _ in range(n))
+            return prod(factors, start=one)
 
         return {
             power: _total(monomial(e).times(floated(c)) for c, e in terms)
@@ -239,16 +266,23 @@ class OnAxis:
     def _polynomial(
         coefficients: Mapping[int, TaylorModel], omega: TaylorModel
     ) -> tuple[TaylorModel, TaylorModel]:
-        """Its value at j omega."""
-        found = [omega.number(0.0), omega.number(0.0)]
+        """Real and imaginary part of a polynomial in s at s = j omega."""
+        # Horner's rule, with (x + j y) j omega = -y omega + j x omega.
+        real, imag = omega.number(0.0), omega.number(0.0)
         for power in range(max(coefficients), -1, -1):
-            found = [-found[1] * omega, found[0] * omega]
+            real, imag = -imag * omega, real * omega
             if power in coefficients:
-                found[0] = found[0] + coefficients[power]
-        return found[0], found[1]
+                real = real + coefficients[power]
+        return real, imag
+
+
+def _combined(a: Array, x: Array, b: Array, y: Array) -> Array:
+    """a x + b y."""
+    return a * x + b * y
 
 
 def _total(terms: Iterable[TaylorModel]) -> TaylorModel:
+    # The sum starts with a model: 0 + model is not defined.
     first, *others = terms
     return sum(others, first)
 

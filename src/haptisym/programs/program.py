@@ -1,5 +1,10 @@
-"""Straight-line programs: one list of operations for every arithmetic that runs it (floats,
-double-doubles, balls)."""
+"""Straight-line programs: lists of operations without branches, each run by several arithmetics
+(floats, double-doubles, balls, Taylor models).
+
+A program is written once, by a ``Writer`` that shares equal steps and folds constants exactly, so
+that all arithmetics compute the same formula, step by step. Folding never changes a value: only
+exact rational numbers are combined, and signs are moved outward.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +23,8 @@ V = TypeVar("V")
 
 
 class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy names functions
-    """sin(x)/x - 1, and 0 at x = 0: for floats, in which the difference would lose its digits where
-    x is small."""
+    """The function sin(x)/x - 1, and 0 at x = 0: a step of its own, as the difference of floats
+    would lose its digits where x is small."""
 
     @classmethod
     def eval(cls, x: Expr) -> Expr | None:
@@ -27,12 +32,13 @@ class sincm1(Function):  # type: ignore[misc]  # noqa: N801 - named as SymPy nam
 
 
 class phi(Function):  # type: ignore[misc]  # noqa: N801 - as above
-    """(1 - exp(-x))/x, and 1 at x = 0: what a delay leaves of a quotient that is 0/0 at s = 0."""
+    """The function (1 - exp(-x))/x, and 1 at x = 0: what a delay leaves of a quotient that is 0/0
+    at s = 0."""
 
 
 SMALL, LAST = 2.0, 27
-"""Up to which x floats sum the series of sin(x)/x - 1, and to which term x^(LAST - 1)/LAST!: less
-than 2^-65 is left out."""
+"""Floats sum the series of sin(x)/x - 1 for |x| <= ``SMALL``, up to the term x^(LAST - 1)/LAST!:
+what is left out is less than 2^-65."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +60,7 @@ class Program:
     """Operations in order, and the indices of the results by name. Inputs are in the order of
     ``inputs``.
 
-    ``labels`` : what a reader calls a step; with a minus before it, what he calls its negative.
+    ``labels`` : the name of a step on a page; with a minus before it, the name of its negative.
     """
 
     inputs: tuple[Symbol, ...]
@@ -79,18 +85,19 @@ class Program:
     ) -> dict[str, V]:
         """The results by name in an arithmetic of ``functions``; ``known`` : its constants, by
         their places."""
-        found = dict(known)
+        values = dict(known)
         for i, step in enumerate(self.operations):
             if step.name == "input":
-                found[i] = inputs[step.arguments[0]]
-            elif i not in found:
-                found[i] = functions[step.name](*[found[x] for x in step.arguments])
-        return {name: found[x] for name, x in self.results.items()}
+                values[i] = inputs[step.arguments[0]]
+            elif i not in values:
+                values[i] = functions[step.name](*[values[x] for x in step.arguments])
+        return {name: values[x] for name, x in self.results.items()}
 
 
 @dataclass
 class Writer:
-    """Writes a program: equal steps are written once, and what is trivial is not written at all.
+    """Writes a program step by step: equal steps are written once, and sums with 0, products with 1
+    and operations on numbers are folded. A step is known by its index.
 
     >>> x = Symbol("x")
     >>> write = Writer((x,))
@@ -107,6 +114,7 @@ class Writer:
     labels: dict[int, str] = field(default_factory=dict)
 
     def _step(self, name: str, *arguments: int, value: Any = None) -> int:
+        # Sums and products commute: x + y and y + x are one step.
         if name in ("add", "mul"):
             arguments = tuple(sorted(arguments))
         step = Operation(name, arguments, value)
@@ -124,8 +132,8 @@ class Writer:
         return self._step("constant", value=value if isinstance(value, fmpq) else fmpq(value))
 
     def label(self, x: int, name: str) -> int:
-        """The same step under a name, for a reader: the first name stays; inputs, their squares and
-        numbers have none."""
+        """The same step, named for a page: the first name stays; inputs, their squares and numbers
+        get none."""
         step = self.operations[x]
         is_square = len(set(step.arguments)) == 1 < len(step.arguments)
         if step.name == "neg":
@@ -149,6 +157,7 @@ class Writer:
             return self.constant(a + b)
         if a == _ZERO or b == _ZERO:
             return y if a == _ZERO else x
+        # Signs move outward: x + (-y) and x - y become the same step, and are computed once.
         for one, other in ((x, y), (y, x)):
             if self.operations[other].name == "neg":
                 return self.sub(one, self.operations[other].arguments[0])
@@ -166,16 +175,14 @@ class Writer:
         return self.constant(0) if x == y else self._step("sub", x, y)
 
     def neg(self, x: int) -> int:
-        """-x; twice is not at all."""
+        """-x; of -x it is x, and of x - y it is y - x."""
         a, step = self.number(x), self.operations[x]
         if a is not None:
             return self.constant(-a)
-        if step.name in ("neg", "sub"):
-            return (
-                step.arguments[0]
-                if step.name == "neg"
-                else self.sub(step.arguments[1], step.arguments[0])
-            )
+        if step.name == "neg":
+            return step.arguments[0]
+        if step.name == "sub":
+            return self.sub(step.arguments[1], step.arguments[0])
         return self._step("neg", x)
 
     def mul(self, x: int, y: int) -> int:
@@ -199,6 +206,7 @@ class Writer:
         a, b = self.number(x), self.number(y)
         if b == _ONE or a == _ZERO:
             return x
+        # Division by the number 0 is left to the arithmetic, which says what comes of it.
         if a is not None and b:
             return self.constant(a / b)
         for one, other in ((x, y), (y, x)):
@@ -229,11 +237,14 @@ class Writer:
         return self._step("sqrt", x)
 
     def expression(self, given: Expr) -> int:
-        """A SymPy expression in the inputs."""
+        """The step that computes a SymPy expression in the inputs; SceneError for a function that
+        has no step."""
         if given in self.inputs:
             return self.input(given)
         if isinstance(given, Rational):
             return self.constant(fmpq(int(given.p), int(given.q)))
+        # pi, roots of numbers and the like stay exact: each arithmetic rounds or encloses them
+        # itself.
         if given.is_number:
             return self._step("constant", value=given)
         if isinstance(given, Add | Mul):
@@ -254,23 +265,28 @@ class Writer:
     def polynomial(
         self, ring: PolynomialRing, polynomial: Polynomial, meanings: Sequence[Expr] | None = None
     ) -> int:
-        """A polynomial by Horner's rule in each variable; they mean expressions in the inputs,
-        those of the ring unless given."""
+        """The step that computes a polynomial, by Horner's rule in each variable; ``meanings`` :
+        the expressions in the inputs that the variables stand for, those of the ring unless
+        given."""
         terms = {tuple(map(int, e)): value for e, value in polynomial.to_dict().items()}
         return self._horner(terms, meanings or ring.meanings)
 
     def _horner(self, terms: Mapping[tuple[int, ...], fmpq], meanings: Sequence[Expr]) -> int:
+        """The polynomial with these terms: in the first variable, with coefficients that are
+        polynomials in the others."""
         if not meanings:
             return self.constant(terms.get((), _ZERO))
-        rows: dict[int, dict[tuple[int, ...], fmpq]] = {}
+        coefficients: dict[int, dict[tuple[int, ...], fmpq]] = {}
         for (power, *rest), value in terms.items():
-            rows.setdefault(power, {})[tuple(rest)] = value
-        if set(rows) <= {0}:
-            return self._horner(rows.get(0, {}), meanings[1:])
-        x, total, above = self.expression(meanings[0]), self.constant(0), max(rows)
-        for power in sorted(rows, reverse=True):
+            coefficients.setdefault(power, {})[tuple(rest)] = value
+        if set(coefficients) <= {0}:
+            return self._horner(coefficients.get(0, {}), meanings[1:])
+        x, total, above = self.expression(meanings[0]), self.constant(0), max(coefficients)
+        # Powers that are missing are stepped over: of k + m x^2 one product by x^2, which other
+        # polynomials share.
+        for power in sorted(coefficients, reverse=True):
             total = self.mul(total, self.power(x, above - power))
-            total, above = self.add(total, self._horner(rows[power], meanings[1:])), power
+            total, above = self.add(total, self._horner(coefficients[power], meanings[1:])), power
         return self.mul(total, self.power(x, above))
 
     def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
@@ -284,16 +300,20 @@ class Writer:
         return total
 
     def program(self, results: Mapping[str, int]) -> Program:
-        """What the results need of all that was written."""
+        """The program of these results: of all steps that were written, those that they need."""
         whole = Program(self.inputs, tuple(self.operations), results)
         used = whole.needed(results.values())
+        # Steps that no result needs are left out, so the others get new indices.
         place = {old: new for new, old in enumerate(used)}
         steps = tuple(_moved(self.operations[x], place) for x in used)
+        places = {name: place[x] for name, x in results.items()}
         labels = {place[x]: name for x, name in self.labels.items() if x in place}
-        return Program(self.inputs, steps, {name: place[x] for name, x in results.items()}, labels)
+        return Program(self.inputs, steps, places, labels)
 
 
 def _moved(step: Operation, place: Mapping[int, int]) -> Operation:
+    """A step whose arguments have new places; that of an input is the index of a symbol, not of a
+    step."""
     if step.name == "input":
         return step
     return Operation(step.name, tuple(place[x] for x in step.arguments), step.value)

@@ -1,4 +1,9 @@
-"""A straight-line program in named steps: what pages show and code computes."""
+"""A straight-line program as named steps: the intermediate steps that pages print and that
+generated code computes.
+
+``page_steps`` turns a program into ``Steps``, SymPy expressions by name. Generated code subclasses
+``Reader`` for expressions of its own kind. Steps with a label have it as their name in both.
+"""
 
 from __future__ import annotations
 
@@ -49,26 +54,27 @@ class Steps(Shown):
         return f"{', '.join(self.results)} in {counted(len(self.definitions), 'definition')}"
 
     def only(self, names: Iterable[str]) -> Steps:
-        """Some of the results, and the definitions that they need, but those that are one result
-        and nothing else."""
+        """Some of the results, and the definitions that they need; a definition that is one result
+        and is used nowhere else is written as the result."""
         results = {name: self.results[name] for name in names}
         uses = Counter(x for e in results.values() for x in e.free_symbols)
-        kept: dict[Symbol, Expr] = {}
+        needed: dict[Symbol, Expr] = {}
+        # Backward, as a definition is needed if a later one that is needed itself uses it.
         for name, value in reversed(self.definitions):
-            own = [key for key, result in results.items() if result == name]
-            if len(own) == uses[name] == 1:
-                results[own[0]] = value
+            equal_results = [key for key, result in results.items() if result == name]
+            if len(equal_results) == uses[name] == 1:
+                results[equal_results[0]] = value
             elif uses[name]:
-                kept[name] = value
+                needed[name] = value
             uses.update(value.free_symbols if uses[name] else ())
-        return Steps(tuple(reversed(kept.items())), results)
+        return Steps(tuple(reversed(needed.items())), results)
 
     def _values(self) -> list[Expr]:
         return [*(value for _, value in self.definitions), *self.results.values()]
 
     @property
     def free_symbols(self) -> frozenset[Symbol]:
-        """What the computation needs to be given."""
+        """The symbols that the computation needs values for: all but those that it defines."""
         used = {x for e in self._values() for x in e.free_symbols}
         return frozenset(used - {name for name, _ in self.definitions})
 
@@ -82,6 +88,7 @@ class Steps(Shown):
         >>> Steps((), {"y": (a + b) * cos(a + b)}).operations
         4
         """
+        # SymPy counts the number 3/7 as a division.
         numbers = {
             x: _FRACTION
             for e in self._values()
@@ -106,12 +113,12 @@ class Steps(Shown):
 
 
 DISTORTION = ("real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag")
-"""Of the fields of ``programs.values.Values`` those that tell of the distortion itself."""
+"""The fields of ``programs.values.Values`` that describe the distortion itself."""
 
 
 def page_steps(program: Program) -> Steps:
-    """A program for a person: its labels are names, and so is what is long; angles are whole where
-    that is shorter.
+    """The steps of a program as a page prints them: labelled steps have their labels as names, long
+    repeated ones x0, x1, ...; half angles are joined where that is shorter.
 
     >>> from haptisym import effects, environments
     >>> from haptisym.model.distortion import distort
@@ -186,15 +193,19 @@ class Reader(ABC, Generic[V]):
 
     def results(self) -> dict[str, V]:
         """The results; after this ``definitions`` has the steps."""
-        uses, all_uses = _uses(self.program), _uses(self.program, self.program.results.values())
-        for n, step in enumerate(self.program.operations):
-            value, label = self.value(step), self.program.labels.get(n, "") if uses[n] else ""
-            if label or (all_uses[n] > 1 and step.name not in ("input", "constant", "neg")):
+        program = self.program
+        uses, all_uses = _uses(program), _uses(program, program.results.values())
+        for n, step in enumerate(program.operations):
+            value = self.value(step)
+            # A labelled step that is a result and nothing else needs no definition.
+            label = program.labels.get(n, "") if uses[n] else ""
+            is_repeated = all_uses[n] > 1 and step.name not in ("input", "constant", "neg")
+            if label or is_repeated:
                 value = self.written(value)
                 if (label or self.is_worth(value)) and not self.is_name(value):
                     value = self.defined(step, value, label)
             self.values.append(value)
-        return {x: self.written(self.values[n]) for x, n in self.program.results.items()}
+        return {x: self.written(self.values[n]) for x, n in program.results.items()}
 
     def value(self, step: Operation) -> V:
         """The value of a step, from those of its arguments."""
@@ -202,23 +213,26 @@ class Reader(ABC, Generic[V]):
             return self.input(self.program.inputs[step.arguments[0]])
         if step.name == "constant":
             return self.constant(step.value)
-        if (
-            step.name == "sub"
-            and (opposite := Operation("sub", step.arguments[::-1])) in self.named
-        ):
-            return self.made("neg", self.named[opposite])
+        # Where y - x has a name N, x - y is written as -N.
+        if step.name == "sub":
+            opposite = Operation("sub", step.arguments[::-1])
+            if opposite in self.named:
+                return self.made("neg", self.named[opposite])
         return self.made(step.name, *(self.values[n] for n in step.arguments))
 
     def defined(self, step: Operation, value: V, label: str) -> V:
-        """What stands for a value from here on."""
+        """Define a step's value under a free name; returns what stands for it from here on."""
+        # A label "-N" names the negative: N = -value is defined, and the value is written as -N.
         stem = label.removeprefix("-")
         names = (f"{stem}{'x' * n}" if stem else f"x{n}" for n in count())
         name = next(x for x in names if x not in self.taken)
         self.taken.add(name)
-        self.definitions.append((name, self.made("neg", value) if label.startswith("-") else value))
-        found = self.made("neg", self.name(name)) if label.startswith("-") else self.name(name)
-        self.named[step] = found
-        return found
+        is_negative, named = label.startswith("-"), self.name(name)
+        self.definitions.append((name, self.made("neg", value) if is_negative else value))
+        if is_negative:
+            named = self.made("neg", named)
+        self.named[step] = named
+        return named
 
 
 class _PageReader(Reader[Expr]):
@@ -279,12 +293,14 @@ def _whole_angles(value: Expr) -> Expr:
     angles = sorted({x.args[0] for x in value.atoms(cos, sin)}, key=default_sort_key)
     if not angles:
         return value
-    found = value.expand()
+    # 2 sin a cos a = sin 2a, 2 cos^2 a = 1 + cos 2a, 2 sin^2 a = 1 - cos 2a: products are looked
+    # for in the expanded form, as they may hide in a factor.
+    joined = value.expand()
     for angle in angles:
         both, wave = cos(angle) * sin(angle), cos(2 * angle)
-        found = found.replace(
+        joined = joined.replace(
             lambda x, both=both: x.is_Mul and {*both.args} <= {*x.args},
             lambda x, both=both, angle=angle: x / both * sin(2 * angle) / 2,
         ).xreplace({cos(angle) ** 2: (1 + wave) / 2, sin(angle) ** 2: (1 - wave) / 2})
-    others = map(factor_terms, (found, found.expand()))
+    others = map(factor_terms, (joined, joined.expand()))
     return min(value, *(x.func(*x.args) if x.args else x for x in others), key=count_ops)

@@ -32,8 +32,10 @@ from haptisym.programs.program import Program
 
 Array: TypeAlias = Any  # numpy arrays of floats
 
-_ROUNDING = 1e-14  # of an operation, relative to the largest values of its operands: some ten roundings of 2^-53 each
-_TINY = 1e-290  # against underflow: of a value, and of a coefficient
+# The error counted for an operation, relative to the largest values of its operands: room for some
+# ten roundings of 2^-53 in each of them.
+_ROUNDING = 1e-14
+_TINY = 1e-290  # counted against underflow: of a value, and of a coefficient
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +67,11 @@ class TaylorModel:
 
     @cached_property
     def _second(self) -> Array:
-        own = _sum_of_sizes(self.c2, 2)
-        if own.shape == self.c0.shape:
-            return own
-        return np.concatenate([own, np.zeros_like(self.c0[:, own.shape[1] :])], 1)
+        sizes = _sum_of_sizes(self.c2, 2)
+        if sizes.shape == self.c0.shape:
+            return sizes
+        # Rows of first order have no second part.
+        return np.concatenate([sizes, np.zeros_like(self.c0[:, sizes.shape[1] :])], 1)
 
     @property
     def is_linear(self) -> bool:
@@ -78,6 +81,7 @@ class TaylorModel:
     def bounds(self) -> tuple[Array, Array]:
         """The least and the greatest that the value and each slope can be, (boxes, m); infinite
         where nothing is known."""
+        # Widened outward: the sums of the radius round, and so do middle -+ radius below.
         with np.errstate(over="ignore", invalid="ignore"):  # what is too large is unknown
             radius = self.deviation * (1 + _ROUNDING) + np.abs(self.c0) * _ROUNDING
         radius = np.where(np.isfinite(radius) & np.isfinite(self.c0), radius, np.inf)
@@ -105,15 +109,16 @@ class TaylorModel:
             slopes = _product(self._slopes, other._value)
             slopes = slopes + (slopes if other is self else _product(self._value, other._slopes))
             return _product(self._value, other._value)._over(slopes)
-        found = _product(self, other._value)
+        # (x y)' = x' y + x y': all rows of x times the value of y give the value and the first
+        # half. Of a square both halves are equal, which spares a product.
+        whole = _product(self, other._value)
         if other is self:
-            return TaylorModel(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in found.arrays))
+            return TaylorModel(*(np.concatenate([x[:, :1], 2 * x[:, 1:]], 1) for x in whole.arrays))
         if self.c0.shape[1] > 1:
-            for array, more in zip(
-                found.arrays, _product(self._value, other._slopes).arrays, strict=True
-            ):
+            second_half = _product(self._value, other._slopes)
+            for array, more in zip(whole.arrays, second_half.arrays, strict=True):
                 array[:, 1:] += more
-        return found
+        return whole
 
     @cached_property
     def _value(self) -> TaylorModel:
@@ -131,6 +136,8 @@ class TaylorModel:
 
     def __truediv__(self, other: TaylorModel) -> TaylorModel:
         """The quotient q, its slopes (x' - q y')/y; unknown where the divisor may be 0."""
+        # Not (x' y - x y')/y^2, in which two large terms would cancel over a square: the quotient
+        # is already known to third order.
         y = other._value
         q = _quotient(self._value, y)
         if self.c0.shape[1] == 1:
@@ -150,7 +157,8 @@ class TaylorModel:
         return TaylorModel(c0, self.c1, self.c2, r)
 
     def cosine_and_sine(self) -> tuple[TaylorModel, TaylorModel]:
-        """Of an angle in radians."""
+        """The cosine and the sine of this function, an angle in radians."""
+        # Taylor's theorem about the middle a: no third derivative exceeds 1.
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
         c, s = np.cos(a), np.sin(a)
         cosine, sine = self._composed(c, -s, -c / 2, rest), self._composed(s, c, -s / 2, rest)
@@ -159,6 +167,8 @@ class TaylorModel:
     def sinc(self) -> TaylorModel:
         """sin x/x, whose n-th derivative is nowhere larger than 1/(n + 1); the first is a
         difference of larger numbers."""
+        # sin x/x is the mean of cos(u x) for u from 0 to 1, so its n-th derivative is at most the
+        # mean of u^n: 1/4 bounds the remainder of the value, 1/5 that of the slope.
         a, rest = self.c0[:, :1], self.deviation[:, :1] ** 3 / 6
         f, df, d2f, d3f = sinc_and_slopes(a)
         lost = _ROUNDING * np.minimum(np.abs(a), 1)
@@ -171,6 +181,7 @@ class TaylorModel:
     def sincm1(self) -> TaylorModel:
         """sin x/x - 1, to within roundings of itself also where x is small."""
         a = self.c0[:, :1]
+        # The third derivative is that of sinc, at most 1/4; and so are the slopes those of sinc.
         _, df, d2f, _ = sinc_and_slopes(a)
         value = self._composed(sincm1(a), df, d2f / 2, self.deviation[:, :1] ** 3 / 24)
         return value._over(self.sinc()._slopes) if self.c0.shape[1] > 1 else value
@@ -178,15 +189,19 @@ class TaylorModel:
     def to_the(self, order: TaylorModel) -> TaylorModel:
         """A function >= 0 to a power > 0: where it may be 0 its slopes are unknown."""
         smooth = (self.log() * order).exp()
-        (least, most), top = (
-            (x[:, 0] for x in order.bounds()),
-            np.maximum(self.bounds()[1][:, 0], 0.0),
-        )
-        rough = between(np.zeros(len(top)), np.maximum(top**least, top**most) * (1 + 1e-12), self)
+        # The logarithm has no bound where the function may be 0. There the power lies between 0 and
+        # that of the upper bound, which is monotone in the exponent and so largest at one of its
+        # ends; 1e-12 is for the rounding of floating-point powers.
+        lowest_order, highest_order = (x[:, 0] for x in order.bounds())
+        top = np.maximum(self.bounds()[1][:, 0], 0.0)
+        greatest = np.maximum(top**lowest_order, top**highest_order) * (1 + 1e-12)
+        rough = between(np.zeros(len(top)), greatest, self)
         return smooth.where(np.isfinite(smooth.bounds()[1]).all(-1), rough)
 
     def log(self) -> TaylorModel:
         """The logarithm; unknown where the function may be 0."""
+        # log(a + x) = log a + x/a - x^2/(2 a^2) + ..., and all later terms are at most rho^3/3 (1 +
+        # rho + ...). At rho = 1 the function may be 0, and near it the bound is useless.
         a = self.c0[:, :1]
         rho = self.deviation[:, :1] / a
         rest = np.where((rho >= 0) & (rho < 0.9), rho**3 / 3 / (1 - rho), np.inf)
@@ -195,22 +210,28 @@ class TaylorModel:
 
     def exp(self) -> TaylorModel:
         """The exponential."""
+        # The third derivative is at most exp(a + d); exp(a) may underflow to 0, its remainder not.
         e, d = np.exp(self.c0[:, :1]), self.deviation[:, :1]
         value = self._composed(e, e, e / 2, np.maximum(e, _TINY) * d**3 / 6 * np.exp(d))
         return self._chained(value, value)
 
     def _composed(self, f: Array, df: Array, half: Array, rest: Array) -> TaylorModel:
-        """f + df x + half x^2 + rest for x = the value minus its middle; without slopes."""
+        """The model of f + df x + half x^2 + rest for x = the value minus its middle; without
+        slopes."""
         x1, x2, r = self.c1[:, :1], self.c2[:, :1], self.r[:, :1]
         d1, d2 = _sum_of_sizes(x1, 1), _sum_of_sizes(x2, 2)
-        c1 = df[..., None] * x1
-        c2 = df[..., None, None] * x2 + half[..., None, None] * x1[..., :, None] * x1[..., None, :]
-        square = 2 * d1 * (d2 + r) + (d2 + r) ** 2  # of x^2, what is not in c2
-        whole = (
-            np.abs(f) + np.abs(df) * (d1 + d2) + np.abs(half) * d1**2
-        )  # of what is in f, c1 and c2
-        lost = _ROUNDING * whole + _TINY * (1 + self.deviation[:, :1]) ** 2
-        radius = (np.abs(df) * r + np.abs(half) * square + rest) * (1 + _ROUNDING) + lost
+        df_row, df_size, half_size = df[..., None], np.abs(df), np.abs(half)
+        c1 = df_row * x1
+        # Of x^2 = (x1.t + ...)^2 the product of the linear parts is of second order and stays a
+        # coefficient; its cross terms with x2 and r, and their squares, go to the remainder.
+        outer = x1[..., :, None] * half[..., None, None] * x1[..., None, :]
+        c2 = df_row[..., None] * x2 + outer
+        square = 2 * d1 * (d2 + r) + (d2 + r) ** 2
+        size = np.abs(f) + df_size * (d1 + d2) + half_size * d1**2
+        # Rounding is relative to the size of f, c1 and c2 together. What may underflow in df and
+        # half is multiplied by x and by x^2, hence the square.
+        lost = _ROUNDING * size + _TINY * (1 + self.deviation[:, :1]) ** 2
+        radius = (df_size * r + half_size * square + rest) * (1 + _ROUNDING) + lost
         return TaylorModel(f, c1, c2, radius)
 
     def _chained(self, value: TaylorModel, slope: TaylorModel) -> TaylorModel:
@@ -241,21 +262,28 @@ def _sum_of_sizes(x: Array, axes: int) -> Array:
 
 
 def _product(x: TaylorModel, y: TaylorModel) -> TaylorModel:
-    """Row by row; one of the two may have a single row."""
+    """The product, row by row; one of the two factors may have a single row."""
+    x0, y0 = x.c0[..., None], y.c0[..., None]
+    x0_size, y0_size = np.abs(x.c0), np.abs(y.c0)
+    x1_size, x2_size = x._first, x._second
+    y1_size, y2_size = y._first, y._second
     c0 = x.c0 * y.c0
-    c1 = x.c0[..., None] * y.c1 + y.c0[..., None] * x.c1
-    xs, ys = np.abs(x.c0) + x._first + x._second, np.abs(y.c0) + y._first + y._second
-    r = x._first * y._second + x._second * (y._first + y._second) + xs * y.r + x.r * (ys + y.r)
+    c1 = x0 * y.c1 + y0 * x.c1
+    x_size = x0_size + x1_size + x2_size
+    y_size = y0_size + y1_size + y2_size
+    # Products of polynomial parts that are of third order or higher, then each remainder times all
+    # of the other factor.
+    r = x1_size * y2_size + x2_size * (y1_size + y2_size)
+    r = r + x_size * y.r + x.r * (y_size + y.r)
     if x.is_linear or y.is_linear:
-        c2 = np.empty((len(c0), 0, *[c1.shape[-1]] * 2))
-        r = r + np.abs(x.c0) * y._second + np.abs(y.c0) * x._second + x._first * y._first
+        # Rows of first order have nowhere to keep second-order terms: these are bounded as well.
+        sides = c1.shape[-1]
+        c2 = np.empty((len(c0), 0, sides, sides))
+        r = r + x0_size * y2_size + y0_size * x2_size + x1_size * y1_size
     else:
-        c2 = (
-            x.c0[..., None, None] * y.c2
-            + y.c0[..., None, None] * x.c2
-            + x.c1[..., :, None] * y.c1[..., None, :]
-        )
-    return TaylorModel(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (xs * ys) + _TINY)
+        c2 = x0[..., None] * y.c2 + y0[..., None] * x.c2
+        c2 = c2 + x.c1[..., :, None] * y.c1[..., None, :]
+    return TaylorModel(c0, c1, c2, r * (1 + _ROUNDING) + _ROUNDING * (x_size * y_size) + _TINY)
 
 
 def _quotient(x: TaylorModel, y: TaylorModel) -> TaylorModel:
@@ -265,20 +293,23 @@ def _quotient(x: TaylorModel, y: TaylorModel) -> TaylorModel:
     Of rows of first order it is the line for which that begins with the second. Of numerator and
     denominator that vary alike nothing is lost so, and little of others.
     """
-    a = y.c0
-    w1, w2 = y.c1 / a[..., None], y.c2 / a[..., None, None]
-    c0 = x.c0 / a
-    c1 = x.c1 / a[..., None] - c0[..., None] * w1
+    # x = q y, solved order by order. These coefficients need no error bounds: whatever q is, it is
+    # off by (x - q y)/y, which is bounded afterwards, rounding included.
+    y0 = y.c0
+    y0_row = y0[..., None]
+    y0_matrix = y0[..., None, None]
+    w1, w2 = y.c1 / y0_row, y.c2 / y0_matrix
+    c0 = x.c0 / y0
+    c1 = x.c1 / y0_row - c0[..., None] * w1
     c2 = x.c2
     if not x.is_linear:
-        c2 = (
-            x.c2 / a[..., None, None]
-            - c0[..., None, None] * w2
-            - c1[..., :, None] * w1[..., None, :]
-        )
-    missed = x - _product(TaylorModel(c0, c1, c2, np.zeros(c0.shape)), y)
-    least = np.abs(a) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
-    r = (np.abs(missed.c0) + missed.deviation) / least * (1 + _ROUNDING) + _TINY
+        c2 = c2 / y0_matrix - c0[..., None, None] * w2
+        c2 = c2 - c1[..., :, None] * w1[..., None, :]
+    quotient = TaylorModel(c0, c1, c2, np.zeros(c0.shape))
+    missed = x - _product(quotient, y)
+    missed_size = np.abs(missed.c0) + missed.deviation
+    least = np.abs(y0) * (1 - _ROUNDING) - y.deviation * (1 + _ROUNDING)
+    r = missed_size / least * (1 + _ROUNDING) + _TINY
     return TaylorModel(c0, c1, c2, np.where(least > 0, r, np.inf))
 
 
@@ -299,11 +330,12 @@ def variable(
 
     ``slopes`` : their order, 2 or 1; without them if 0.
     """
-    found = _flat(middle, np.zeros((len(middle), 1 + sides)), sides, linear=slopes == 1)
-    found.c1[:, 0, side] = radius
-    found.c0[:, 1 + side] = radius
-    found.r[:, 0] = found.r[:, 1 + side] = _ROUNDING * size + _TINY
-    return found if slopes else found._value
+    model = _flat(middle, np.zeros((len(middle), 1 + sides)), sides, linear=slopes == 1)
+    model.c1[:, 0, side] = radius
+    # The slope along t_side, which is the radius; the others are 0.
+    model.c0[:, 1 + side] = radius
+    model.r[:, 0] = model.r[:, 1 + side] = _ROUNDING * size + _TINY
+    return model if slopes else model._value
 
 
 def between(low: Array, high: Array, like: TaylorModel) -> TaylorModel:
@@ -315,8 +347,11 @@ def between(low: Array, high: Array, like: TaylorModel) -> TaylorModel:
 
 
 def _flat(value: Array, r: Array, sides: int, *, linear: bool) -> TaylorModel:
+    """The model of a constant in each box, with these remainders."""
+    # Column order: the boxes lie side by side in memory, and every operation runs along them.
     boxes, rows = r.shape
-    c0, c1 = (np.zeros((boxes, rows, *[sides] * n), order="F") for n in range(2))
+    c0 = np.zeros((boxes, rows), order="F")
+    c1 = np.zeros((boxes, rows, sides), order="F")
     c2 = np.zeros((boxes, 1 if linear else rows, sides, sides), order="F")
     c0[:, 0] = value
     r[:, 0] += _ROUNDING * np.abs(value) + _TINY
@@ -330,6 +365,7 @@ ModelOrFloat: TypeAlias = TaylorModel | float
 def _sum(x: ModelOrFloat, y: ModelOrFloat) -> ModelOrFloat:
     if isinstance(x, TaylorModel):
         return x + y if isinstance(y, TaylorModel) else x.plus(y)
+    # Two floats never meet: a step without inputs is among the constants of ``Modelled``.
     assert isinstance(y, TaylorModel)
     return y.plus(x)
 
@@ -366,12 +402,14 @@ OPERATIONS: dict[str, Callable[..., ModelOrFloat]] = {
 
 @dataclass(frozen=True, eq=False)
 class Modelled:
-    """A program without ``abs`` and ``sqrt``, whose slopes jump."""
+    """A program that runs in Taylor models; it must be one without ``abs`` and ``sqrt``, whose
+    slopes are not continuous."""
 
     program: Program
 
     def run(self, inputs: Sequence[TaylorModel]) -> dict[str, ModelOrFloat]:
-        """The results by name: for inputs in the order of the program's."""
+        """The results by name, for inputs in the order of the program's own; a result that depends
+        on no input is a float."""
         known: dict[int, ModelOrFloat] = dict(self._constants)
         for i, step in enumerate(self.program.operations):
             if step.name == "input":
@@ -384,6 +422,8 @@ class Modelled:
     @cached_property
     def _constants(self) -> Mapping[int, float]:
         """The steps that depend on no input, to within a rounding."""
+        # In floats a difference of two constants could lose all its digits, and no remainder would
+        # say so: models count constants as known to within some roundings.
         balls: dict[int, Any] = {}
         with flint.ctx.workprec(200):
             for i, step in enumerate(self.program.operations):
@@ -395,8 +435,8 @@ class Modelled:
 
 
 def valued(formula: Expr, known: Mapping[Expr, TaylorModel], like: TaylorModel) -> TaylorModel:
-    """A formula of what is known and exact numbers by + * / and whole powers; ``like`` : any model
-    over the same cells."""
+    """The model of a formula: sums, products, quotients and whole powers of exact numbers and of
+    the expressions that are ``known``; ``like`` : any model over the same cells."""
     if formula in known:
         return known[formula]
     if not formula.free_symbols & set(known):
@@ -405,6 +445,7 @@ def valued(formula: Expr, known: Mapping[Expr, TaylorModel], like: TaylorModel) 
         terms = [valued(x, known, like) for x in formula.args]
         return sum(terms[1:], terms[0])
     one = like.number(1.0)
+    # Without a start ``prod`` begins with the integer 1, with which models do not multiply.
     if isinstance(formula, Mul):
         return prod((valued(x, known, like) for x in formula.args), start=one)
     assert isinstance(formula, Pow)

@@ -1,4 +1,12 @@
-"""NumPy functions of closed forms: shape kept, limits by value, as accurate as asked for."""
+"""NumPy functions of a scene's closed forms: arrays of frequencies and parameters in, arrays of the
+broadcast shape out, at one of three levels of accuracy (``programs.accuracy``).
+
+A call first bounds the magnitudes of all steps from those of its inputs. If nothing can overflow or
+lose digits to underflow, floats or double-doubles compute all points at once; otherwise the points
+at which that happens are found, and computed with a proof. Entries that are not finite (0/0, poles)
+are replaced by their limits at the end. ``digits`` gives correctly rounded decimal strings. Begin
+with ``Compiled``.
+"""
 
 from __future__ import annotations
 
@@ -28,19 +36,24 @@ if TYPE_CHECKING:
 else:
     Array = Any
 
-_LEAST = 32  # frequencies that are not taken apart to find those at which a float overflows
+_LEAST = 32  # frequencies that are not halved again to find those at which a float overflows
 _MOST_DOUBLED = 28  # decimal digits that a double-double can prove
-_ROOM = {
-    True: (53, 1020),
-    False: (107, 900),
-}  # binary digits and greatest exponent of floats, and of double-doubles
-_MOST_KEPT = 64  # judgements
+# By whether floats compute, or double-doubles: binary digits, and the exponent that no step may
+# reach. The low part of a double-double and the error of a product are some 107 bits below it, and
+# must not underflow either, which leaves it less room.
+_ROOM = {True: (53, 1020), False: (107, 900)}
+_MOST_KEPT = 64  # judgements that a function keeps
 _FEW = 24  # points for which balls alone are cheaper than an array of double-doubles
 
 
 class Values(NamedTuple):
-    """Values of the closed forms at the given frequencies, each of the shape of the broadcast
-    arguments."""
+    """Real and imaginary parts at the given frequencies, each of the shape of the broadcast
+    arguments.
+
+    ``real``, ``imag`` : of the distortion dH = H_perc - H_env, in its unit. ``ratio_...`` : their
+    magnitudes over |H_env|. ``relative_...`` : of dH/H_env. ``environment_...`` : of H_env.
+    ``perceived_...`` : of H_perc.
+    """
 
     real: Array
     imag: Array
@@ -143,17 +156,18 @@ class Compiled(Shown):
 
     def _fill(self, inputs: Sequence[Any], size: int, out: Any) -> None:
         fast = self.accuracy is Accuracy.FAST
-        found = None if self.accuracy is Accuracy.CERTIFIED else self._judged(ranges(inputs))
-        if found is not None and found.safe:
+        judgement = None if self.accuracy is Accuracy.CERTIFIED else self._judged(ranges(inputs))
+        if judgement is not None and judgement.safe:
             self._compute(inputs, size, out)
         else:
+            # An input that is not finite makes the judgement unsafe, if any step reads it.
             (self._watch if fast else self._prove)(inputs, size, out)
             out[:, ~_are_finite(inputs, size)] = np.nan
             if not fast:
                 return
-        # one sum tells of all whether any is not finite; where they overflow only together, nothing
-        # is repaired
-        if not (found and found.finite) and not _all_finite(out):
+        # One sum shows for all entries whether any is not finite. Where finite entries overflow
+        # only when added, ``_repair`` finds nothing to do.
+        if not (judgement and judgement.finite) and not _all_finite(out):
             self._repair(inputs, out)
 
     def _judged(self, inputs: tuple[MagnitudeRange, ...]) -> Judgement:
@@ -172,7 +186,9 @@ class Compiled(Shown):
         return {}
 
     def _watch(self, inputs: Sequence[Any], size: int, out: Any) -> None:
-        """In floats wherever the processor sees them keep their digits, and proven elsewhere."""
+        """Fill ``out`` in floats wherever the processor reports neither overflow nor underflow, and
+        with proven values elsewhere."""
+        # The processor does not say at which frequency it happened: halves are tried again.
         try:
             Floats(self.program).run(inputs, size, out, watched=True)
         except FloatingPointError:
@@ -187,19 +203,21 @@ class Compiled(Shown):
                 )
 
     def _prove(self, inputs: Sequence[Any], size: int, out: Any) -> None:
-        found, _ = self.certified.run(inputs, size)
+        values, _ = self.certified.run(inputs, size)
         for row, name in zip(out, self.fields, strict=True):
-            row[...] = found[name]
+            row[...] = values[name]
 
     def _compute(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+        """Fill ``out`` in floats or double-doubles, without a proof."""
         if self.accuracy is Accuracy.FAST:
             self.floats.run(inputs, size, out)
             return
-        found = self._doubles.run(inputs, size)
+        results = self._doubles.run(inputs, size)
         for row, name in zip(out, self.fields, strict=True):
-            row[...] = found[name].hi
+            row[...] = results[name].hi
 
     def _repair(self, inputs: Sequence[Any], out: Any) -> None:
+        """Replace the entries that are not finite by their exact values, limits or infinities."""
         for n in np.flatnonzero(~np.isfinite(out).all(axis=0)).tolist():
             names = [
                 name for name, row in zip(self.fields, out, strict=True) if not np.isfinite(row[n])
@@ -210,8 +228,11 @@ class Compiled(Shown):
     def _texts(
         self, inputs: Sequence[Any], size: int, count: int
     ) -> tuple[dict[str, list[str | None]], Counter[str]]:
+        """The decimal strings by field, and how many of them each method has proven."""
         texts: dict[str, list[str | None]] = {name: [None] * size for name in self.fields}
         methods: Counter[str] = Counter()
+        # Double-doubles first, as they take all points at once; a text that they do not prove is
+        # None.
         if count <= _MOST_DOUBLED and size > _FEW:
             sound = _are_finite(inputs, size).tolist()
             for name, x in self.certified.doubles.run(inputs, size).items():
@@ -242,21 +263,23 @@ class Compiled(Shown):
         try:
             shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
-            listed = ", ".join(
-                f"{name} {x.shape}"
-                for name, x in zip(("omega", *self.parameters), arguments, strict=True)
-            )
+            named = zip(("omega", *self.parameters), arguments, strict=True)
+            listed = ", ".join(f"{name} {x.shape}" for name, x in named)
             raise SceneError(f"the shapes of the arguments do not broadcast: {listed}") from None
-        flat = [
-            float(x.item())
-            if x.size == 1
-            else (x if x.shape == shape else np.broadcast_to(x, shape)).ravel()
-            for x in arguments
-        ]
+        # A single number stays one: steps that depend on such numbers alone are computed once, and
+        # not for every frequency.
+        flat: list[Any] = []
+        for x in arguments:
+            if x.size == 1:
+                flat.append(float(x.item()))
+            else:
+                flat.append((x if x.shape == shape else np.broadcast_to(x, shape)).ravel())
         return flat, shape, prod(shape)
 
 
 def _array(name: str, given: ArrayLike) -> Array:
+    """An argument as an array of floats; SceneError for what is no real number."""
+    # NumPy would drop an imaginary part with a mere warning.
     if np.iscomplexobj(given):
         raise SceneError(
             f"{name}: give real {'frequencies in rad/s' if name == 'omega' else 'numbers in SI'}"
@@ -291,6 +314,7 @@ def _decimal(row: Sequence[float], count: int) -> str | None:
     """The decimal digits that a double-double proves; None if it does not."""
     if not np.isfinite(row).all():
         return None
+    # In fractions hi + lo -+ error is exact. An enclosure of 0 has no first digit.
     hi, lo, error = (Fraction(x) for x in row)
     low, high = hi + lo - error, hi + lo + error
     return rounded(low, high, count) if low * high > 0 else None

@@ -176,12 +176,14 @@ Box: TypeAlias = (
 def needs_dot(left: Box, right: Box) -> bool:
     """Whether two neighbours in a product need a sign between them: two numbers, or what comes
     after an operator's operand."""
+    # Without it 2 3 would be read as 23, and Re H k as Re (H k).
     return isinstance(left, Prefixed) or (
         isinstance(left, Numeral | Ratio) and _starts_with_digit(right)
     )
 
 
 def _starts_with_digit(box: Box) -> bool:
+    """Whether a box is a number or a power of one."""
     base = box.base if isinstance(box, Power) else box
     return isinstance(base, Numeral | Ratio)
 
@@ -206,6 +208,7 @@ def text(box: Box) -> str:
     return formed(box, _TEXT)
 
 
+# What a keyboard can type: relations, and functions by the names that programs have for them.
 _KEYS = {
     "≈": "~",
     "≠": "!=",
@@ -225,6 +228,8 @@ def _inside(box: Box, *fenced: type) -> str:
 
 
 def _product(x: SideBySide) -> str:
+    """Factors side by side, as text."""
+    # On one line 2/3 k could be read as 2/(3 k), so a quotient among factors has parentheses.
     parts = [_inside(x.factors[0], Ratio, Fraction)]
     for left, right in pairwise(x.factors):
         parts.append(("*" if needs_dot(left, right) else " ") + _inside(right, Ratio, Fraction))
@@ -239,10 +244,10 @@ def signed(terms: Sequence[tuple[int, Box]], form: Callable[[Box], str]) -> str:
 
 def related(x: Relation, form: Callable[[Box], str], relations: Mapping[str, str]) -> str:
     """The sides of an equation with its relations between them."""
-    pairs = zip(x.relations, x.sides[1:], strict=True)
-    return "".join(
-        (form(x.sides[0]), *(f" {relations.get(sign, sign)} {form(side)}" for sign, side in pairs))
-    )
+    shown = form(x.sides[0])
+    for sign, side in zip(x.relations, x.sides[1:], strict=True):
+        shown += f" {relations.get(sign, sign)} {form(side)}"
+    return shown
 
 
 _TEXT: Mapping[type, Callable[[Any], str]] = {
@@ -253,7 +258,8 @@ _TEXT: Mapping[type, Callable[[Any], str]] = {
     Sum: lambda x: signed(x.terms, text),
     SideBySide: _product,
     Fraction: lambda x: (
-        f"{_inside(x.above, Sum, Fraction, Ratio)}/{_inside(x.below, Sum, SideBySide, Fraction, Ratio)}"
+        f"{_inside(x.above, Sum, Fraction, Ratio)}/"
+        f"{_inside(x.below, Sum, SideBySide, Fraction, Ratio)}"
     ),
     Power: lambda x: (
         f"{_inside(x.base, Ratio)}^{_inside(x.exponent, Sum, SideBySide, Fraction, Ratio, Power)}"

@@ -1,4 +1,4 @@
-"""Which characters of a scene or a file leave the program: none that speaks to a terminal or turns
+"""Which characters of a scene or a file leave the program: none that controls a terminal or turns
 text around."""
 
 from __future__ import annotations
@@ -7,7 +7,10 @@ from unicodedata import category
 
 MISSING = "\N{REPLACEMENT CHARACTER}"
 """What stands in the place of a character that is not shown."""
+# Unicode's categories of controls, formats (overrides of direction among them), unassigned code
+# points, surrogates, and separators of lines and paragraphs.
 _HIDDEN = ("Cc", "Cf", "Cn", "Cs", "Zl", "Zp")
+# Formats that Persian and Indic scripts are written with, and the ends of lines.
 _HARMLESS = "\n\t\N{SOFT HYPHEN}\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
 
 

@@ -70,12 +70,12 @@ class Language(Enum):
 
 
 def _words(text: str) -> frozenset[str]:
+    """The words of a text, as a set."""
     return frozenset(text.split())
 
 
-_FUNCTIONS = _words(
-    "abs cos exp fabs log max min pow sin sinc sqrt tan pi"
-)  # what the code itself may call
+# What the code itself may call: a parameter of that name would hide the function.
+_FUNCTIONS = _words("abs cos exp fabs log max min pow sin sinc sqrt tan pi")
 RESERVED: Mapping[Language, frozenset[str]] = {
     Language.NUMPY: _FUNCTIONS
     | {*keyword.kwlist, *keyword.softkwlist, "np", "float", "NamedTuple", "shape", "results"},
@@ -137,7 +137,7 @@ def identifiers(
     listed = list(names)
     used = {*RESERVED[language], *taken}
     chosen: dict[str, str] = {}
-    # names that can stay are given first, so that no changed one takes them
+    # Names that can stay are given first, so that no changed one takes them.
     for name in sorted(listed, key=lambda x: _plain(x) != x or x in used):
         stem = _plain(name)[:_LONGEST]
         chosen[name] = next(x for x in _candidates(stem) if x not in used)
@@ -146,6 +146,7 @@ def identifiers(
 
 
 def _candidates(stem: str) -> Iterable[str]:
+    """Endless names for what is called ``stem``, the least changed first."""
     return chain([stem, f"{stem}_"], (f"{stem}_{n}" for n in count(2)))
 
 
@@ -157,6 +158,8 @@ def _plain(name: str) -> str:
 
 
 def _letter(c: str) -> str:
+    """A character that is not ASCII: a Greek letter's name, a letter without its accent, else the
+    code point."""
     base = unicodedata.normalize("NFKD", c)[0]
     return greek(c) or (base if base.isascii() else f"_u{ord(c):04X}")
 
@@ -184,7 +187,7 @@ def comment(text: str) -> str:
     'a * / b c'
     """
     line = "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
-    # a backslash first: what becomes of it must not close a comment with the star before it
+    # A backslash first: what becomes of it must not close a comment with the star before it.
     for mark, harmless in (("\\", "/"), ("*/", "* /"), ("/*", "/ *"), ('"', "'")):
         line = line.replace(mark, harmless)
     return re.sub(r"\?(?=\?)", "? ", line)  # two of them start a trigraph in C
@@ -232,11 +235,12 @@ class Routine:
 
 
 def laid_out(routine: Routine, language: Language) -> str:
-    """The source text of a routine."""
+    """The source text of a routine, with one line end at its end."""
     return "\n".join(_LAYOUTS[language](routine)).rstrip() + "\n"
 
 
 def _numpy(r: Routine) -> Iterable[str]:
+    """The lines of a module for NumPy: a named tuple of results, helpers, the function."""
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from _paragraphs(r, "# ")
     yield from ("", "from typing import NamedTuple", "", "import numpy as np", "", "")
@@ -249,12 +253,15 @@ def _numpy(r: Routine) -> Iterable[str]:
     yield from ("", "")
     if name := r.helpers.get("sinc"):
         yield from (f"def {name}(x):", f'    """{_SINC}."""')
+        # np.where computes both branches everywhere, so the division must be one at 0 as well.
         yield from (
             "    return np.where(x == 0.0, 1.0, np.sin(x) / np.where(x == 0.0, 1.0, x))",
             "",
             "",
         )
     if name := r.helpers.get("sincm1"):
+        # Both branches run for all x: each has its argument kept where it is sound, the series
+        # near 0, the quotient away from 0.
         yield from (
             f"def {name}(x):",
             f'    """{_SINCM1}."""',
@@ -295,6 +302,8 @@ def _numpy(r: Routine) -> Iterable[str]:
 
 
 def _c(r: Routine) -> Iterable[str]:
+    """The lines of a file for C: the struct and the prototype within an include guard, then the
+    functions."""
     guard, parameters = f"{r.name.upper()}_H", ", ".join(f"double {x.name}" for x in r.arguments)
     prototype = f"void {r.name}({parameters}, {r.name}_values *values)"
     yield from ("/*", *_paragraphs(r, " * "), " */", f"#ifndef {guard}", f"#define {guard}", "")
@@ -330,11 +339,13 @@ def _c(r: Routine) -> Iterable[str]:
     if r.uses_pi:
         yield "    const double pi = 3.141592653589793;"
     yield from _statements(r.definitions, "    const double {} = {};", "    ")
+    # The cast tells compilers that an argument on which nothing depends is not forgotten.
     yield from (f"    (void){name};" for name in r.unused)
     yield from (*_statements(r.values, "    values->{} = {};", "    "), "}")
 
 
 def _octave(r: Routine) -> Iterable[str]:
+    """The lines of a file for Octave and MATLAB: the function with its help text, then helpers."""
     call = f"values = {r.name}({r.listed})"
     yield from _wrapped(f"function {call}", "  ", " ...")
     yield from (
@@ -350,6 +361,7 @@ def _octave(r: Routine) -> Iterable[str]:
     yield from _wrapped(
         f"  zero = zeros(size({' + '.join(x.name for x in r.arguments)}));", "  ", " ..."
     )
+    # ``zero`` gives every result the common size of the arguments, also a constant.
     yield from _statements(r.definitions, "  {} = {};", "  ", continued=" ...")
     yield from (*_statements(r.values, "  values.{} = zero + ({});", "  ", continued=" ..."), "end")
     if name := r.helpers.get("sinc"):
@@ -368,6 +380,7 @@ def _octave(r: Routine) -> Iterable[str]:
 
 
 def _javascript(r: Routine) -> Iterable[str]:
+    """The lines of a script for browsers, which is also a module for Node."""
     values = f"{r.name[0].upper()}{r.name[1:]}Values"
     yield from ("/*", *_paragraphs(r, " * "), " */", "")
     if name := r.helpers.get("sinc"):
@@ -430,11 +443,13 @@ def _paragraphs(r: Routine, mark: str) -> Iterable[str]:
 
 
 def _notes(r: Routine, mark: str) -> Iterable[str]:
+    """The notes in lines of a comment."""
     for note in r.notes:
         yield from _filled(note, mark)
 
 
 def _filled(text: str, mark: str, indent: str = "  ") -> list[str]:
+    """A text in lines that begin with the mark of a comment."""
     return textwrap.wrap(
         text, _WIDTH, initial_indent=mark, subsequent_indent=mark + indent, break_on_hyphens=False
     )
@@ -477,11 +492,12 @@ def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
     """
     if len(line) <= _WIDTH:
         return [line]
-    own = line.lstrip()
+    statement = line.lstrip()
+    # No-break spaces keep ``wrap`` from breaking there; they become spaces again below.
     lines = textwrap.wrap(
-        own.replace(" = ", _EQUALS, 1),
+        statement.replace(" = ", _EQUALS, 1),
         _WIDTH,
-        initial_indent=line[: -len(own)],
+        initial_indent=line[: -len(statement)],
         subsequent_indent=f"{indent}    ",
         break_long_words=False,
         break_on_hyphens=False,
@@ -498,6 +514,7 @@ class Dialect:
     """How a language writes arithmetic; ``whole`` : whether a whole number may be written without a
     point."""
 
+    # Not in C, where 1/2 divides integers and is 0.
     power: str
     library: str = ""
     absolute: str = "abs"
@@ -539,23 +556,24 @@ class CodePiece:
 
     @property
     def unsigned(self) -> str:
-        """Without that minus."""
+        """The expression without that minus."""
         return self.text[1:]
 
     def at_least(self, kind: Precedence) -> str:
-        """In brackets unless it is of this kind or a greater one, and has no minus."""
+        """The text, in brackets unless it is of this kind or a greater one, and has no minus."""
         return self.text if self.kind >= kind and not self.is_negative else f"({self.text})"
 
     @property
     def as_first(self) -> str:
-        """As the first operand of a product."""
+        """The text as the first operand of a product: only a sum needs brackets there."""
         return f"({self.text})" if self.kind is Precedence.SUM else self.text
 
 
 @dataclass(kw_only=True)
 class CodeReader(Reader[CodePiece]):
-    """``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and
-    ``sincm1``.
+    """Reads a program as expressions of a language.
+
+    ``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and ``sincm1``.
 
     >>> from haptisym.programs.program import Writer
     >>> from sympy import sqrt
@@ -593,10 +611,11 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def name(self, name: str) -> CodePiece:
-        """A name."""
+        """The name of an intermediate value."""
         return CodePiece(name)
 
     def is_name(self, value: CodePiece) -> bool:
+        """Whether a value is a mere name, perhaps with a minus."""
         return value.text.removeprefix("-").isidentifier()
 
     def made(self, operation: str, *arguments: CodePiece) -> CodePiece:
@@ -610,6 +629,9 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def _add(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        # x + y and y + x are the same double, so the order is free: first what has no minus, then
+        # a sum, which needs no brackets there. A sum in second place keeps its brackets, as
+        # addition of doubles is not associative.
         if (x.is_negative, y.kind is Precedence.SUM) > (y.is_negative, x.kind is Precedence.SUM):
             x, y = y, x
         return (
@@ -625,6 +647,7 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def _neg(self, x: CodePiece) -> CodePiece:
+        # A minus binds less than a power, so nothing with a minus counts as more than a product.
         if x.is_negative:
             return CodePiece(x.unsigned, x.kind)
         return CodePiece(
@@ -632,6 +655,7 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def _mul(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        # Commutative as well: first what would need brackets in second place, or reads better.
         if _leads(y) > _leads(x):
             x, y = y, x
         kind = Precedence.QUOTIENT if x.kind is Precedence.QUOTIENT else Precedence.PRODUCT
@@ -643,8 +667,10 @@ class CodeReader(Reader[CodePiece]):
         )
 
     def _power(self, x: CodePiece, y: CodePiece) -> CodePiece:
+        # IEEE 754 asks for a correctly rounded square root, and leaves the accuracy of powers open.
         if y.text == "0.5":
             return self.made("sqrt", x)
+        # A function call has brackets of its own; an operator needs them around all but atoms.
         if self.dialect.power.endswith(")"):
             return CodePiece(self.dialect.power.format(x.text, y.text))
         sides = x.at_least(Precedence.ATOM), y.at_least(Precedence.ATOM)
@@ -653,15 +679,11 @@ class CodeReader(Reader[CodePiece]):
 
 def _leads(x: CodePiece) -> int:
     """Which factor stands first: what begins with a minus, then numbers, then a quotient."""
-    return (
-        3
-        if x.is_negative
-        else 2
-        if x.text[0].isdigit()
-        else 1
-        if x.kind is Precedence.QUOTIENT
-        else 0
-    )
+    if x.is_negative:
+        return 3
+    if x.text[0].isdigit():
+        return 2
+    return 1 if x.kind is Precedence.QUOTIENT else 0
 
 
 def nearest_double(number: Expr) -> float:
@@ -682,8 +704,11 @@ def nearest_double(number: Expr) -> float:
 def _vanishes(number: Expr) -> bool:
     """Whether a number made with roots is below 1e-600 of what it is a sum of: zero, or nothing
     beside any double."""
+    # Without a sum nothing cancels, and a number that is not written as 0 is none.
     if not any(isinstance(x, Add) for x in preorder_traversal(number)):
         return False
+    # Whether a sum of roots is exactly 0 can be hard to decide. It need not be: with 4096 bits, a
+    # ball that contains 0 is far below the smallest double relative to its terms.
     with ctx.workprec(4096):
         low, high = bounds(expression_ball(number))
     return low <= 0 <= high
@@ -751,13 +776,14 @@ class Source:
         <BLANKLINE>
         """
         language, program, listed = Language.of(language), self.program, self.arguments
-        used = {
-            program.inputs[step.arguments[0]] for step in program.operations if step.name == "input"
-        }
+        inputs = (step for step in program.operations if step.name == "input")
+        used = {program.inputs[step.arguments[0]] for step in inputs}
         _check(program, used, listed)
-        own = function_name(name, language)
-        helpers = {kind: f"{own}_{kind}" for kind in ("sinc", "sincm1")}
-        taken = {own, *helpers.values(), f"{own}_values", f"{own[0].upper()}{own[1:]}Values"}
+        function = function_name(name, language)
+        helpers = {kind: f"{function}_{kind}" for kind in ("sinc", "sincm1")}
+        # Names of the struct or class of results, in any language; arguments must not take them.
+        results = {f"{function}_values", f"{function[0].upper()}{function[1:]}Values"}
+        taken = {function, *helpers.values(), *results}
         chosen = identifiers((a.symbol.name for a in listed), language, taken)
         names = {a.symbol: chosen[a.symbol.name] for a in listed}
         reader = CodeReader(
@@ -770,7 +796,7 @@ class Source:
         values = {x: piece.text for x, piece in reader.results().items()}
         operations = {step.name for step in program.operations}
         routine = Routine(
-            name=own,
+            name=function,
             heading=comment(self.about.title or "Values of closed forms.").rstrip(".") + ".",
             notes=tuple(
                 comment(x) for x in (*self.about.notes, f"Generated by haptisym {__version__}.")
@@ -789,6 +815,7 @@ class Source:
 
 
 def _check(program: Program, used: Set[Symbol], arguments: tuple[Argument, ...]) -> None:
+    """SceneError unless the arguments are all that the program needs, each of them once."""
     symbols = [a.symbol for a in arguments]
     doubled = next((x for x in symbols if symbols.count(x) > 1), None)
     if doubled is not None:
@@ -802,18 +829,21 @@ def _check(program: Program, used: Set[Symbol], arguments: tuple[Argument, ...])
 
 
 def _argument_words(argument: Argument, names: Mapping[Symbol, str], used: Set[Symbol]) -> str:
-    own = argument.symbol.name
+    """What a comment says about an argument: meaning, unit, range, example, and its name in the
+    formulas where the language does not allow that one."""
+    symbol = argument.symbol.name
     words = [
         ", ".join(x for x in (argument.meaning, argument.unit) if x),
         argument.range,
         argument.example,
     ]
-    words += [f"called {own} in the formulas"] if names[argument.symbol] != own else []
+    words += [f"called {symbol} in the formulas"] if names[argument.symbol] != symbol else []
     words += ["no result depends on it"] if argument.symbol not in used else []
     return comment("; ".join(x for x in words if x))
 
 
 def _result_words(name: str, about: About) -> str:
+    """What a comment says about a result: its meaning and unit."""
     meaning, unit = (about.results or {}).get(name, ("result", ""))
     return comment(f"{meaning}, {unit}" if unit else meaning)
 
@@ -893,6 +923,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
         raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
     fixed = values(x for x in scene.parameters if x not in free)
     chain = scene.chain.at(fixed)
+    # In the order of the scene, whatever the order that the names were given in.
     arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]
     about = About(
@@ -929,18 +960,20 @@ def distortion_code(
 
 def computed(chain: Chain) -> Program:
     """The fields of ``Values``, in its order: the program that ``compile`` runs, if no value of it
-    is a limit."""
+    is a limit, else that of the closed forms."""
+    # ``compile`` takes limits where a value is 0/0; plain code cannot, and common factors that make
+    # 0/0 are cancelled in closed forms.
     program = chain.program(Values._fields)
     return program if _has_no_limits(chain, program) else closed(chain)
 
 
 def closed(chain: Chain) -> Program:
-    """The same from the closed forms, in lowest terms."""
+    """The program of the same values from the closed forms, in lowest terms."""
     d = Distortion.of(chain)
     dynamics = (d.env.numerator, d.env.denominator, d.perc.denominator)
-    factors = [
-        p for polynomial in dynamics for p, _ in d.env.ring.factors(polynomial, in_square=False)[1]
-    ]
+    factors: list[Any] = []
+    for polynomial in dynamics:
+        factors.extend(p for p, _ in d.env.ring.factors(polynomial, in_square=False)[1])
     return closed_program(d.functions(Values._fields), factors, chain.parameters)
 
 
@@ -950,11 +983,15 @@ def _has_no_limits(chain: Chain, program: Program) -> bool:
     environment = on_axis(chain.ring.convert(chain.environment).reduced())
     R, X = (part_of(environment, part).function.numerator for part in Part)
     apart = R.is_zero() or X.is_zero() or R.gcd(X).is_constant()
-    at_zero = BallPoint(program, (0.0, *(1.25 + n / 8 for n in range(len(program.inputs) - 1))))
+    # omega = 0, and for each parameter another generic value, exact as a double: a step that
+    # divides by 0 there has a ball that is not finite.
+    parameters = (1.25 + n / 8 for n in range(len(program.inputs) - 1))
+    at_zero = BallPoint(program, (0.0, *parameters))
     return apart and all(x.is_finite() for x in at_zero.balls(128).values())
 
 
 def _results(motion: MotionKind | None) -> dict[str, tuple[str, str]]:
+    """Meaning and unit of each result; ratios have none."""
     force = Dimension.STIFFNESS.unit(motion)
     return {
         name: (words, "" if name.startswith(("ratio", "relative")) else force)
@@ -969,10 +1006,10 @@ def _formula(expression: Expr) -> str:
 
 
 def _scene_notes(scene: Scene, fixed: Mapping[Symbol, Expr]) -> tuple[str, ...]:
-    chain = (
-        ", ".join(f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects)
-        or "none"
-    )
+    """The notes in the header of a scene's code: its dynamics, effects, fixed values, remarks and
+    source."""
+    effects = [f"{e.name} ({e.model})" if e.name != e.model else e.name for e in scene.effects]
+    chain = ", ".join(effects) or "none"
     rendered = [f"Rendered instead: {_formula(scene.rendering.dynamics)}"] if scene.rendered else []
     given = ", ".join(
         f"{p.symbol} = {_formula(p.value)}" for p in scene.parameters if p.symbol in fixed
@@ -1000,12 +1037,18 @@ _RANGES = {
 }
 
 
-def _argument(p: Knob, motion: MotionKind | None) -> Argument:
-    label = _LABELS.get(p.place) or f"the effect {p.place.partition('.')[2]}"
-    kind = "number" if p.dimension in (Dimension.ANY, Dimension.RATIO) else p.dimension.name.lower()
-    unit = "" if p.dimension is Dimension.RATIO else p.unit_in(motion) or "SI units"
-    example = f"{nearest_double(p.value):.12g} in the scene" if p.value.is_number else ""
-    model = "" if label.endswith(f" {p.model}") else f" ({p.model})"
-    return Argument(
-        p.symbol, unit, f"{kind} {p.key} of {label}{model}", _RANGES.get(p.rule, ""), example
-    )
+def _argument(parameter: Knob, motion: MotionKind | None) -> Argument:
+    """The argument for a parameter of a scene."""
+    dimension = parameter.dimension
+    kind = "number" if dimension in (Dimension.ANY, Dimension.RATIO) else dimension.name.lower()
+    unit = "" if dimension is Dimension.RATIO else parameter.unit_in(motion) or "SI units"
+    effect = parameter.place.partition(".")[2]
+    label = _LABELS.get(parameter.place) or f"the effect {effect}"
+    meaning = f"{kind} {parameter.key} of {label}"
+    # An effect without a name of its own is called by its model, which is not repeated then.
+    if not label.endswith(f" {parameter.model}"):
+        meaning += f" ({parameter.model})"
+    example = ""
+    if parameter.value.is_number:
+        example = f"{nearest_double(parameter.value):.12g} in the scene"
+    return Argument(parameter.symbol, unit, meaning, _RANGES.get(parameter.rule, ""), example)

@@ -90,7 +90,7 @@ class Code:
 
 
 DIGITS = 4
-"""Of the numbers of a page, where no others are asked for."""
+"""The digits of a page's numbers where no others are asked for."""
 Phrase: TypeAlias = (
     "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | tuple[Phrase, ...]"
 )
@@ -152,17 +152,15 @@ class Table:
     caption: Phrase = ""
 
     def cut(self, *, full: bool) -> Table:
-        """Without the columns that are there in full only, unless it is ``full``, and without empty
-        ones."""
-        kept = [
-            i
-            for i, column in enumerate(self.columns)
-            if (full or not column.full) and not self._is_blank(i)
-        ]
+        """The table without the columns that are there in full only, unless it is ``full``, and
+        without empty ones."""
+        wanted = [i for i, column in enumerate(self.columns) if full or not column.full]
+        kept = [i for i in wanted if not self._is_blank(i)]
         rows = tuple(tuple(row[i] for i in kept) for row in self.rows)
         return Table(tuple(self.columns[i] for i in kept), rows, self.caption)
 
     def _is_blank(self, i: int) -> bool:
+        """Whether a column holds nothing, not even a heading."""
         return is_empty(self.columns[i].heading) and all(is_empty(row[i]) for row in self.rows)
 
 
@@ -179,7 +177,7 @@ class Line:
 
     @property
     def equation(self) -> Relation:
-        """As boxes, for text and MathML."""
+        """The equation as boxes, for text and MathML."""
         if self.meaning is None:
             return Relation((self.left, self.box), (self.relation,))
         return Relation((self.left, self.meaning, self.box), ("=", self.relation))
@@ -287,6 +285,7 @@ class Document:
 
 
 def _figures(blocks: Iterable[Block]) -> Iterator[Figure]:
+    """All figures of blocks, also of those within sections."""
     for block in blocks:
         if isinstance(block, Section):
             yield from _figures(block.blocks)
@@ -306,6 +305,7 @@ class Style:
 
     def chosen(self, blocks: Iterable[Block]) -> Iterator[Block]:
         """The blocks that the page has, their numbers rounded; what holds nothing is left out."""
+        # Versions and formulas are functions, so that what is not wanted is never made.
         for block in blocks:
             if isinstance(block, Versions):
                 yield from self.chosen(block.full() if self.full else block.brief)
@@ -322,6 +322,7 @@ class Style:
                 yield self._settled(block)
 
     def _settled(self, block: Block) -> Block:
+        """A block with its numbers rounded; what is none of these holds no phrase to round."""
         if isinstance(block, Table):
             return self._table(block)
         if isinstance(block, Paragraph):
@@ -346,12 +347,11 @@ class Style:
         rows: list[list[Phrase]] = [[] for _ in table.rows]
         two = self.frequency == RADIANS
         for i, column in enumerate(table.columns):
-            heading = (
-                (column.heading, " (", FREQUENCY_UNIT, ")") if column.hertz else column.heading
-            )
-            columns.append(
-                replace(column, heading=self.phrase(heading), hertz=False)
-            )  # settled: not once more
+            heading = column.heading
+            if column.hertz:
+                heading = (column.heading, " (", FREQUENCY_UNIT, ")")
+            # The unit is in the heading now: a table that is settled again gets no second one.
+            columns.append(replace(column, heading=self.phrase(heading), hertz=False))
             columns += [Column("Hz", number=True, full=column.full)] * (column.hertz and two)
             for row, cells in zip(table.rows, rows, strict=True):
                 cells.append(self.phrase(row[i]))
@@ -370,7 +370,7 @@ class Style:
         )
 
     def phrase(self, words: Phrase) -> Phrase:
-        """With its numbers rounded."""
+        """A phrase with its numbers rounded and its frequencies in the page's unit."""
         if isinstance(words, tuple):
             return tuple(map(self.phrase, words))
         if isinstance(words, Real):
@@ -385,6 +385,8 @@ class Style:
         return Strong(self.phrase(words.words)) if isinstance(words, Strong) else words
 
     def _real(self, x: Real) -> Phrase:
+        """A number, rounded in its direction, with its unit."""
+        # Rounded once, from the exact number in the unit that is printed: twice could pass a bound.
         value = in_unit(x.value, x.unit.size)
         number = Number(
             printed(value, min(max(self.digits, x.least), x.most), x.way), float(x.value)
@@ -392,6 +394,7 @@ class Style:
         return (number, f"\xa0{x.unit.text}") if x.unit.text else number
 
     def _frequency(self, x: Frequency) -> Phrase:
+        """A frequency in the page's unit; in rad/s with Hz in brackets, unless it is 0."""
         shown = self._real(Real(in_unit(x.value, self.frequency.size), x.way, x.least))
         if x.alone:
             return shown
@@ -410,9 +413,10 @@ def is_empty(phrase: Phrase) -> TypeGuard[Any]:
 
 def listed(phrases: Iterable[Phrase], word: str = "and") -> Phrase:
     """Phrases in a sentence: "one, two and three"; nothing for none."""
-    found = list(phrases)
-    between = [*[", "] * (len(found) - 2), *[f" {word} "] * (len(found) > 1), *[""] * bool(found)]
-    return tuple(x for pair in zip(found, between, strict=True) for x in pair if x != "")
+    items = list(phrases)
+    # What stands behind each: commas, the word behind the last but one, nothing behind the last.
+    after = [*[", "] * (len(items) - 2), *[f" {word} "] * (len(items) > 1), *[""] * bool(items)]
+    return tuple(x for pair in zip(items, after, strict=True) for x in pair if x != "")
 
 
 def coded(words: str) -> Phrase:

@@ -72,6 +72,7 @@ def joined(parts: Iterable[str], between: str = "") -> Html:
 
 
 def _markup(text: str) -> str:
+    """Markup as it is; any other text escaped, without characters that act unseen."""
     return text if isinstance(text, Html) else printable(escape(text))
 
 
@@ -81,12 +82,15 @@ def script(text: str, given: Mapping[str, str] = _NONE) -> Html:
     >>> script('"</script><!--"')
     '<script>"<\\/script><\\!--"</script>'
     """
+    # In a script only these two sequences mean anything to HTML; a backslash before / or ! means
+    # nothing to JavaScript.
     harmless = text.replace("</", "<\\/").replace("<!--", "<\\!--")
     return element("script", Html(harmless), given=given)
 
 
 def data(text: str, identity: str) -> Html:
     """JSON in a script element of that id."""
+    # In JSON a < can only stand within a string, where the escape means the same.
     harmless = text.replace("<", "\\u003c")
     return element("script", Html(harmless), given={"type": "application/json", "id": identity})
 
@@ -131,11 +135,11 @@ def display(formulas: Sequence[doc.Line], parts: Parts | None = None) -> Html:
     1
     """
     named = Parts() if parts is None else parts
-    rows = "".join(
-        f"<mtr{'' if left else _MORE}><mtd{_LEFT}>{left}</mtd><mtd{_LEFT}><mrow>{right}</mrow></mtd></mtr>"
-        for f in formulas
-        for left, right in _rows(f, named)
-    )
+    rows = ""
+    for formula in formulas:
+        for left, right in _rows(formula, named):
+            cells = f"<mtd{_LEFT}>{left}</mtd><mtd{_LEFT}><mrow>{right}</mrow></mtd>"
+            rows += f"<mtr{'' if left else _MORE}>{cells}</mtr>"
     table = f'<mtable displaystyle="true">{rows}</mtable>'
     whole = f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{table}</math>'
     return element("div", Html(whole), given={"class": "scroll formulas"})
@@ -165,6 +169,8 @@ def _rows(f: doc.Line, parts: Parts) -> Iterator[tuple[str, str]]:
 def _valued(
     left: str, relation: str, box: Box, room: float, parts: Parts
 ) -> Iterator[tuple[str, str]]:
+    """The lines of a value; a quotient that is too wide has names for its parts, which follow."""
+    # A sum of one term is a term with a minus.
     minus, quotient = (
         (_MINUS, box.terms[0][1]) if isinstance(box, Sum) and len(box.terms) == 1 else ("", box)
     )
@@ -182,6 +188,7 @@ def _valued(
 
 
 def _broken(left: str, relation: str, box: Box, room: float) -> Iterator[tuple[str, str]]:
+    """A formula in as many lines as it needs; those after the first are set in."""
     first, *others = [markup(box)] if _wide(box) <= room else _lines(list(_pieces(box, 0)), room)
     yield left, relation + first
     for line in others:
@@ -196,6 +203,8 @@ class _Piece(NamedTuple):
     penalty: int
 
 
+# More than the penalty of any break that is allowed: 1 for each pair of parentheses, 10 for a
+# product.
 _NEVER = 1000
 
 
@@ -235,6 +244,7 @@ def _after(before: str, penalty: int, pieces: Iterable[_Piece]) -> Iterator[_Pie
 
 
 def _fenced(left: str, pieces: list[_Piece], right: str) -> Iterator[_Piece]:
+    """The pieces with a fence before the first and after the last, which stay with them."""
     first, *others = pieces
     opened = [_Piece(left + first.text, first.width + 0.4, _NEVER), *others]
     yield from opened[:-1]
@@ -242,11 +252,15 @@ def _fenced(left: str, pieces: list[_Piece], right: str) -> Iterator[_Piece]:
 
 
 def _lines(pieces: list[_Piece], room: float) -> Iterator[str]:
+    """The pieces on lines that are no wider than the room."""
     rest = room - 3  # the lines after the first one are set in
     while pieces:
         count = _fitting(pieces, room)
         line = "".join(piece.text for piece in pieces[:count])
-        yield f"<mrow>{_CROSS + line.removeprefix(_TIMES) if line.startswith(_TIMES) else line}</mrow>"
+        # A product's sign that is not seen would leave a line that seems to begin a new formula.
+        if line.startswith(_TIMES):
+            line = _CROSS + line.removeprefix(_TIMES)
+        yield f"<mrow>{line}</mrow>"
         pieces, room = pieces[count:], rest
 
 
@@ -262,6 +276,8 @@ def _fitting(pieces: Sequence[_Piece], room: float) -> int:
     if len(ends) == len(pieces):
         return len(ends)
     allowed = [n for n in range(1, len(ends) + 1) if pieces[n].penalty < _NEVER]
+    # Half a line stays empty at most, where a break allows it. Among those the least penalty, then
+    # the longest line.
     late = [n for n in allowed if ends[n - 1] > room / 2] or allowed[-1:] or [len(ends)]
     return min(late, key=lambda n: (pieces[n].penalty, -n))
 
@@ -323,6 +339,7 @@ def fragment(document: Document, *, formulas: bool = False) -> str:
 
 
 def _nothing(_figure: doc.Figure) -> Html:
+    """No markup in place of a figure: a page in brief has none."""
     return Html()
 
 
@@ -350,6 +367,7 @@ _LONG = 25  # characters of a number; a longer one is set on several lines
 
 
 def _wrapped(digits: str) -> str:
+    """The digits of a number; a long one in an element that lets it break anywhere."""
     return element("span", digits, given={"class": "long"}) if len(digits) > _LONG else digits
 
 
@@ -363,13 +381,13 @@ class _Writer:
 
     def joined(self, blocks: Sequence[Block]) -> Html:
         """Blocks one after the other; small figures side by side."""
-        return joined(
-            x
-            for is_pair, group in groupby(
-                blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide
-            )
-            for x in (_paired(map(self.block, group)) if is_pair else map(self.block, group))
-        )
+        written: list[Html] = []
+        for is_pair, group in groupby(
+            blocks, key=lambda x: isinstance(x, doc.Figure) and not x.wide
+        ):
+            inside = map(self.block, group)
+            written += _paired(inside) if is_pair else inside
+        return joined(written)
 
     @singledispatchmethod
     def block(self, block: Block) -> Html:
@@ -427,9 +445,11 @@ class _Writer:
             [said(x.heading), *(said(row[i]) for row in block.rows)]
             for i, x in enumerate(block.columns)
         ]
-        widths = [max(map(len, x)) for x in shown]
-        most = _WORDS if sum(_CUT if x > _WORDS else x for x in widths) <= _LINE else _TIGHT
-        look = [_look(x, own[1:], most) for x, own in zip(block.columns, shown, strict=True)]
+        widths = [max(map(len, texts)) for texts in shown]
+        # Where the row would be too long although its long columns break, shorter ones break too.
+        needed = sum(_CUT if width > _WORDS else width for width in widths)
+        most = _WORDS if needed <= _LINE else _TIGHT
+        look = [_look(x, texts[1:], most) for x, texts in zip(block.columns, shown, strict=True)]
         columns = list(zip(block.columns, look, strict=True))
         head = element(
             "tr",
@@ -449,13 +469,13 @@ class _Writer:
 
 
 _WORDS, _TIGHT = 34, 18  # characters of a cell; columns with longer ones are set on several lines
-_LINE, _CUT = (
-    90,
-    24,
-)  # characters of a row, where the second number holds if they are more; and what such a column takes
+# Characters of a row, beyond which _TIGHT holds; and what a column takes that is set on several
+# lines.
+_LINE, _CUT = 90, 24
 
 
 def _look(column: doc.Column, shown: Sequence[str], most: int) -> dict[str, str]:
+    """The class of a column's cells: of numbers, of words on several lines, or none."""
     if column.number:
         return {"class": "number"}
     longest = max(map(len, shown), default=0)
@@ -465,6 +485,7 @@ def _look(column: doc.Column, shown: Sequence[str], most: int) -> dict[str, str]
 
 
 def _paired(figures: Iterable[Html]) -> Iterator[Html]:
+    """The figures in one element, side by side."""
     yield element("div", *figures, given={"class": "pair"})
 
 
@@ -474,6 +495,7 @@ _DIGIT_SPACE = "\N{FIGURE SPACE}"
 def _point(shown: Sequence[str], cells: list[list[Html]], i: int) -> None:
     """Move the numbers of a column to the right until their points stand below each other."""
     before = [len(found[0]) if (found := NUMBER.match(x)) else 0 for x in shown]
+    # A figure space is as wide as a digit. Numbers so long that they break are left alone.
     for row, n in zip(cells, before, strict=True):
         if 0 < n < max(before) <= _LONG:
             row[i] = joined([_DIGIT_SPACE * (max(before) - n), row[i]])

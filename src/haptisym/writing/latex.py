@@ -146,20 +146,25 @@ def escape(text: str) -> str:
     >>> escape("50% of ω₀_x é"), escape("中")
     ("50\\% of \\ensuremath{\\omega}\\textsubscript{0}\\_x \\'{e}", '[U+4E2D]\\allowbreak{}')
     """
+    # A null character marks where a line may break; those of the text itself become spaces first.
     words = text.replace("\0", " ").split()
     marked = " ".join(
         _BREAK.sub(r"\g<0>\0", word) if len(word) > _LONG_WORD else word for word in words
     )
-    return re.sub("-(?=-)", "-{}", _escaped(marked))  # no ligature
+    # TeX makes a dash of two hyphens, and options of a command line have two.
+    return re.sub("-(?=-)", "-{}", _escaped(marked))
 
 
 def _escaped(text: str) -> str:
+    """Each character of a text for pdflatex; accents and letters are composed first, so that one
+    command sets both."""
     return "".join(
         r"\allowbreak{}" if c == "\0" else _character(c) for c in unicodedata.normalize("NFC", text)
     )
 
 
 def _character(c: str) -> str:
+    """One character for pdflatex: by itself, by a command, or by what Unicode decomposes it to."""
     if c in _SPECIAL:
         return _SPECIAL[c]
     if c.isascii():
@@ -177,16 +182,15 @@ def _character(c: str) -> str:
 
 
 def _accented(c: str) -> str:
+    """A letter with an accent; without one that TeX lacks; the code point of any other
+    character."""
     base, *marks = list(unicodedata.normalize("NFKD", c))
     if not base.isascii():
-        return (
-            ""
-            if unicodedata.combining(base)
-            else " "
-            if base.isspace()
-            else rf"[U+{ord(c):04X}]\allowbreak{{}}"
-        )
+        if unicodedata.combining(base):
+            return ""
+        return " " if base.isspace() else rf"[U+{ord(c):04X}]\allowbreak{{}}"
     if len(marks) == 1 and marks[0] in _ACCENTS and base.isalpha():
+        # The dot of i and j gives way to the accent: \i and \j have none.
         dotless = "\\" if base in "ij" else ""
         return rf"\{_ACCENTS[marks[0]]}{{{dotless}{base}}}"
     return "".join(map(_character, [base, *(mark for mark in marks if mark.isascii())]))
@@ -225,7 +229,7 @@ def symbol_name(name: str) -> str:
 
 
 def set_name(name: boxes.Name) -> str:
-    """The same of a name that is taken apart already."""
+    """A name that is taken apart already, in LaTeX."""
     head, subscript = _word(name.head), ",".join(map(_word, name.below))
     if not subscript:
         return head
@@ -234,7 +238,9 @@ def set_name(name: boxes.Name) -> str:
 
 
 def _word(word: boxes.Word) -> str:
+    """A part of a name in LaTeX."""
     letters = word.letters
+    # Omicron looks like o, so LaTeX has no command for it.
     if letters in GREEK or letters in CAPITALS:
         return "o" if letters == "omicron" else rf"\{letters}"
     if letters.isascii() and letters.replace(" ", "").isalnum():
@@ -351,6 +357,7 @@ def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
     \end{align*}
     """
     names = Names() if names is None else names
+    # The relations stand below each other, so the widest left side takes its room from all lines.
     room = LINE - max((width(tex(row.left)) for row in rows), default=0)
     lines = [line for row in rows for line in _lines(row, room, names)]
     if not lines:
@@ -377,6 +384,7 @@ class Names:
 def is_long(value: Expr | Box, lines: int = 10) -> bool:
     """Whether a formula would take more lines than that, or holds a number that does not fit on
     one."""
+    # So many nodes are more lines than that; to set them only to see it would take long.
     if isinstance(value, Expr) and sum(1 for _ in preorder_traversal(value)) > 50 * lines:
         return True
     text = formula(value) if isinstance(value, Expr) else tex(value)
@@ -384,6 +392,7 @@ def is_long(value: Expr | Box, lines: int = 10) -> bool:
 
 
 def _lines(row: doc.Line, room: float, names: Names) -> Iterator[str]:
+    """The lines of a row: name, meaning and value on one where they fit, else the value below."""
     relation = RELATIONS.get(row.relation, row.relation)
     start = f"{tex(row.left)} &{relation} "
     is_left_out = row.optional and is_long(row.value)
@@ -402,13 +411,16 @@ def _lines(row: doc.Line, room: float, names: Names) -> Iterator[str]:
 def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> Iterator[str]:
     """An equation, and what the names stand for that long parts of its fractions get, as exactly as
     the fractions do."""
-    text, meant = tex(box), []
+    text = tex(box)
+    meant: list[tuple[str, str]] = []
     terms = [x for _, x in box.terms] if isinstance(box, boxes.Sum) else [box]
+    # Terms after the first start on lines that are set in by 3 em and begin with a sign.
+    is_sum = len(terms) > 1
     for term in terms:
         shown = tex(term)
-        if isinstance(term, boxes.Fraction) and width(
-            shown if len(terms) > 1 else text
-        ) > room - 3 * (len(terms) > 1):
+        wide = width(shown if is_sum else text)
+        # Lines cannot break inside a fraction: one that is too wide needs names for its parts.
+        if isinstance(term, boxes.Fraction) and wide > room - 3 * is_sum:
             parts = []
             for letter, part in (("N", tex(term.above)), ("D", tex(term.below))):
                 name, is_new = names.name(part, letter) if width(part) > room - 2 else (part, False)
@@ -421,6 +433,7 @@ def _equation(left: str, box: Box, room: float, names: Names, relation: str) -> 
 
 
 def _broken(left: str, text: str, room: float) -> Iterator[str]:
+    """A formula after its left side; further lines are set in."""
     first, *others = broken(text, room)
     yield left + first
     for line in others:
@@ -452,6 +465,7 @@ def broken(text: str, room: float) -> list[str]:
 def _fitting(pieces: list[tuple[str, int]], room: float) -> int:
     """How many pieces to put on a line: as many as fit, fewer if that breaks outside of
     parentheses."""
+    # At least one piece goes on each line, however wide it is: there is nothing to break in it.
     total, most = 0.0, 0
     ends: list[float] = []
     for piece, _ in pieces:
@@ -462,6 +476,7 @@ def _fitting(pieces: list[tuple[str, int]], room: float) -> int:
         most += 1
     if most == len(pieces):
         return most
+    # Half a line stays empty at most. Among those the least penalty, then the longest line.
     candidates = [n for n in range(1, most + 1) if ends[n - 1] > room / 2] or [most]
     return min(candidates, key=lambda n: (pieces[n][1], -n))
 
@@ -472,21 +487,22 @@ def _pieces(text: str) -> list[tuple[str, int]]:
     The penalty is the depth of parentheses, and more between factors than before a sign.
     """
     pieces, start, penalty = [], 0, 0
-    for found in _BREAK_TEXLINES.finditer(text):
-        before, after = text[: found.start()], text[found.end() :]
-        if before.count("{") == before.count("}") and before.count(r"\left") == before.count(
-            r"\right"
-        ):
-            pieces.append((text[start : found.start()], penalty))
-            depth = before.count("(") - before.count(")")
-            is_sign, is_sum = (
-                after.startswith(("+ ", "- ")),
-                before.endswith(")") and after.startswith(("(", r"\b", r"\B")),
-            )
-            start, penalty = found.end(), depth if is_sign or is_sum else depth + 10
+    for space in _BREAK_TEXLINES.finditer(text):
+        before, after = text[: space.start()], text[space.end() :]
+        # TeX must have a group, and \left with its \right, on one line.
+        in_group = before.count("{") != before.count("}")
+        if in_group or before.count(r"\left") != before.count(r"\right"):
+            continue
+        pieces.append((text[start : space.start()], penalty))
+        depth = before.count("(") - before.count(")")
+        is_sign = after.startswith(("+ ", "- "))
+        between_sums = before.endswith(")") and after.startswith(("(", r"\b", r"\B"))
+        start, penalty = space.end(), depth if is_sign or between_sums else depth + 10
     return [*pieces, (text[start:], penalty)]
 
 
+# Widths of characters, em: rough, as they decide only where a line breaks. A sign has its spaces
+# with it.
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}^_]|\S", re.DOTALL)
 _WIDTHS = {
     **dict.fromkeys("+-=<>", 1.2),
@@ -527,9 +543,11 @@ def _row_width(tokens: list[str], at: int) -> tuple[float, int]:
 
 
 def _item_width(tokens: list[str], at: int) -> tuple[float, int]:
+    """The width of one token, or of what a command takes, and the place after it."""
     token = tokens[at]
     if token == "{":
         return _row_width(tokens, at + 1)
+    # Exponents and subscripts are set smaller, small fractions as well.
     if token in ("^", "_") and at + 1 < len(tokens):
         wide, after = _item_width(tokens, at + 1)
         return 0.75 * wide, after
@@ -611,10 +629,12 @@ def tables(document: Document, digits: int = doc.DIGITS) -> str:
 
 
 def _asides(document: Document) -> list[Block]:
+    """The lines below the title as paragraphs, without the source, which is a plain string."""
     return [doc.Paragraph(x) for x in document.lead if not isinstance(x, str)]
 
 
 def _tables(blocks: Iterable[Block]) -> Iterator[doc.Table]:
+    """All tables of blocks, also of those within sections."""
     for block in blocks:
         if isinstance(block, doc.Section):
             yield from _tables(block.blocks)
@@ -625,11 +645,14 @@ def _tables(blocks: Iterable[Block]) -> Iterator[doc.Table]:
 def _information(title: str) -> str:
     """What the PDF says about itself, plain or in UTF-16, and an identity that does not depend on
     where it was made."""
+    # A string of PDF in parentheses may hold only balanced ones, and none of TeX's special
+    # characters may reach it. Any other title is written in hexadecimal.
     plain = re.fullmatch(r"[\w ,.:;'=/+-]*(?:\([\w ,.:;'=/+-]*\)[\w ,.:;'=/+-]*)*", title, re.ASCII)
     coded = ("\ufeff" + title).encode("utf-16-be").hex().upper()
-    told = f"({title})" if plain else f"<{coded}>"
+    written = f"({title})" if plain else f"<{coded}>"
     return (
-        rf"\ifdefined\pdfinfo \pdfinfo{{/Title {told} /Creator (haptisym)}} \pdftrailerid{{}} \fi"
+        rf"\ifdefined\pdfinfo \pdfinfo{{/Title {written} /Creator (haptisym)}} "
+        r"\pdftrailerid{} \fi"
     )
 
 
@@ -662,6 +685,7 @@ _LONG_NUMBER = 25  # digits; a longer one is set on several lines
 
 
 def _digits(digits: str) -> str:
+    """The digits of a number; a long one may break after every five."""
     if len(digits) <= _LONG_NUMBER:
         return spaced(digits)
     return r"\allowbreak ".join(digits[i : i + 5] for i in range(0, len(digits), 5))
@@ -688,6 +712,7 @@ class _Writer:
 
     @singledispatchmethod
     def _written(self, block: Block) -> str:
+        """The LaTeX of a block."""
         raise TypeError(f"not a block of LaTeX: {type(block).__name__}")
 
     @_written.register
@@ -757,11 +782,11 @@ class _Writer:
                 _point([said(row[i]) for row in block.rows], cells, i)
         rows = [f"    {' & '.join(row)} \\\\" for row in cells]
         columns, lines = _columns(block)
+        # A float cannot break over pages: a long table becomes several, cut where the lines so far
+        # pass a multiple of what one page has.
         ends = list(accumulate(lines))
-        pieces = [
-            [row for _, row in group]
-            for _, group in groupby(zip(ends, rows, strict=True), lambda x: (x[0] - 1) // _MOST)
-        ]
+        numbered = groupby(zip(ends, rows, strict=True), lambda x: (x[0] - 1) // _MOST)
+        pieces = [[row for _, row in group] for _, group in numbered]
         return "\n\n".join(
             _table(block, columns, heads, x, is_first=i == 0) for i, x in enumerate(pieces)
         )
@@ -771,12 +796,14 @@ _MOST = 32  # lines of a table, so that it fits on a page
 _LINE = 88  # characters of a line of a table
 _GAP = 3
 _CHARACTER = 0.175  # cm, as wide as a character is on average
-_PARAGRAPHS = r">{\raggedright\arraybackslash}p{%.2fcm}"  # a narrow column that is justified tears its words apart
+# Ragged, as a narrow column that is justified tears its words apart.
+_PARAGRAPHS = r">{\raggedright\arraybackslash}p{%.2fcm}"
 
 
 def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
     """Move the numbers of a column to the right until their points stand below each other."""
     before = [len(found[0]) if (found := NUMBER.match(x)) else 0 for x in shown]
+    # An invisible 0 is as wide as a digit. Numbers so long that they break are left alone.
     for row, n in zip(cells, before, strict=True):
         if n and n < max(before) <= _LONG_NUMBER:
             row[i] = rf"\phantom{{{'0' * (max(before) - n)}}}{row[i]}"
@@ -785,6 +812,7 @@ def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
 def _table(
     table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool
 ) -> str:
+    """A floating table with these rows, all or a part of the table's."""
     caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
     named = [f"  \\caption{{{caption}}}"] if table.caption else []
     return "\n".join(
@@ -807,18 +835,21 @@ def _table(
 def _columns(table: doc.Table) -> tuple[str, list[int]]:
     """The columns of a table, as wide as they are, or paragraphs where the line would be too long;
     and lines of each row."""
-    rows = [
-        [_breakable(x) for x in row] for row in ([c.heading for c in table.columns], *table.rows)
-    ]
+    headings = [column.heading for column in table.columns]
+    rows = [[_breakable(x) for x in row] for row in (headings, *table.rows)]
     natural = [max(map(len, column)) for column in zip(*rows, strict=True)]
     room = _LINE - _GAP * (len(natural) - 1)
-    wide = widths_of(rows, room) or _narrowed(natural, room)
+    widths = widths_of(rows, room) or _narrowed(natural, room)
     columns = [
-        "l" if w >= n else _PARAGRAPHS % (w * _CHARACTER)
-        for w, n in zip(wide, natural, strict=True)
+        "l" if given >= needed else _PARAGRAPHS % (given * _CHARACTER)
+        for given, needed in zip(widths, natural, strict=True)
     ]
-    lines = [max(-(-len(x) // w) for x, w in zip(row, wide, strict=True)) for row in rows[1:]]
-    return " ".join(columns), [max(n, 1) for n in lines]
+    lines = []
+    for row in rows[1:]:
+        # Rounded up: characters by columns. A row without any still takes a line.
+        heights = [-(-len(x) // given) for x, given in zip(row, widths, strict=True)]
+        lines.append(max(max(heights), 1))
+    return " ".join(columns), lines
 
 
 def _narrowed(natural: Sequence[int], room: int) -> list[int]:
@@ -831,7 +862,9 @@ def _narrowed(natural: Sequence[int], room: int) -> list[int]:
 
 def _breakable(words: Phrase) -> str:
     """About the characters of a phrase, with spaces where long numbers may break."""
-    shown = said(words)
-    return re.sub(
-        r"\S{25,}", lambda x: " ".join(x[0][i : i + 5] for i in range(0, len(x[0]), 5)), shown
-    )
+
+    def parted(word: re.Match[str]) -> str:
+        """A word in pieces of five characters."""
+        return " ".join(word[0][i : i + 5] for i in range(0, len(word[0]), 5))
+
+    return re.sub(r"\S{25,}", parted, said(words))

@@ -10,15 +10,17 @@ has no box for (a derivative, say) stands as a function of its arguments.
 
 Quantities have a name each:
 
-H_env, H_perc, H_rendered   environment, what is felt instead, what is really rendered (functions of s)
+H_env, H_perc, H_rendered   environment, what is felt instead, what is really rendered (of s)
 dH, Re dH, Im dH            distortion H_perc - H_env (eq. 9); its parts on s = j omega
 |H_env|, |H_env|^2          what they are compared with
 r_r, r_i                    distortion ratios (eq. 10)
 Re(dH/H_env), Im(dH/H_env)  relative distortion, which is something else
 k_env, m_env, b_env         stiffness, mass and damping of the environment; k_perc, ... as felt
-F_si_env, F_d_env           phasors of the force of spring or inertia, and of damping (eqs. 5 and 6); F_si_perc, ... as felt
+F_si_env, F_d_env           phasors of the force of spring or inertia, and of damping (eqs. 5 and
+                            6); F_si_perc, ... as felt
 omega_env, omega_perc       changeover between spring and inertia
-p_r, p_i                    threshold polynomials: positive exactly where the ratio exceeds its threshold
+p_r, p_i                    threshold polynomials: positive exactly where the ratio exceeds its
+                            threshold
 omega_r, omega_i            crossing of the threshold
 jnd k, jnd m, jnd b         the change of one parameter that is just noticed
 """
@@ -123,10 +125,8 @@ CAPITALS = (
     "Psi",
     "Omega",
 )
-_LETTER_OF = {
-    "force": "F",
-    "amplitude": "A",
-}  # parameters of effects, called by a word but known by a letter
+# Parameters of effects that are called by a word but known by a letter.
+_LETTER_OF = {"force": "F", "amplitude": "A"}
 
 
 @cache
@@ -139,6 +139,8 @@ def named(text: str) -> Name:
     >>> named("Mm").below[0].letters, named("k12").below[0].letters, named("force_friction").head.letters
     ('m', '12', 'F')
     """
+    # k1 and Mm are a letter with a subscript, as k_1 and M_m are; so is any word that ends in
+    # digits. Xi and Pi are letters themselves. A name of underscores alone stays as it is.
     head, *below = [word for word in text.split("_") if word] or [text]
     parted = re.fullmatch(r"(.*[^\d])(\d+)", head) or re.fullmatch("([A-Z])([a-z])", head)
     if parted and head not in CAPITALS:
@@ -147,7 +149,7 @@ def named(text: str) -> Name:
 
 
 def _word(text: str) -> Word:
-    """A letter slants; a word does not."""
+    """A part of a name: a letter, which slants, or a word, which does not."""
     letters = greek(text) or text if len(text) == 1 else text
     is_letter = (len(letters) == 1 and letters.isascii()) or letters in GREEK or letters in CAPITALS
     return Word(letters, not is_letter and not letters.isdigit())
@@ -155,13 +157,13 @@ def _word(text: str) -> Word:
 
 def _joined(words: Iterable[Word]) -> list[Word]:
     """The words of subscripts; upright ones that follow each other are one."""
-    found: list[Word] = []
+    parts: list[Word] = []
     for word in words:
-        if found and word.upright and found[-1].upright:
-            found[-1] = Word(f"{found[-1].letters} {word.letters}", upright=True)
+        if parts and word.upright and parts[-1].upright:
+            parts[-1] = Word(f"{parts[-1].letters} {word.letters}", upright=True)
         else:
-            found.append(word)
-    return found
+            parts.append(word)
+    return parts
 
 
 def greek(c: str) -> str:
@@ -171,6 +173,7 @@ def greek(c: str) -> str:
     ('omega', 'Delta', '')
     """
     size, _, name = unicodedata.name(c, "").removeprefix("GREEK ").partition(" LETTER ")
+    # Unicode spells it "lamda", everyone else "lambda".
     name = name.lower().replace("lamda", "lambda")
     return "" if name not in GREEK else name if size == "SMALL" else name.capitalize()
 
@@ -214,6 +217,8 @@ def number(value: Rational) -> Numeral | Ratio:
     """
     if value.q == 1:
         return Numeral(str(value.p))
+    # A decimal that ends is exact as well, and read more easily; but 1/1024 is shorter than
+    # 0.0009765625.
     exact = _terminating(value)
     if exact is not None:
         length = len(exact.as_tuple().digits)
@@ -223,13 +228,15 @@ def number(value: Rational) -> Numeral | Ratio:
 
 
 def _terminating(value: Rational) -> Decimal | None:
+    """A rational number as a decimal that ends; None if it does not: its denominator has a prime
+    other than 2 and 5."""
     below, places = int(value.q), 0
     for prime in (2, 5):
         power = 0
         while below % prime == 0:
             below, power = below // prime, power + 1
         places = max(places, power)
-    # from text: arithmetic of decimals rounds to 28 digits
+    # From text: arithmetic of decimals rounds to 28 digits.
     return None if below > 1 else Decimal(f"{int(value.p) * 10**places // int(value.q)}E-{places}")
 
 
@@ -239,6 +246,7 @@ def decimal(value: Decimal) -> Numeral:
     >>> decimal(Decimal("0.00025")), decimal(Decimal("4.0919E9"))
     (Numeral(digits='0.00025', exponent=0), Numeral(digits='4.0919', exponent=9))
     """
+    # From 0.0001 to below ten million there are few zeros to count.
     if -4 <= value.adjusted() < 7:
         return Numeral(f"{value:f}")
     first, *others = map(str, value.as_tuple().digits)
@@ -274,6 +282,7 @@ def is_brief(expression: Expr) -> bool:
         return is_brief(expression.base)
     if not isinstance(expression, Add | Mul):
         return not isinstance(expression, Function) or all(map(is_brief, expression.args))
+    # The numbers of a sum or product are judged as one, as they are printed.
     known, rest = expression.as_independent(
         *expression.free_symbols, as_Add=isinstance(expression, Add)
     )
@@ -281,6 +290,8 @@ def is_brief(expression: Expr) -> bool:
 
 
 def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
+    """An expression with each of its numbers changed, but for exponents and arguments of
+    functions."""
     if not expression.free_symbols:
         return change(expression)
     if isinstance(expression, Pow):
@@ -290,6 +301,7 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
     if isinstance(expression, atan | atan2):  # an angle, which cannot drift
         return expression.func(*(_with_numbers(x, change) for x in expression.args))
     if isinstance(expression, Function):
+        # A rounded factor of omega in a sine would drift ever further from the exact phase.
         return expression.xreplace(
             {x: _with_numbers(x, change) for x in expression.atoms(atan, atan2)}
         )
@@ -305,13 +317,8 @@ def _with_numbers(expression: Expr, change: Callable[[Expr], Expr]) -> Expr:
 def rounded(value: Expr, digits: int = 6) -> Expr:
     """A number, rational in pi, correctly rounded."""
     if value.has(I):  # the phase of friction
-        return Add(
-            *(
-                x * rounded(y, digits)
-                for x, y in zip((1, I), value.as_real_imag(), strict=True)
-                if y
-            )
-        )
+        parts = zip((1, I), value.as_real_imag(), strict=True)
+        return Add(*(x * rounded(y, digits) for x, y in parts if y))
     return Float(ExactNumber(value).digits(digits), digits)
 
 
@@ -332,6 +339,7 @@ def is_short(value: Rational) -> bool:
 def place(factor: Expr) -> tuple[Any, ...]:
     """Where a factor stands in a product: numbers, X, parameters, their sums, frequencies, s or
     omega, j, functions, sums."""
+    # The first entry is the kind of factor, in the order above; later ones order within a kind.
     base = base_of(factor)
     if base in (s, omega):
         return (6,)
@@ -373,6 +381,7 @@ def grouped(expr: Add, variable: Symbol | None) -> list[Expr]:
     >>> grouped(b * s + J * s + k, s)
     [k, s*(J + b)]
     """
+    # Without a variable there are no powers to group by: each term stands by itself.
     if variable is None:
         return list(expr.args)
     coefficients: dict[Expr, list[Expr]] = {}
@@ -380,10 +389,11 @@ def grouped(expr: Add, variable: Symbol | None) -> list[Expr]:
         coefficient, power = term.as_independent(variable, as_Add=False)
         coefficients.setdefault(power, []).append(coefficient)
     terms: list[Expr] = []
-    for power, found in coefficients.items():
-        total = factor_terms(Add(*found)) if len(found) > 1 or found[0].has(Add) else found[0]
+    for power, alike in coefficients.items():
+        total = factor_terms(Add(*alike)) if len(alike) > 1 or alike[0].has(Add) else alike[0]
         is_sum = isinstance(total, Add) or isinstance(-total, Add)
-        terms += found if power == 1 and is_sum else [Mul(total, power)]
+        # Constant terms stay apart: a sum in parentheses with nothing behind it groups nothing.
+        terms += alike if power == 1 and is_sum else [Mul(total, power)]
     return terms
 
 
@@ -404,6 +414,8 @@ def _degree(term: Expr, variable: Symbol | None) -> Expr:
         if counts:
             total += exponent if exponent.is_Number else S.Half
         elif isinstance(base, Add) and exponent.is_Number:
+            # Below every power that a formula has: quotients of sums stand last, roots of sums just
+            # before them.
             if exponent < 0 and (variable is None or base.has(variable)):
                 return Integer(-1000)
             if not exponent.is_Integer:
@@ -421,6 +433,7 @@ def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
     >>> fraction(3 * k / m), fraction(2 * sqrt(k / m))
     ((3, [k], [m]), (2, [sqrt(k/m)], []))
     """
+    # A negative exponent means below the line, also a symbolic one such as -n.
     coefficient, rest = expr.as_coeff_Mul()
     above: list[Expr] = []
     below: list[Expr] = []
@@ -429,6 +442,7 @@ def fraction(expr: Expr) -> tuple[Expr, list[Expr], list[Expr]]:
             below.append(Pow(f.base, -f.exp))
         elif f != 1:
             above.append(f)
+    # sqrt(a) sqrt(b) = sqrt(a b) needs all but one of them to be non-negative.
     roots = [f.base for f in (*above, *below) if _is_root(f)]
     if len(roots) < 2 or sum(not root.is_nonnegative for root in roots) > 1:
         return coefficient, above, below
@@ -444,17 +458,16 @@ def _one_root(
         root = sqrt(Mul(*(f.base for f in below if _is_root(f))), evaluate=False)
         return coefficient, above, [*(f for f in below if not _is_root(f)), root]
     inside = [f.base for f in above if _is_root(f)] + [1 / f.base for f in below if _is_root(f)]
-    numbers, others = (
-        [x for x in inside if x.is_Rational],
-        Mul(*(x for x in inside if not x.is_Rational)),
-    )
-    under = (
-        Mul(Mul(coefficient**2, *numbers), *Mul.make_args(others), evaluate=False)
-        if numbers
-        else others
-    )
+    numbers = [x for x in inside if x.is_Rational]
+    under = Mul(*(x for x in inside if not x.is_Rational))
+    outside = coefficient
+    # 2 sqrt(3) sqrt(k) becomes sqrt(12 k): one number under the root instead of one in front and
+    # one inside. The sign stays outside. Evaluated, SymPy would draw it out again.
+    if numbers:
+        factors = Mul.make_args(under)
+        under = Mul(Mul(coefficient**2, *numbers), *factors, evaluate=False)
+        outside = S.One if coefficient > 0 else S.NegativeOne
     root = sqrt(under, evaluate=False)
-    outside = (S.One if coefficient > 0 else S.NegativeOne) if numbers else coefficient
     return (
         outside,
         [*(f for f in above if not _is_root(f)), root],
@@ -463,6 +476,7 @@ def _one_root(
 
 
 def _is_root(factor: Expr) -> bool:
+    """Whether a factor is a square root."""
     return isinstance(factor, Pow) and factor.exp == S.Half
 
 
@@ -500,9 +514,8 @@ _CONSTANTS = {pi: named("pi"), I: named("j"), S.Exp1: named("e"), S.Infinity: na
 
 _RELATIONS = {"==": "=", "!=": "≠", "<": "<", ">": ">", "<=": "≤", ">=": "≥"}
 
-_Quotient: TypeAlias = tuple[
-    int, Expr, list[Expr], list[Expr]
-]  # sign, number, factors above and below
+_Quotient: TypeAlias = tuple[int, Expr, list[Expr], list[Expr]]
+"""Sign, coefficient >= 0, other factors above and below the line."""
 
 
 def layout(expression: Basic) -> Box:
@@ -526,11 +539,13 @@ class _Layout:
         self._quotients: dict[Expr, _Quotient] = {}
 
     def box(self, expr: Basic) -> Box:
+        """The boxes of an expression or of a part of it."""
         if expr not in self._boxes:
             self._boxes[expr] = self._made(expr)
         return self._boxes[expr]
 
     def _made(self, expr: Basic) -> Box:
+        """The boxes of an expression that has none yet."""
         if expr in _CONSTANTS:
             return _CONSTANTS[expr]
         for kind, make in self._makers:
@@ -561,14 +576,14 @@ class _Layout:
             return self._product(expr)
         if expr.exp == S.Half:
             return Radical(self.box(expr.base))
-        base = self.box(expr.base)
-        is_bare = (
-            expr.base.is_Symbol or expr.base in (pi, I) or (expr.base.is_Integer and expr.base >= 0)
-        )
+        base, raised = self.box(expr.base), expr.base
+        # These read as one thing: x^2, |x|^2, sin(x)^2. A fraction, decimal or sum does not.
+        is_bare = raised.is_Symbol or raised in (pi, I) or (raised.is_Integer and raised >= 0)
         is_bare = is_bare or isinstance(base, Absolute | Applied)
         return Power(base if is_bare else Fenced(base), self.box(expr.exp))
 
     def _absolute(self, expr: Abs) -> Box:
+        # |x| = |-x|: the one that begins without a minus.
         inside = expr.args[0]
         if isinstance(inside, Add) and self._is_negative(inside):
             inside = -inside
@@ -592,6 +607,7 @@ class _Layout:
     def _relation(self, expr: Relational) -> Box:
         return Relation((self.box(expr.lhs), self.box(expr.rhs)), (_RELATIONS[expr.rel_op],))
 
+    # The first kind that fits: exp and Abs are functions too, so they stand before these.
     _makers: tuple[tuple[type, Callable[[_Layout, Basic], Box]], ...] = (
         (Symbol, _symbol),
         (Number, _number),
@@ -612,16 +628,16 @@ class _Layout:
         if not (isinstance(expr, Mul | Pow) or expr.is_Number):
             return 1, self.box(expr)
         sign, coefficient, above, below = self._quotient(expr)
-        split = (
-            bool(below) and pi in above and isinstance(coefficient, Rational) and coefficient.q < 10
-        )
         if not below:
             product = self._side_by_side(coefficient, above)
             return sign, Fenced(product) if isinstance(product, Sum) else product
         upper, lower = coefficient, S.One
-        if split or (
-            isinstance(coefficient, Rational)
-            and (coefficient.p == 1 or isinstance(number(coefficient), Ratio))
+        # One line of fraction instead of two: k/(3 m), not (1/3) k/m. A decimal stays above the
+        # line, except for small denominators beside pi: 5 pi/(2 m), not 2.5 pi/m.
+        if isinstance(coefficient, Rational) and (
+            (pi in above and coefficient.q < 10)
+            or coefficient.p == 1
+            or isinstance(number(coefficient), Ratio)
         ):
             upper, lower = Integer(coefficient.p), Integer(coefficient.q)
         return sign, Fraction(self._side_by_side(upper, above), self._side_by_side(lower, below))
@@ -635,6 +651,9 @@ class _Layout:
             return boxes[0]
         return SideBySide(tuple(Fenced(x) if isinstance(x, Sum) else x for x in boxes))
 
+    # Signs of sums need orders of terms, and orders need signs of terms: each calls the other, and
+    # without the tables the same parts would be laid out again at every level.
+
     def _quotient(self, expr: Expr) -> _Quotient:
         """Sign, coefficient >= 0, other factors above and other factors below the line."""
         if expr not in self._quotients:
@@ -643,28 +662,27 @@ class _Layout:
 
     def _spliced(self, expr: Expr) -> Expr:
         """The same product, with sums that are written as one term taken apart into its factors."""
-        factors = list(Mul.make_args(expr))
-        terms = [self._written(f) if isinstance(f, Add) else [f] for f in factors]
-        if all(len(x) > 1 or x == [f] for x, f in zip(terms, factors, strict=True)):
+        # k s + b s is written (b + k) s, so in a product it is two factors and no sum.
+        pairs = [(self._written(f) if isinstance(f, Add) else [f], f) for f in Mul.make_args(expr)]
+        # A product that is left as it is stays the very same object: nothing is evaluated anew.
+        if all(len(terms) > 1 or terms == [f] for terms, f in pairs):
             return expr
-        return Mul(*(x[0] if len(x) == 1 else f for x, f in zip(terms, factors, strict=True)))
+        return Mul(*(terms[0] if len(terms) == 1 else f for terms, f in pairs))
 
     def _oriented(self, coefficient: Expr, above: list[Expr], below: list[Expr]) -> _Quotient:
         """The same quotient with sums that start with a plus where they can; the sign that is left
         over in front."""
+        # (b - a) becomes -(a - b): each turn of a sum with an odd exponent changes the sign.
         sign = -1 if coefficient.is_extended_negative else 1
         for factors in (above, below):
             for i, f in enumerate(factors):
                 if is_flippable(f) and self._is_negative(base_of(f)):
                     factors[i], sign = flipped(f), sign * (-1) ** exponent(f)
+        # A minus that is left over is absorbed by the first short sum with an odd exponent, once.
         for factors in (above, below):
             for i, f in enumerate(factors):
-                if (
-                    sign < 0
-                    and is_flippable(f)
-                    and exponent(f) % 2
-                    and self._absorbs_minus(base_of(f))
-                ):
+                is_odd_sum = is_flippable(f) and exponent(f) % 2
+                if sign < 0 and is_odd_sum and self._absorbs_minus(base_of(f)):
                     factors[i], sign = flipped(f), 1
         return sign, abs(coefficient), above, below
 
@@ -693,11 +711,14 @@ class _Layout:
         descending = sorted(range(len(terms)), key=lambda i: ranks[i])
         negative = [self._is_negative(term) for term in terms]
         signs = [negative[i] for i in descending]
+        # Powers of a variable are turned around as a whole: k - m omega^2. That is no gain where
+        # the lowest power has a minus too.
         if not signs[0] or all(signs) or (variable and signs[-1]):
             return [terms[i] for i in descending]
         ascending = sorted(range(len(terms)), key=lambda i: (-ranks[i][0], *ranks[i][1:]))
         first = next(i for i in ascending if not negative[i])
-        return [terms[first], *(terms[i] for i in ascending if i != first)]
+        ascending.remove(first)
+        return [terms[i] for i in (first, *ascending)]
 
 
 def _summed(terms: list[tuple[int, Box]]) -> Box:
@@ -748,12 +769,14 @@ def quantity(name: str) -> Box:
 
 
 def meaning(name: str) -> Box:
-    """What it is in terms of others; itself, if it is defined elsewhere."""
+    """A quantity in terms of others; the quantity itself, if it is defined elsewhere."""
     set_as, means = _row(name)
     return means or set_as
 
 
 def _row(name: str) -> tuple[Box, Box | None]:
+    """The box of a quantity and that of its meaning, if there is one; SceneError for no
+    quantity."""
     if name not in QUANTITIES:
         raise SceneError(
             f"{name!r} is not the name of a quantity: these are {', '.join(QUANTITIES)}"
@@ -767,6 +790,7 @@ def function(name: str, *arguments: Box) -> Box:
 
 
 def _on_s(name: str) -> Box:
+    """A dynamics as a function of s."""
     return Titled(f"{name}(s)", function(name.replace("rendered", "rend"), named("s")))
 
 
@@ -778,6 +802,8 @@ _LEAST = SideBySide((named("c"), _SIZE))
 
 
 def _of_change(operator: str, ratio: str) -> dict[str, tuple[Box, Box | None]]:
+    """The quantities of one part of the distortion: the part, its ratio, threshold polynomial and
+    crossing, and the part of the relative distortion."""
     part = Prefixed(Operator(operator), _CHANGE)
     return {
         f"{operator} dH": (part, None),
@@ -792,6 +818,7 @@ def _of_change(operator: str, ratio: str) -> dict[str, tuple[Box, Box | None]]:
 
 
 def _of_system(system: str) -> dict[str, tuple[Box, Box | None]]:
+    """The quantities of the environment (``env``) or of what is felt (``perc``)."""
     H, X = function(f"H_{system}"), function("X")
     real, imag = (Prefixed(Operator(operator), H) for operator in ("Re", "Im"))
     k, m, b = (function(f"{letter}_{system}", _OMEGA) for letter in "kmb")
@@ -807,6 +834,7 @@ def _of_system(system: str) -> dict[str, tuple[Box, Box | None]]:
 
 
 def _force(kind: str, system: str) -> Box:
+    """The phasor of a force: of spring or inertia (``si``), or of damping (``d``)."""
     below = (Word(kind, upright=True), Word(system, upright=True))
     name = f"F_{kind}_{system}"
     return Titled(
@@ -815,6 +843,7 @@ def _force(kind: str, system: str) -> Box:
 
 
 def _of_parameter(key: str, means: Box) -> tuple[Box, Box | None]:
+    """The change of a parameter that is just noticed, and its meaning."""
     return Prefixed(named("Delta_jnd"), named(key)), means
 
 

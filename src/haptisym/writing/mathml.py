@@ -56,6 +56,7 @@ def markup(box: Box) -> str:
 
 
 def _whole(number: int) -> str:
+    """A whole number; a minus is an operator and no part of the number's element."""
     return f"<mrow>{_MINUS}<mn>{-number}</mn></mrow>" if number < 0 else f"<mn>{number}</mn>"
 
 
@@ -67,18 +68,19 @@ def _numeral(x: boxes.Numeral) -> str:
 
 
 def _subscript(x: boxes.Name) -> str:
+    """The subscripts of a name, with commas between them."""
     words = [_word(word) for word in x.below]
     return words[0] if len(words) == 1 else f"<mrow>{_COMMA.join(words)}</mrow>"
 
 
 def _word(word: boxes.Word) -> str:
+    """A part of a name. A single letter in ``mi`` slants unless it says otherwise; capital Greek
+    letters stand upright."""
     if word.letters.isdigit():
         return f"<mn>{word.letters}</mn>"
     if word.upright:
-        return (
-            f"<mi "
-            f'mathvariant="normal">{escape(printable(word.letters)).replace(" ", "&#xA0;")}</mi>'
-        )
+        letters = escape(printable(word.letters)).replace(" ", "&#xA0;")
+        return f'<mi mathvariant="normal">{letters}</mi>'
     upright = ' mathvariant="normal"' if word.letters in CAPITALS else ""
     return f"<mi{upright}>{letter(word.letters)}</mi>"
 
@@ -98,22 +100,29 @@ def _product(x: boxes.SideBySide) -> str:
 
 
 def _power(x: boxes.Power) -> str:
-    exponent = markup(x.exponent)
+    base, exponent = x.base, markup(x.exponent)
+    # A small fraction on two lines would be too small to read in an exponent.
     if isinstance(x.exponent, boxes.Ratio):
-        exponent = f"<mrow><mn>{x.exponent.above}</mn>{_SLASH}<mn>{x.exponent.below}</mn></mrow>"
-    if isinstance(x.base, boxes.Name) and x.base.below:
-        return f"<msubsup>{_word(x.base.head)}{_subscript(x.base)}{exponent}</msubsup>"
-    if isinstance(x.base, boxes.Applied):
-        return _applied(f"<msup>{markup(x.base.function)}{exponent}</msup>", x.base)
-    return f"<msup>{markup(x.base)}{exponent}</msup>"
+        above, below = x.exponent.above, x.exponent.below
+        exponent = f"<mrow><mn>{above}</mn>{_SLASH}<mn>{below}</mn></mrow>"
+    # Subscript and exponent stand one above the other, and the exponent of a function on its name.
+    if isinstance(base, boxes.Name) and base.below:
+        return f"<msubsup>{_word(base.head)}{_subscript(base)}{exponent}</msubsup>"
+    if isinstance(base, boxes.Applied):
+        return _applied(f"<msup>{markup(base.function)}{exponent}</msup>", base)
+    return f"<msup>{markup(base)}{exponent}</msup>"
 
 
 def _applied(function: str, x: boxes.Applied) -> str:
-    return f"<mrow>{function}{_APPLY}{_between('(', '<mo>,</mo>'.join(map(markup, x.arguments)), ')')}</mrow>"
+    """A function, as markup, with its arguments in parentheses."""
+    arguments = "<mo>,</mo>".join(map(markup, x.arguments))
+    return f"<mrow>{function}{_APPLY}{_between('(', arguments, ')')}</mrow>"
 
 
 def _between(left: str, inside: str, right: str) -> str:
     """Fences: as tall as tall formulas; around others a little larger than those inside them."""
+    # Without a size a fence stretches with what is inside. Around plain letters it would then be as
+    # tall as they are, whatever is nested, so three fixed sizes tell the levels apart.
     is_tall = any(tall in inside for tall in ("<mfrac", "<msqrt", "<mtable"))
     size = "" if is_tall else f" {_FENCES[(_FENCES[0] in inside) + (_FENCES[1] in inside)]}"
     return f"<mrow><mo{size}>{left}</mo>{inside}<mo{size}>{right}</mo></mrow>"
@@ -130,8 +139,10 @@ def _grid(x: boxes.MatrixBox) -> str:
 
 
 def _equation(x: boxes.Relation) -> str:
+    first = markup(x.sides[0])
     pairs = zip(x.relations, x.sides[1:], strict=True)
-    return f"<mrow>{markup(x.sides[0])}{''.join(f'<mo>{escape(sign)}</mo>{markup(side)}' for sign, side in pairs)}</mrow>"
+    rest = "".join(f"<mo>{escape(sign)}</mo>{markup(side)}" for sign, side in pairs)
+    return f"<mrow>{first}{rest}</mrow>"
 
 
 _SMALL = '<mstyle displaystyle="false"><mfrac><mn>{}</mn><mn>{}</mn></mfrac></mstyle>'
@@ -172,6 +183,7 @@ def readable(
     ((3*s/4 + 9/4)/(s**2 + 7/4), '=')
     """
     parts = _parts(function)
+    # Exact where it can be read as it is; else rounded, and only if that is true on the band.
     if all(_is_short(c) for row, _ in parts[1:] for c in row):
         return _quotient(parts, variable, None), "="
     return faithful(lambda digits: _quotient(parts, variable, digits), band)
@@ -196,6 +208,8 @@ def _parts(function: RationalFunction) -> _Parts:
     ring = function.ring
     reduced = function.reduced()
     lead, factors = ring.factors(reduced.denominator)
+    # The leading numbers of all factors are gathered and divided into the numerator, so that each
+    # factor below begins with a power alone.
     below = []
     for factor, exponent in factors:
         coefficients = ring.coefficients(factor)
@@ -225,6 +239,8 @@ def _is_short(coefficient: Expr) -> bool:
 def _rounded(coefficient: Expr, digits: int) -> Expr:
     """A number to a few digits, unless it is a whole one as short as that; in a larger expression,
     each of its numbers."""
+    # Terms with the same symbols are one number times these, and rounded once: two numbers that
+    # nearly cancel keep their digits.
     if coefficient.free_symbols or coefficient.has(I):
         numbers: dict[Expr, Expr] = {}
         for term in Add.make_args(coefficient):
@@ -240,5 +256,6 @@ def _polynomial(coefficients: list[Expr], variable: Symbol, digits: int | None) 
     """The sum of coefficients times ascending powers, its lowest power in front; exact, or rounded
     to digits."""
     shown = [c if digits is None else _rounded(c, digits) for c in coefficients]
+    # s (s + 2), not s^2 + 2 s: zeros at 0 are seen.
     lowest = next((n for n, c in enumerate(shown) if c != 0), 0)
     return variable**lowest * Add(*(c * variable**n for n, c in enumerate(shown[lowest:])))

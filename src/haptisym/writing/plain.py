@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import singledispatchmethod
+from itertools import zip_longest
 from textwrap import wrap
 
 from haptisym.writing import document as doc
@@ -52,6 +53,7 @@ def plain(
       Never on this band.
     <BLANKLINE>
     """
+    # Text of a scene must not move the cursor or start a line of its own.
     writer = _Writer(
         max(columns, NARROWEST), lambda words: spell(" ".join(printable(words).splitlines()))
     )
@@ -73,6 +75,7 @@ def said(phrase: Phrase) -> str:
         return "".join(map(said, phrase))
     if isinstance(phrase, str):
         return phrase
+    # A number that no page has settled yet is rounded as a page does it by default.
     if isinstance(phrase, doc.Real | doc.Frequency | doc.OfFrequency):
         return said(doc.Style().phrase(phrase))
     if isinstance(phrase, doc.Number):
@@ -81,11 +84,12 @@ def said(phrase: Phrase) -> str:
         return said(phrase.words)
     if isinstance(phrase, doc.Code):
         return f"`{phrase.text}`"
+    # ``text`` writes what a keyboard has. Signs count only between spaces: the ~ of a name stays.
     return re.sub(r"[A-Za-z]+|(?<= )[<>!]=(?= )|(?<= )~(?= )", _on_a_screen, text(phrase))
 
 
 def _on_a_screen(word: re.Match[str]) -> str:
-    """Greek letters and relations as they are, not as a keyboard has them."""
+    """A Greek letter or relation as it is, not as a keyboard has it."""
     return _RELATIONS.get(word[0]) or letter(word[0])
 
 
@@ -99,6 +103,8 @@ class _Writer:
     def filled(self, phrase: Phrase, first: str = "", rest: str | None = None) -> list[str]:
         """A phrase in lines; ``first`` and ``rest`` are what these begin with."""
         rest = first if rest is None else rest
+        # ``wrap`` breaks at plain spaces only, so a no-break space keeps number and unit together;
+        # on the page it is a space like any other.
         lines = wrap(
             self._cell(phrase),
             self.columns,
@@ -110,14 +116,14 @@ class _Writer:
         return [line.replace("\xa0", " ") for line in lines]
 
     def blocks(self, blocks: Sequence[Block], indent: str) -> Iterator[str]:
-        """Blank lines stand between them, except between lists that belong together."""
+        """The lines of blocks, with blank lines between them except between lists that belong
+        together."""
         for before, block in zip((None, *blocks), blocks, strict=False):
-            belongs = isinstance(before, doc.Notes) and isinstance(block, doc.Equations | doc.Facts)
-            belongs |= (
-                type(before) is type(block)
-                and isinstance(block, doc.Equations | doc.Facts)
-                and not _is_answer(before)
-            )
+            # A list belongs to the remarks before it and to another list of its kind; below the
+            # answer at the head of a page something new begins.
+            is_list = isinstance(block, doc.Equations | doc.Facts)
+            is_alike = type(before) is type(block) and not (before and _is_answer(before))
+            belongs = is_list and (isinstance(before, doc.Notes) or is_alike)
             if before is not None and not belongs:
                 yield ""
             yield from self.block(block, indent)
@@ -137,9 +143,10 @@ class _Writer:
 
     @block.register
     def _(self, block: doc.Equations, indent: str) -> Iterable[str]:
-        return [
-            line for x in block.lines for line in self.filled(x.equation, _INDENT * 2, _INDENT * 4)
-        ]
+        lines: list[str] = []
+        for line in block.lines:
+            lines += self.filled(line.equation, _INDENT * 2, _INDENT * 4)
+        return lines
 
     @block.register
     def _(self, block: doc.Section, indent: str) -> Iterable[str]:
@@ -156,9 +163,9 @@ class _Writer:
         after = len(indent) + max(map(len, keys), default=0) + 2
         for key, (_, words) in zip(keys, block.rows, strict=True):
             if self.columns - after >= _ROOM:
-                yield from self.filled(
-                    words, f"{indent}{key}".ljust(after), " " * (after + 4 * _is_formula(words))
-                )
+                # Further lines of a formula are set in, so that they do not look like new ones.
+                rest = " " * (after + 4 * _is_formula(words))
+                yield from self.filled(words, f"{indent}{key}".ljust(after), rest)
             else:
                 yield from self.filled(key, indent, indent + _INDENT)
                 yield from self.filled(words, indent + _INDENT)
@@ -166,18 +173,23 @@ class _Writer:
     @block.register
     def _(self, block: doc.Table, indent: str) -> Iterable[str]:
         heads = [self._cell(x.heading) for x in block.columns]
-        told = [[self._cell(x) for x in row] for row in block.rows]
-        rows = _pointed(told, [x.number for x in block.columns])
-        widths = widths_of([heads, *rows], self.columns - len(_INDENT) - _GAP * (len(heads) - 1))
+        cells = [[self._cell(x) for x in row] for row in block.rows]
+        rows = _pointed(cells, [x.number for x in block.columns])
+        gaps = _GAP * (len(heads) - 1)
+        widths = widths_of([heads, *rows], self.columns - len(_INDENT) - gaps)
+        # A list has the cells as they were: without columns there is nothing to align points in.
         if widths is None:
-            return self._rows_listed(heads, told)
-        laid = [[*_laid(row, widths)] for row in (heads, *rows)]
-        rule = _INDENT + self.spell("─") * (sum(widths) + _GAP * (len(widths) - 1))
-        return [*laid[0], rule, *(line for row in laid[1:] for line in row)]
+            return self._rows_listed(heads, cells)
+        rule = _INDENT + self.spell("─") * (sum(widths) + gaps)
+        lines = [*_laid(heads, widths), rule]
+        for row in rows:
+            lines += _laid(row, widths)
+        return lines
 
     @block.register
     def _(self, block: doc.Flow, indent: str) -> Iterable[str]:
-        return self.filled(tuple(x for link in block.links for x in (" → ", link))[1:], indent)
+        chain: list[Phrase] = [x for link in block.links for x in (" → ", link)]
+        return self.filled(tuple(chain[1:]), indent)
 
     def _cell(self, phrase: Phrase) -> str:
         """A phrase; what must stay on one line holds no plain space."""
@@ -204,37 +216,39 @@ _PERCENT = re.compile(r"(?<=\d) %")
 
 
 def _is_formula(phrase: Phrase) -> bool:
+    """Whether a phrase begins with a formula."""
     first = phrase[0] if isinstance(phrase, tuple) and phrase else phrase
     return isinstance(first, Box)
 
 
 def widths_of(rows: Sequence[Sequence[str]], room: int) -> list[int] | None:
-    """Widths of the columns that fit, at least their longest words; None if there are none."""
-    wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    words = [
-        [len(word) for cell in column for word in cell.split(" ")]
-        for column in zip(*rows, strict=True)
-    ]
-    least = [
-        max(max(lengths, default=0), min(w, 8)) for lengths, w in zip(words, wide, strict=True)
-    ]
-    while sum(wide) > room:
-        i = max(range(len(wide)), key=lambda i: (wide[i] > least[i], wide[i]))
-        if wide[i] <= least[i]:
+    """Widths of the columns that fit into ``room`` characters, at least their longest words; None
+    if there are none."""
+    columns = list(zip(*rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    least = []
+    for column, width in zip(columns, widths, strict=True):
+        longest = max(len(word) for cell in column for word in cell.split(" "))
+        # Eight characters at least, where the column has them: columns of short words would become
+        # towers of one word a line.
+        least.append(max(longest, min(width, 8)))
+    # The widest column that can still give way does, one character at a time: so the room is shared
+    # out evenly among the wide ones.
+    while sum(widths) > room:
+        i = max(range(len(widths)), key=lambda i: (widths[i] > least[i], widths[i]))
+        if widths[i] <= least[i]:
             return None
-        wide[i] -= 1
-    return wide
+        widths[i] -= 1
+    return widths
 
 
 def _pointed(rows: Sequence[Sequence[str]], numbers: Sequence[bool]) -> list[tuple[str, ...]]:
     """The rows with the decimal points of each column of numbers below each other."""
     if not rows:
         return []
-    columns = [
-        _column(cells) if is_number else cells
-        for cells, is_number in zip(zip(*rows, strict=True), numbers, strict=True)
-    ]
-    return [*zip(*columns, strict=True)]
+    columns = zip(zip(*rows, strict=True), numbers, strict=True)
+    moved = [_column(cells) if is_number else cells for cells, is_number in columns]
+    return [*zip(*moved, strict=True)]
 
 
 def _column(cells: Sequence[str]) -> list[str]:
@@ -247,17 +261,15 @@ def _column(cells: Sequence[str]) -> list[str]:
 def _laid(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
     """The lines of one row; a cell takes more than one where it must."""
     cells = [_filled(x, width) for x, width in zip(row, widths, strict=True)]
-    for i in range(max(map(len, cells), default=0)):
-        parts = [
-            (cell[i] if i < len(cell) else "").ljust(width)
-            for cell, width in zip(cells, widths, strict=True)
-        ]
+    # Cells with fewer lines than the tallest are blank below.
+    for line in zip_longest(*cells, fillvalue=""):
+        parts = [part.ljust(width) for part, width in zip(line, widths, strict=True)]
         yield (_INDENT + (" " * _GAP).join(parts)).replace("\xa0", " ").rstrip()
 
 
 def _filled(cell: str, width: int) -> list[str]:
-    return (
-        [cell]
-        if len(cell) <= width
-        else wrap(cell, width, break_on_hyphens=False, break_long_words=False)
-    )
+    """A cell in lines of that width."""
+    # ``wrap`` would strip the spaces that align the points of numbers.
+    if len(cell) <= width:
+        return [cell]
+    return wrap(cell, width, break_on_hyphens=False, break_long_words=False)

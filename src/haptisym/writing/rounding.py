@@ -1,5 +1,5 @@
-"""Formulas whose numbers are rounded, and which are true as they are printed: that is found out
-before they are.
+"""Formulas whose numbers are rounded, and which are true as they are printed: this is tested before
+they are.
 
 Where large terms cancel, a formula with six digits of each has none left. So a rounded formula is
 read as it is printed, each number the decimal that it looks like, and compared with the exact one;
@@ -54,10 +54,12 @@ def faithful(
     (3333333.66667 - 3333333.33333*cos(omega/1000000), '≈')
     """
     exact = form(None)
+    # Computed once, when the first rounded formula has to be compared.
     true: list[tuple[float, Any, Any]] | None = None
     for count in digits:
         shown = form(count)
         printed = as_printed(shown)
+        # Rounding may change nothing at all: then the formula is exact, and may have "=".
         if printed == exact:
             return shown, "="
         with mpmath.workdps(_INSIDE):
@@ -74,14 +76,19 @@ def as_printed(shown: Expr) -> Expr:
 
 
 def _values(exact: Expr, band: Band) -> list[tuple[float, Any, Any]]:
-    """Frequencies, the values there, and how far a value may be off."""
+    """Frequencies, rad/s, the values there, and how far a value may be off."""
     low, high = map(float, band)
-    value, found = _compiled(exact), []
+    value = _compiled(exact)
+    samples = []
     for share in _SHARES:
-        at = low + (high - low) * share
-        here, *near = (value(at * x) for x in (1, 1 - _WITHIN, 1 + _WITHIN))
-        found.append((at, here, _WITHIN * abs(here) + max(abs(x - here) for x in near)))
-    return found
+        frequency = low + (high - low) * share
+        exactly = value(frequency)
+        # Half a unit of the fourth digit of the value, and what the value changes by if the
+        # frequency does so: near a zero or a steep slope the first alone would ask for too much.
+        near = [value(frequency * x) for x in (1 - _WITHIN, 1 + _WITHIN)]
+        change = max(abs(x - exactly) for x in near)
+        samples.append((frequency, exactly, _WITHIN * abs(exactly) + change))
+    return samples
 
 
 def _compiled(form: Expr) -> Callable[[float], Any]:
@@ -91,6 +98,7 @@ def _compiled(form: Expr) -> Callable[[float], Any]:
     function = lambdify(symbols, form, "mpmath")
 
     def value(at: float) -> Any:
+        """The value at a frequency; not a number is within no bound, so it proves nothing."""
         known = {omega: mpmath.mpf(at), s: mpmath.mpc(0, at)}
         try:
             return function(*(known.get(x, mpmath.mpf(1)) for x in symbols))
@@ -105,16 +113,20 @@ def _compiled(form: Expr) -> Callable[[float], Any]:
 
 def keeps_zeros(shown: Expr, found: RealFunction, band: Band) -> bool:
     """Whether a polynomial as it is printed has the zeros on a band that the numerator of a
-    function has, and no other."""
+    function has, to four digits and with their orders, and no other; False if that is
+    undecided."""
     printed = found.axis.convert(as_printed(shown))
     both = [RealFunction(found.axis.function(x.numerator)) for x in (found.function, printed)]
     try:
         exact, other = (_zeros(x, band) for x in both)
     except UndecidedError:
         return False
+    # Values may agree to four digits where zeros do not: rounding can part a double zero, or lose
+    # both of it.
     if exact is None or other is None or [n for _, n in exact] != [n for _, n in other]:
         return False
-    return all(abs(x - y) <= _WITHIN * x for (x, _), (y, _) in zip(exact, other, strict=True))
+    pairs = zip(exact, other, strict=True)
+    return all(abs(x - y) <= _WITHIN * x for (x, _), (y, _) in pairs)
 
 
 def _zeros(f: RealFunction, band: Band) -> list[tuple[float, float]] | None:

@@ -28,14 +28,17 @@ def schema_names() -> list[str]:
 
 
 def schema_text(name: str) -> str:
-    """The file of a schema. ``name`` : its own, or what the key ``schema`` of a document says."""
-    own = name.removeprefix("haptisym.").removesuffix("/1")
+    """The text of a schema's file. ``name`` : the schema's own, or what the key ``schema`` of a
+    document says; SchemaError for any other."""
+    kind = name.removeprefix("haptisym.").removesuffix("/1")
     known = schema_names()
-    if own not in known:
+    # Only a known name becomes part of a path.
+    if kind not in known:
         raise SchemaError(
-            f"no document is called {quoted(name)}: {meant(own, known)}these are {', '.join(known)}"
+            f"no document is called {quoted(name)}: {meant(kind, known)}these are "
+            f"{', '.join(known)}"
         )
-    return (_FOLDER / f"{own}.json").read_text(encoding="utf-8")
+    return (_FOLDER / f"{kind}.json").read_text(encoding="utf-8")
 
 
 def json_schema(name: str) -> dict[str, Any]:
@@ -48,5 +51,5 @@ def json_schema(name: str) -> dict[str, Any]:
     >>> json_schema("haptisym.evaluation/1")["properties"]["band"]
     {'$ref': '#/$defs/interval', 'description': 'The frequencies asked about, rad/s.'}
     """
-    found: dict[str, Any] = json.loads(schema_text(name))
-    return found
+    schema: dict[str, Any] = json.loads(schema_text(name))
+    return schema

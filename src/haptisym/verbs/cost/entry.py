@@ -1,9 +1,9 @@
-"""What accuracy costs in time for a scene: measured live, against certified references of higher
-precision.
+"""What accuracy costs in time for a scene: digits and seconds of several methods, measured now,
+against certified references of higher precision.
 
-Contenders take turns, so that a slow moment of a machine that others use too slows all of them
-alike (``interleaved``). Asked are the ratios, the crossings, and these with approximated delays and
-with each effect left out.
+Methods take turns, so that a slow moment of a machine that others use too slows all of them equally
+(``interleaved``). The tasks are the ratios, the crossings, and the crossings with approximated
+delays and with each effect left out. ``cost`` is where to begin reading.
 """
 
 from __future__ import annotations
@@ -45,12 +45,11 @@ from haptisym.verbs.cost.methods import (
     UnfitMethodError,
 )
 
-# --- the stopwatch
-# ---------------------------------------------------------------------------------------------------
-
 Key = TypeVar("Key", bound=Hashable)
 _PACKAGES = ("numpy", "sympy", "python-flint", "scipy", "control", "numba")
-_IN_A_ROW, _SHORT = 3, 0.01  # s
+# A turn that takes less than ``_SHORT`` seconds is repeated so often in a row, and the quickest run
+# counts: the first one finds caches filled by the method before it.
+_IN_A_ROW, _SHORT = 3, 0.01
 
 
 @dataclass(frozen=True)
@@ -91,20 +90,25 @@ def interleaved(
         told(key, at)
         first[key], answers[key] = _once(attempt)
     turns: dict[Key, list[float]] = {key: [] for key in attempts}
+    repeated = [key for key in attempts if first[key] <= budget / 8]
+    # a limit in time would raise within a measurement
     with spared():
         for _ in range(rounds):
             if perf_counter() - began > budget:
                 break
-            for key in (key for key in attempts if first[key] <= budget / 8):
+            for key in repeated:
                 often = _IN_A_ROW if first[key] < _SHORT else 1
                 turns[key].append(min(_once(attempts[key])[0] for _ in range(often)))
-    taken = {key: turns[key] or [first[key]] for key in attempts}
-    return {
-        key: MedianTime(statistics.median(x), answers[key], _spread(x)) for key, x in taken.items()
-    }
+    measured: dict[Key, MedianTime] = {}
+    for key in attempts:
+        # the first run, which pays for imports and caches, only where there is no other
+        taken = turns[key] or [first[key]]
+        measured[key] = MedianTime(statistics.median(taken), answers[key], _spread(taken))
+    return measured
 
 
 def _spread(turns: list[float]) -> float | None:
+    """Half the distance of the quartiles over the median; None of fewer than four turns."""
     if len(turns) < 4:
         return None
     low, middle, high = statistics.quantiles(turns, n=4)
@@ -112,6 +116,8 @@ def _spread(turns: list[float]) -> float | None:
 
 
 def _once(attempt: Callable[[], Any]) -> tuple[float, Any]:
+    """The seconds of one run and its answer, or the error that it raised."""
+    # certified zeros are remembered between calls: a run must not profit from another one's
     forget()
     started = perf_counter()
     try:
@@ -138,15 +144,12 @@ def machine() -> dict[str, str]:
     }
 
 
-# --- the answer
-# ------------------------------------------------------------------------------------------------------
-
 _SCATTER = 0.15  # of the middle half of the repeats: quiet machines have 0.02 to 0.1
 
 
 @dataclass(frozen=True)
 class CostMeasurement:
-    """One measurement.
+    """One measurement: digits and time of one method at one task.
 
     ``task`` : evaluate, crossings, delay or effects. ``digits`` : right decimal digits of the worst
     number.
@@ -166,7 +169,7 @@ class CostMeasurement:
     spread: float | None = None
 
     def row(self) -> dict[str, Any]:
-        """As documents have it."""
+        """The measurement as a row of a document, without what is None."""
         return {key: x for key, x in asdict(self).items() if x is not None}
 
     @property
@@ -204,11 +207,12 @@ def front(rows: Iterable[CostMeasurement]) -> tuple[CostMeasurement, ...]:
     >>> front([slow, fast, worse]) == (fast, slow)
     True
     """
-    found: list[CostMeasurement] = []
+    best: list[CostMeasurement] = []
+    # in order of time a row is on the front if it has more digits than any faster one
     for row in sorted((x for x in rows if x.complete), key=lambda x: (x.seconds, -x.digits)):
-        if not found or row.digits > found[-1].digits:
-            found.append(row)
-    return tuple(found)
+        if not best or row.digits > best[-1].digits:
+            best.append(row)
+    return tuple(best)
 
 
 @dataclass(frozen=True, repr=False)
@@ -251,7 +255,7 @@ class Cost(Answer):
 
     @property
     def summary(self) -> str:
-        """What a digit costs here, in a sentence; of times that scatter that they do."""
+        """What a digit costs here, in a sentence; where times scatter too much, that they do."""
         if self.busy:
             return "This machine is busy: times are not to be trusted."
         crossings = self.task("crossings")
@@ -260,6 +264,7 @@ class Cost(Answer):
             return "Here not all crossings are proven."
         first, last = proven[0], proven[-1]
         each = (last.seconds - first.seconds) / (last.digits - first.digits)
+        # a difference of two times within the scatter of both is none
         lost = sum((x.spread or 0) * x.seconds for x in (first, last))
         grids = [x for x in crossings if x.method.startswith("grid") and x.method[-1].isdigit()]
         price = (
@@ -308,24 +313,21 @@ def duration(seconds: float) -> str:
     return f"{float(f'{seconds / 1e-9:.3g}'):g} ns"
 
 
-# --- what is asked
-# ---------------------------------------------------------------------------------------------------
-
 Progressed = Callable[[str, float], None]
-"""Called with what is measured next and the share that is done, from 0 to 1."""
+"""Is called with what is measured next and the share that is done, from 0 to 1."""
 _ROUNDS = 25
 _BUDGETS = {"evaluate": 4.0, "crossings": 4.0, "delay": 2.0, "effects": 2.0}
 """Seconds after which no repeats of a task are begun."""
 _DIGITS = 15
-"""Of the crossings whose time and shift are compared when delays are approximated or effects left
-out."""
+"""Digits of the crossings when delays are approximated or effects left out: their time and shift
+are compared."""
 _PADE_ORDERS = range(1, 7)
 _MANY = 10_000  # frequencies at once
 
 
 @dataclass(frozen=True)
 class Task:
-    """Attempts at one question, each with the score of its answer."""
+    """One question: the attempts at it, by method, and how their answers are scored."""
 
     name: str
     attempts: Mapping[Method, Attempt]
@@ -333,7 +335,7 @@ class Task:
     left_out: tuple[Omission, ...] = ()
     condition: float | None = None
     per: Callable[[Method], int] = lambda method: 1
-    """By what the seconds of an attempt are divided."""
+    """By how much the seconds of an attempt are divided: the frequencies that it answers for."""
 
 
 def cost(
@@ -366,7 +368,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
     rows: list[CostMeasurement] = []
     left_out = [x for task in tasks for x in task.left_out]
     for task in tasks:
-
+        # defaults hold the values of this turn of the loop
         def said(method: Method, at: int, before: int = done, name: str = task.name) -> None:
             told(f"{name}: {method.name}", (before + at) / count)
 
@@ -381,6 +383,7 @@ def _measured(scene: Scene, tasks: list[Task], patience: float, told: Progressed
                 left_out.append(Omission(task.name, method.name, str(x.answer)))
                 continue
             score, seconds = task.score(method, x.answer), x.seconds / task.per(method)
+            # a proof that leaves a place undecided is none of all crossings
             proven = method.proves and not getattr(x.answer, "undecided", 0)
             counts = score.missed, score.invented, x.spread
             rows.append(
@@ -410,6 +413,8 @@ def _prepared(
 
 def _evaluate(scene: Scene, *, quick: bool) -> Task:
     """The ratios along the band, by floats of several kinds and to many digits."""
+    # A call for many frequencies costs less for each of them: methods that can are timed so, with
+    # the same few repeated, for which there is a reference.
     few = RatioQuestion(scene.distortion(), _frequencies(scene, 10 if quick else 40))
     count = len(few.omegas)
     many = RatioQuestion(few.distortion, few.omegas * ((_MANY // 10 if quick else _MANY) // count))
@@ -432,6 +437,7 @@ def _evaluate(scene: Scene, *, quick: bool) -> Task:
 def _frequencies(scene: Scene, count: int) -> tuple[float, ...]:
     """Evenly and logarithmically along the band, without 0."""
     low, high = (float(x) for x in scene.band)
+    # at 0 rad/s a ratio may be a limit, which formulas in floats do not have
     even = np.linspace(low, high, count + 1)[1:]
     decades = np.geomspace(low or 1e-6 * high, high, count, endpoint=False)
     return tuple(float(x) for x in np.union1d(even, decades))
@@ -452,6 +458,7 @@ def _against(question: Crossings) -> Callable[[Method, FoundCrossings], Score]:
     spare."""
     known: dict[int, FoundCrossings] = {}
 
+    # references of as many digits as a method claims are computed once for all methods that do
     def score(method: Method, answer: FoundCrossings) -> Score:
         digits = int(method.held) + 15
         if digits not in known:
@@ -481,6 +488,7 @@ def approximated(distortion: Distortion, order: int) -> Distortion:
     def pade(exponent: Expr) -> Expr:
         lag = -exponent / s
         approximant: Expr = effects.pade_delay(abs(lag), order).matrix[0]
+        # an exponential that grows is the inverse of a delay
         return approximant if lag > 0 else 1 / approximant
 
     return Distortion.of(
@@ -501,7 +509,8 @@ def _compared(
     the scene."""
 
     def ready(question: Crossings) -> Attempt:
-        _ = question.functions  # the equations are given to all
+        # the equations are given to all, and are not timed
+        _ = question.functions
         return partial(question.certified, _DIGITS)
 
     attempts = {Method(name, ready, proves=True, ours=True, held=_DIGITS): ready(exact)}

@@ -1,8 +1,8 @@
-"""The hard cases: a scene and a question each on which the usual ways fail, put to our methods and
-to theirs.
+"""The hard cases: scenes and questions on which the usual methods fail, answered by haptisym's
+methods and by the usual ones.
 
-They are values, made here once, for the tests and for ``haptisym cost --hard-cases`` alike,
-gathered in families by what makes them hard. Each answer has right digits, a time and a verdict.
+They are values, made here once, for the tests and for ``haptisym cost --hard-cases``, in families
+by what makes them hard (``FAMILIES``). Each answer has correct digits, a time and a verdict.
 """
 
 from __future__ import annotations
@@ -58,6 +58,8 @@ _Made = Iterator[tuple[str, Question]]
 
 
 def _family(name: str, why: str) -> Callable[[Callable[[], _Made]], Callable[[], _Made]]:
+    """Enter a function that makes cases into the tables, under a name and with a reason."""
+
     def enter(make: Callable[[], _Made]) -> Callable[[], _Made]:
         FAMILIES[name], _MAKERS[name] = why, make
         return make
@@ -109,14 +111,17 @@ def _low() -> _Made:
 
 @_family("wide ranges", "parameters from 1e-9 to 1e9, frequencies up to 1e150: powers overflow")
 def _wide() -> _Made:
+    # the square of 1e150 is a double, its cube is infinite
     omegas = (1e-9, 1.0, 1e9, 1e30, 1e80, 1e150)
+    # powers of ten of m, b, k, of omega_n and of zeta
     for name, (m, b, k), omega_n, zeta in (
         ("light and stiff", (-9, 0, 9), 9, -9),
         ("heavy and soft", (9, 0, -9), -9, 9),
         ("light damping", (0, -9, 0), 0, -9),
     ):
         felt = environments.mass_spring_damper(_power(m), _power(b), _power(k))
-        yield name, RatioQuestion(distort(felt, _lowpass(_power(omega_n), _power(zeta))), omegas)
+        device = _lowpass(_power(omega_n), _power(zeta))
+        yield name, RatioQuestion(distort(felt, device), omegas)
 
 
 @_family("light damping", "k - m omega^2 cancels at resonance, where |H_env| collapses to b omega")
@@ -206,7 +211,8 @@ def _nothing_at_rest() -> _Made:
 
 @_family("tangency ladder", "c nears a maximum of r: two crossings, a touch, none")
 def _tangency() -> _Made:
-    d = _spring(effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"))  # r_r is at most 1/5, at 3 rad/s
+    # r_r is at most 1/5, at 3 rad/s: on a spring dH/|H_env| is the second term of the series effect
+    d = _spring(effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"))
     yield "touch", Crossings(d, _c(Rational(1, 5), 1), _BAND)
     for k in range(1, 41):
         for sign, word in ((-1, "below"), (1, "above")):
@@ -247,6 +253,8 @@ def _clustered() -> _Made:
     "Mignotte-like thresholds", "two crossings far closer to each other than floats distinguish"
 )
 def _mignotte() -> _Made:
+    # Mignotte's polynomials x^n - 2 (a x - 1)^2 have two zeros next to 1/a whose distance is about
+    # a^-(n + 2)/2, as small as it can be for coefficients of that size
     for n, a in ((6, 10), (10, 100), (20, 1000)):
         yield f"degree {n}", _prescribed(f"(s^2)^{n} - 2*({a}*s^2 + 1)^2")
 
@@ -317,7 +325,7 @@ VALUES = (
 COUNTS = ("grid of 10^4 + Brent", "numpy.roots", "certified, 15 digits", "certified, 50 digits")
 """Those that the questions about crossings are put to."""
 _BUDGET = 0.02  # s for the repeats of one case
-_CLOSE = 1.5  # digits: 30 units in the last place of a double
+_CLOSE = 1.5  # digits that may be lost: some 30 units in the last place of a double
 _SPARE = 8  # digits of the reference beyond those of the methods
 
 
@@ -339,7 +347,8 @@ class HardRow(CostMeasurement):
 
 
 def worst_verdict(rows: Iterable[HardRow]) -> str:
-    """What goes wrong in some cases, all together; "" where nothing does."""
+    """The worst of several verdicts, with the counts of all cases; "" where all are right."""
+    # a wrong count is worse than a place reported as undecided, and that than lost digits
     listed = list(rows)
     if told := wrong_words(sum(row.missed for row in listed), sum(row.invented for row in listed)):
         return told
@@ -435,6 +444,7 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
     chosen = methods or (
         [RATIO_METHODS[x] for x in VALUES] if is_ratio else [CROSSINGS[x] for x in COUNTS]
     )
+    # a method may refuse a question beforehand, or only when it runs
     attempts, refused = {}, {}
     for method in chosen:
         try:
@@ -445,6 +455,7 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
     refused |= {
         method: x.answer for method, x in timed.items() if isinstance(x.answer, HaptisymError)
     }
+    # one reference for all methods, with more digits than any of them holds
     digits = int(max(method.held for method in chosen)) + _SPARE
     truth: Any = (
         question.truth(digits)
@@ -468,10 +479,8 @@ def put(case: HardCase, methods: Sequence[Method] | None = None) -> list[HardRow
         x = timed[method]
         score = question.score(x.answer, truth, method.held)
         undecided = getattr(x.answer, "undecided", 0)
-        verdict, proven = (
-            "undecided" if undecided else _verdict(score, method.held),
-            method.proves and not undecided,
-        )
+        verdict = "undecided" if undecided else _verdict(score, method.held)
+        proven = method.proves and not undecided
         rows.append(
             row(score.digits, x.seconds, proven, score.missed, score.invented, verdict=verdict)
         )

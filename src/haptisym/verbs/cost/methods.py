@@ -1,14 +1,13 @@
-"""Questions with certified answers, and the contenders that answer them: haptisym's ways and the
-usual ones.
+"""Questions with certified answers, and the methods that answer them: haptisym's and usual ones.
 
-Asked are the ratios at frequencies, and the crossings on a band. An answer may come from anywhere:
-floats of a formula, transfer functions with expanded coefficients, sign changes on a grid,
-eigenvalues of a companion matrix. It is held against a certified reference of higher precision. How
-hard the question itself is, whoever answers it, says its condition number.
+The questions are the ratios at frequencies, and the crossings on a band. An answer may come from
+anywhere: floats of a formula, transfer functions with expanded coefficients, sign changes on a
+grid, eigenvalues of a companion matrix. It is compared with a certified reference of higher
+precision. How hard the question itself is for any method is its condition number.
 
-The contenders stand in one table for each question, each with what it needs and whether it proves
-its answer. ``prepare`` makes what a method may know beforehand (its formulas, its coefficients);
-only what it returns is timed.
+There is one table of methods for each question (``RATIO_METHODS``, ``CROSSINGS``), with what each
+needs and whether it proves its answer. ``prepare`` makes what a method may know beforehand (its
+formulas, its coefficients); only what it returns is timed.
 """
 
 from __future__ import annotations
@@ -44,20 +43,18 @@ from haptisym.programs.values import Array
 
 DOUBLE = 53 * log10(2)
 """Decimal digits that a double holds."""
-_LEAST = arb(2) ** -1075  # half the smallest double
-_LIKE_IT = 0.01  # an answer with fewer than two right digits is no answer to that crossing
-_GROWTH_BITS = 1024  # of what may be 0, and so has no relative accuracy
+_LEAST = arb(2) ** -1075  # half the smallest double: what is nearer to a double rounds to it
+_LIKE_IT = 0.01  # relative: an answer with fewer than two correct digits is none to that crossing
+# Bits of a slope that may be 0, and so has no relative accuracy that could be reached by more.
+_GROWTH_BITS = 1024
 
 AnswerNumber: TypeAlias = Any  # a float, a flint.arb, or decimal digits as text
 
 
 @dataclass(frozen=True)
 class Score:
-    """How right an answer is: right decimal digits of its worst number; crossings that it lacks and
-    that are none.
-
-    A crossing that is missed has no right digits.
-    """
+    """How good an answer is: the correct decimal digits of its worst number, 0 where a crossing is
+    missed; the numbers of crossings missed, and of numbers that are no crossings (``invented``)."""
 
     digits: float
     missed: int = 0
@@ -66,8 +63,8 @@ class Score:
 
 @dataclass(frozen=True)
 class FoundCrossings:
-    """Crossings that somebody found, rad/s, by the names of the criteria; ``undecided``: places
-    that are said to be left open."""
+    """The crossings that a method found, rad/s, by the names of the criteria; ``undecided``: the
+    number of places that it reports as undecided."""
 
     omegas: Mapping[str, Sequence[AnswerNumber]]
     undecided: int = 0
@@ -81,8 +78,8 @@ class RatioQuestion:
     omegas: tuple[float, ...]
 
     def truth(self, digits: int) -> list[tuple[Ball, Ball]]:
-        """Balls around both ratios at each frequency, so many digits right; infinite where a ratio
-        is unbounded."""
+        """Balls around both ratios at each frequency, with so many correct digits; infinite where a
+        ratio is unbounded."""
         return [
             (self.ratio(Part.REAL, x, digits), self.ratio(Part.IMAG, x, digits))
             for x in self.omegas
@@ -102,6 +99,8 @@ class RatioQuestion:
         return max((self._sensitivity(part, x) for part in Part for x in self.omegas), default=0.0)
 
     def _sensitivity(self, part: Part, omega: float) -> float:
+        """``|omega r'/r|`` of one ratio: half that of r^2, whose logarithmic slope needs no root; 0
+        where the ratio is 0 or infinite."""
         if not omega or not 0 < self.ratio(part, omega, 5) < arb("inf"):
             return 0.0
         found = _Growth(self.distortion.squared_ratios[part], ExactNumber(Rational(omega))).ball(
@@ -112,14 +111,14 @@ class RatioQuestion:
     def score(
         self, answer: Iterable[Sequence[AnswerNumber]], truth: Sequence[Sequence[Ball]], held: float
     ) -> Score:
-        """The right digits of the worst of the values; no more than the ``held`` ones that their
+        """The correct digits of the worst of the values; no more than the ``held`` ones that their
         numbers can hold."""
-        pairs = [
-            p
+        digits = [
+            right_digits(x, y, held)
             for given, true in zip(answer, truth, strict=True)
-            for p in zip(given, true, strict=True)
+            for x, y in zip(given, true, strict=True)
         ]
-        return Score(min((right_digits(x, y, held) for x, y in pairs), default=held))
+        return Score(min(digits, default=held))
 
 
 @dataclass(frozen=True)
@@ -133,17 +132,17 @@ class Crossings:
 
     @classmethod
     def of(cls, scene: Scene) -> Crossings:
-        """Of a scene."""
+        """The question about a scene."""
         return cls(scene.distortion(), scene.threshold, scene.band)
 
     @cached_property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What is judged."""
+        """The criteria."""
         return noticed(self.threshold)
 
     @cached_property
     def functions(self) -> Mapping[Any, Any]:
-        """What tells the crossings: the signs of r^2 - c^2 and of dH."""
+        """The functions that crossings are read from: r^2 - c^2, and both parts of dH."""
         d = self.distortion
         return {
             **{x: x.function(d) for x in self.criteria},
@@ -158,7 +157,7 @@ class Crossings:
         return chart(self.functions, *self.band)
 
     def certified(self, digits: int) -> FoundCrossings:
-        """All crossings, so many digits right, and how many places stay open."""
+        """All crossings with so many correct digits, and the number of undecided places."""
         found = self.chart()
         omegas = {
             x.name: [_tight(omega, digits) for omega in _crossings(found, x)] for x in self.criteria
@@ -181,8 +180,9 @@ class Crossings:
         return max((self._sensitivity(square, omega) for square, omega in pairs), default=0.0)
 
     def _square(self, x: Criterion) -> RealFunction:
-        """Of the ratio, but for a number, or of how many times the region must be enlarged;
-        SceneError where it is not smooth."""
+        """The square of the ratio, up to a constant, over that of a threshold that depends on
+        omega; for a region that of the factor by which it must be enlarged. SceneError where it is
+        not smooth."""
         f = x.measure(self.distortion)
         return (
             RealFunction((f.function / f.axis.convert(x.limit)).reduced())
@@ -191,11 +191,14 @@ class Crossings:
         )
 
     def _sensitivity(self, square: RealFunction, omega: RealNumber) -> float:
+        """``c/|omega r'|`` at a crossing, where c = r: 2 over omega times the logarithmic slope of
+        r^2. A crossing at 0 rad/s does not move in proportion to itself: 0."""
         if omega == ExactNumber(Rational(0)):
             return 0.0
         try:
             growth = _Growth(square, omega).tight_ball(60)
-        except UndecidedError:  # no digit of the slope, however many bits: it is 0
+        # no digit of the slope, however many bits: it is 0
+        except UndecidedError:
             return inf
         return inf if growth == 0 else abs(float((2 / (omega.tight_ball(60) * growth)).mid()))
 
@@ -218,7 +221,8 @@ Question: TypeAlias = RatioQuestion | Crossings
 
 @dataclass(frozen=True, repr=False)
 class _Growth(RealNumber):
-    """f'/f of a real function at a frequency, from its numerator and its denominator."""
+    """The logarithmic slope f'/f of a real function at a frequency: that of its numerator less that
+    of its denominator, so that no quotient has to be differentiated."""
 
     function: RealFunction
     omega: RealNumber
@@ -247,10 +251,11 @@ def right_digits(given: AnswerNumber, true: Ball, held: float) -> float:
         return held if isinstance(given, float) and isinf(given) else 0.0
     if isinstance(given, float) and (isnan(given) or isinf(given)):
         return 0.0
+    # 4 bits for a digit, and some to spare: decimal text is read without an error that would count
     with flint.ctx.workprec(max(128, int(4 * held) + 64)):
-        error = abs(
-            arb(given).mid() - true
-        ).upper()  # what the reference leaves open counts as error
+        # what the reference leaves open counts as error
+        error = abs(arb(given).mid() - true).upper()
+        # below half the smallest double the given double is the nearest one
         if error == 0 or (isinstance(given, float) and error <= _LEAST):
             return held
         if true == 0:
@@ -272,7 +277,9 @@ def _matched(
             )
         )
     left, free, digits = set(range(len(true))), set(range(len(given))), held
+    # the nearest pairs first: a number that two crossings could claim goes to the nearer one
     for distance, i, j in near:
+        # relative to the crossing, and to the band for one at 0 rad/s
         if i in left and j in free and distance <= _LIKE_IT * (float(true[i].mid()) or high):
             left.remove(i)
             free.remove(j)
@@ -281,11 +288,13 @@ def _matched(
 
 
 def _crossings(found: Chart, criterion: Criterion) -> list[RealNumber]:
+    """The certified crossings of one criterion."""
     return [x.omega for x in find_crossings(found) if x.criterion == criterion]
 
 
 def _tight(x: RealNumber, digits: int) -> Ball:
-    """A ball so many digits right; infinite where there is no such number."""
+    """A ball with so many correct digits; infinite where no ball is finite, as at a pole."""
+    # log2(10) bits for a digit, and 8 to spare
     bits = int(3.33 * digits) + 8
     for working in (128, 1024):
         if x.ball(working).is_finite():
@@ -310,6 +319,7 @@ class UnfitMethodError(HaptisymError):
 
 def naive(distortion: Distortion) -> Callable[[Any], tuple[Any, Any]]:
     """H_env and H_perc - H_env on s = j omega, in complex floats as the formulas are written."""
+    # effect by effect, as formulas are written: numerator and denominator are not multiplied out
     chain = distortion.chain
     perceived = chain.rendered
     for a, b, c, d in chain.matrices:
@@ -345,8 +355,8 @@ def _ratios(H: Any, dH: Any, omega: Array) -> Array:
 
 
 def _quietly(function: Callable[[], Any]) -> Any:
-    """What overflows or divides by zero is judged by its value; warnings of other packages are not
-    about a user's own call."""
+    """The result of a function, without warnings: what overflows or divides by zero is judged by
+    its value, and warnings of other packages are not about a user's own call."""
     with np.errstate(all="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return function()
@@ -380,6 +390,7 @@ def scipy_way(question: RatioQuestion) -> Attempt:
 
 
 def _rational(distortion: Distortion) -> tuple[Any, Any]:
+    """H_env and H_perc as quotients of polynomials; UnfitMethodError where they are none."""
     if distortion.perc.ring.functions:
         raise UnfitMethodError("delays and fractional powers are not possible")
     return distortion.env, distortion.perc
@@ -389,21 +400,25 @@ def _rational(distortion: Distortion) -> tuple[Any, Any]:
 
 
 def margin(x: Criterion, omega: Any, H: Any, dH: Any) -> Any:
-    """Positive where a change dH of H is noticed: a ratio less its limit, or how many times a
-    region must be enlarged, less 1."""
+    """Positive where a change dH of H is noticed: a ratio less its limit, or the factor by which a
+    region must be enlarged less 1."""
+
+    def number(c: Expr) -> Any:
+        return floats_of(c, omega)
+
     size = np.abs(H)
     if x.joint:
-        return (
-            x.joint.enlarged(np.real(dH) / size, np.imag(dH) / size, lambda c: floats_of(c, omega))
-            - 1
-        )
+        real, imag = np.real(dH) / size, np.imag(dH) / size
+        return x.joint.enlarged(real, imag, number) - 1
     part = np.real if x.part is Part.REAL else np.imag
     ratio = np.abs(part(dH)) / size
     if not isinstance(x.region, Sided):
-        return ratio - floats_of(x.threshold, omega)
+        return ratio - number(x.threshold)
+    # what grows and what shrinks have limits of their own
     grows = np.abs(part(H + dH)) - np.abs(part(H))
-    higher, lower = (floats_of(c, omega) for c in (x.region.higher, x.region.lower))
-    limit = np.where(grows > 0, higher, np.where(grows < 0, lower, np.maximum(higher, lower)))
+    higher, lower = number(x.region.higher), number(x.region.lower)
+    unchanged = np.maximum(higher, lower)
+    limit = np.where(grows > 0, higher, np.where(grows < 0, lower, unchanged))
     least = 0.0 if x.region.floor is None else floats_of(x.region.floor, omega) / size
     return ratio - np.maximum(limit, least)
 
@@ -421,9 +436,8 @@ def grid_way(question: Crossings, count: int, *, brent: bool = False) -> Attempt
         grid = np.linspace(low, high, count)
         found: dict[str, list[float]] = {x.name: [] for x in question.criteria}
         for start in range(0, count - 1, _BLOCK):
-            block = grid[
-                start : start + _BLOCK + 1
-            ]  # neighbouring blocks share a point, which counts once
+            # neighbouring blocks share a point, at which a zero counts once
+            block = grid[start : start + _BLOCK + 1]
             H, dH = function(block)
             for x in question.criteria:
                 values = np.broadcast_to(margin(x, block, H, dH), block.shape)
@@ -440,17 +454,24 @@ Refine: TypeAlias = Callable[[float, float, float, float], float]
 
 
 def _changes(grid: Array, values: Array, refine: Refine, *, is_last: bool) -> list[float]:
-    at = [float(grid[i]) for i in np.flatnonzero(values == 0) if is_last or i < len(grid) - 1]
-    between = np.flatnonzero(values[1:] * values[:-1] < 0)
-    rows = zip(grid[between], grid[between + 1], values[between], values[between + 1], strict=True)
-    return sorted([*at, *(refine(*(float(x) for x in row)) for row in rows)])
+    """The zeros of a block of a grid: points at which a value is 0, and changes of sign."""
+    at_points = np.flatnonzero(values == 0)
+    # the last point of a block is the first one of the next
+    found = [float(grid[i]) for i in at_points if is_last or i < len(grid) - 1]
+    for i in np.flatnonzero(values[1:] * values[:-1] < 0):
+        a, b = float(grid[i]), float(grid[i + 1])
+        at_a, at_b = float(values[i]), float(values[i + 1])
+        found.append(refine(a, b, at_a, at_b))
+    return sorted(found)
 
 
 def _straight(a: float, b: float, at_a: float, at_b: float) -> float:
+    """The zero of the straight line between two points."""
     return a - at_a * (b - a) / (at_b - at_a)
 
 
 def _brent(function: Callable[[Any], Any], a: float, b: float, at_a: float, at_b: float) -> float:
+    """The zero of a function between two points by Brent's method, to all digits of a double."""
     from scipy.optimize import brentq
 
     return float(
@@ -469,6 +490,7 @@ def companion_way(question: Crossings) -> Attempt:
         for name, row in rows.items():
             is_even = not row[1::2].any()
             zeros = np.roots((row[::2] if is_even else row)[::-1])
+            # the usual test: those that are computed to be exactly real
             omegas = zeros[np.isreal(zeros) & (zeros.real >= 0)].real
             omegas = np.sqrt(omegas) if is_even else omegas
             found[name] = sorted(float(x) for x in omegas[(omegas >= low) & (omegas <= high)])
@@ -478,7 +500,8 @@ def companion_way(question: Crossings) -> Attempt:
 
 
 def _polynomial(question: Crossings, criterion: Criterion) -> Array:
-    """The coefficients, ascending."""
+    """The float coefficients of the polynomial in omega whose zeros are the crossings, ascending;
+    UnfitMethodError where there is none."""
     excess = question.functions[criterion]
     if not isinstance(excess, RealFunction):
         raise UnfitMethodError("the border of the JND region is not one polynomial")
@@ -503,8 +526,8 @@ class Method:
 
     ``proves`` : whether its answers are certified. ``ours`` : whether it is haptisym's. ``held`` :
     decimal digits that its numbers hold. ``packages`` : what must be installed. ``prepare`` takes
-    the question and raises RefusedError where it does not fit. ``at_once`` : whether it answers for
-    many frequencies at once, and should be timed so.
+    the question and raises UnfitMethodError where it does not fit. ``at_once`` : whether it answers
+    for many frequencies at once, and should be timed so.
     """
 
     name: str
@@ -529,11 +552,13 @@ class Method:
 
 
 def _level(question: RatioQuestion, accuracy: str) -> Attempt:
+    """The ratios by a function compiled for an accuracy: fast, double-double or certified."""
     function, omega = question.distortion.compile(accuracy, of=_BOTH), np.array(question.omegas)
     return lambda: np.stack([(v := function(omega)).ratio_real, v.ratio_imag], axis=-1)
 
 
 def _digits(question: RatioQuestion, count: int) -> Attempt:
+    """The ratios to so many certified digits, as text."""
     function, omega = question.distortion.compile(of=_BOTH), np.array(question.omegas)
 
     def attempt() -> list[tuple[str, str]]:

@@ -1,25 +1,17 @@
-"""The formulas of a scene: closed, in steps, solved, dimensionless, with leading terms.
+"""The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in
+steps, solved, dimensionless, with leading terms (``Derivation``, where to begin reading).
 
-What is left of a distortion when the devices are fast: its leading terms, and a proven bound on all
-the rest.
+**Leading terms** (``expansion``) are what is left of a distortion when the devices are fast. Every
+time constant of an effect (a delay, a sampling period, one over a corner frequency) is multiplied
+by epsilon: dH is then a power series in epsilon, whose terms are rational functions of s. At
+epsilon = 1 it is the scene's own distortion, and what the terms leave is bounded on the scene's
+band by its certified largest value.
 
-Every time constant of an effect (a delay, a sampling period, one over a corner frequency) is
-multiplied by epsilon: dH is then a power series in epsilon, whose terms are rational functions of
-s. At epsilon = 1 it is the scene's own distortion, and what the terms leave is bounded on the
-scene's band by its certified largest value.
-
-The parameters of a scene reduced to independent dimensionless groups: fewer of them, and one
-formula for all sizes.
-
+**Dimensionless groups** (``groups``) are fewer than parameters, and give one formula for all sizes.
 By Buckingham's theorem a relation between n quantities of r independent dimensions is one between n
 - r groups. As many parameters as there are dimensions serve as units: mass and stiffness of the
 environment where it has both. In these units they are 1, and every other parameter is a number, its
 group; so the dimensionless scene is the scene with these values.
-
-The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in steps,
-solved, dimensionless.
-
-The formulas of a scene.
 """
 
 from __future__ import annotations
@@ -105,13 +97,15 @@ class Expansion:
         exact = self.scene.distortion()
         ring = exact.chain.ring
         kept = [ring.convert(term.expression().xreplace(values)) for term in self.terms]
+        # The bound is on the difference itself, in the scene's numbers: it needs no estimate of the
+        # next terms of the series, and holds where this does not converge.
         rest = on_axis((exact.difference - reduce(add, kept)).reduced())
-        found: dict[Part, RealNumber | None] = {}
+        bounds: dict[Part, RealNumber | None] = {}
         for part in Part:
             error = part_of(rest, part)
             square = largest(error * error / exact.squared_modulus, *self.scene.band)
-            found[part] = None if square is None else SquareRoot(square)
-        return found
+            bounds[part] = None if square is None else SquareRoot(square)
+        return bounds
 
 
 def expansion(scene: Scene, order: int = 1) -> Expansion:
@@ -137,16 +131,15 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
         )
     epsilon = Dummy("epsilon", positive=True)
     slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
-    depth = (
-        order + 2 + 2 * len(fast)
-    )  # a hold divides by its period, which costs an order each time
+    # a hold divides by its period, which costs an order each time
+    depth = order + 2 + 2 * len(fast)
     cut = Distortion.of(slowed.map(lambda entry: _truncated(entry, epsilon, depth)))
     terms = _series(cut.difference, epsilon, order)
     return Expansion(scene, tuple(terms), tuple(fast))
 
 
 _SPEED = {Dimension.TIME: 1, Dimension.FREQUENCY: -1}
-"""How a parameter that measures this grows with the time constants."""
+"""The power of epsilon by which a parameter of this dimension is multiplied."""
 
 
 def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
@@ -155,6 +148,9 @@ def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
     def polynomial(x: Expr, powers: range) -> Expr:
         return Add(*(x**n / factorial(n) for n in powers))
 
+    # With polynomials in place of exponentials the entries are rational in epsilon, and the ring
+    # has no functions of it; terms of an order above ``depth`` do not reach the order that is
+    # wanted.
     for function, first, step in ((exp, 0, 1), (cosh, 0, 2), (sinh, 1, 2)):
         powers = range(first, depth + 1, step)
         for found in entry.atoms(function):
@@ -166,11 +162,13 @@ def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
 def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[RationalFunction]:
     """The coefficients of a power series in epsilon, up to an order; ``f`` in lowest terms."""
     above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
-    if 0 not in below:  # then it is in the numerator: a power of epsilon is left below the line
+    # in lowest terms the numerator then has a term without epsilon: f has a pole at epsilon = 0
+    if 0 not in below:
         raise SceneError(
             "the distortion increases without bound with the bandwidth of the effects: there "
             "is no high-bandwidth approximation"
         )
+    # (sum of b_j e^j)(sum of t_n e^n) = sum of a_n e^n gives t_n from those before it
     terms: list[RationalFunction] = []
     for n in range(order + 1):
         total = above.get(n, f.ring.zero)
@@ -183,16 +181,19 @@ def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[Ration
 def _by_powers(
     polynomial: Polynomial, ring: PolynomialRing, variable: Symbol
 ) -> dict[int, RationalFunction]:
-    """The coefficients of the powers of a variable."""
-    index = ring.meanings.index(variable)
-    found: dict[int, dict[tuple[int, ...], object]] = {}
+    """The coefficients of a polynomial by the powers of one variable, without those that are 0."""
+    place = ring.meanings.index(variable)
+    coefficients: dict[int, dict[tuple[int, ...], object]] = {}
     for exponents, value in polynomial.to_dict().items():
-        own = list(map(int, exponents))
-        power, own[index] = own[index], 0
-        found.setdefault(power, {})[tuple(own)] = value
-    return {n: ring.function(ring.context.from_dict(terms)) for n, terms in found.items()}
+        others = list(map(int, exponents))
+        power, others[place] = others[place], 0
+        terms = coefficients.setdefault(power, {})
+        terms[tuple(others)] = value
+    context = ring.context
+    return {n: ring.function(context.from_dict(terms)) for n, terms in coefficients.items()}
 
 
+# Which dimensions serve as units first; and the letters of the groups of the others.
 _BASE = (
     Dimension.STIFFNESS,
     Dimension.MASS,
@@ -265,6 +266,8 @@ def groups(scene: Scene) -> Groups:
     >>> [(g.symbol, g.value) for g in (found.frequency, *found.groups)]
     [(x, sqrt(m)*omega/sqrt(k)), (zeta_env, b/(2*sqrt(k)*sqrt(m))), (rho, sqrt(m)*omega_n/sqrt(k)), (zeta, zeta)]
     """
+    # The unit of a coefficient of s^alpha depends on alpha: orders must be numbers, and are put in
+    # first.
     orders = {x for order in scene.chain.ring.orders for x in order.free_symbols}
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
     given = [p for p in scene.parameters if p.symbol not in orders]
@@ -288,17 +291,18 @@ def groups(scene: Scene) -> Groups:
 
 
 _Size: TypeAlias = Mapping[str, Rational]
-"""The exponents of the base dimensions, as far as they are not 0."""
+"""The exponents of mass, length and time, by their names; without those that are 0."""
 
 
 def _size(p: Parameter, motion: MotionKind | None) -> _Size:
-    """Of a parameter; a bare number in a formula counts as a pure number."""
+    """The dimensions of a parameter; a bare number in a formula counts as a pure number."""
     if p.dimension is Dimension.ANY:
         return {name: Rational(n.numerator, n.denominator) for name, n in p.exponents or ()}
     return _exponents(p.dimension, motion)
 
 
 def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
+    """The dimensions of a kind of quantity, which depend on whether the motion is a rotation."""
     return {
         name: Rational(n.numerator, n.denominator)
         for name, n in dimension_exponents(dimension, motion) or ()
@@ -310,6 +314,8 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
     exact."""
     if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
         raise SceneError(f"dimensionless groups need rational powers of s, not {irrational[0]}")
+    # Units are given powers of which all roots that occur are whole again: then the ring needs no
+    # roots of them.
     roots = {n.q for size in sizes.values() for n in size.values()} | {
         order.q for order in chain.ring.orders
     }
@@ -353,6 +359,7 @@ def _base(given: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Sym
     for p in sorted(
         given, key=lambda p: _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)
     ):
+        # What is 0 cannot be a unit: the others would be infinite in it.
         if (now := _rows([*found, p.symbol], sizes).rank()) > rank and not p.value.is_zero:
             found.append(p.symbol)
             rank = now
@@ -360,6 +367,7 @@ def _base(given: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Sym
 
 
 def _rows(symbols: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Matrix:
+    """The matrix of dimensions, a parameter a row: its rank is the number of independent units."""
     return Matrix([[sizes[x].get(name, 0) for name in ("mass", "length", "time")] for x in symbols])
 
 
@@ -379,51 +387,46 @@ def _named(
     """The group of each parameter, and how many times it is the parameter in the units of the
     base."""
     letters = [_letter(p, base, sizes, scene) for p in others]
-    taken, environment = (
-        {p.symbol.name for p in scene.parameters},
-        {p.symbol for p in scene.environment.parameters},
-    )
-    found: list[tuple[DimensionlessGroup, int]] = []
+    taken = {p.symbol.name for p in scene.parameters}
+    environment = {p.symbol for p in scene.environment.parameters}
+    named: list[tuple[DimensionlessGroup, int]] = []
     for p, letter in zip(others, letters, strict=True):
-        own = p.symbol.name
+        key = p.symbol.name
         if not letter:
-            name = own
+            name = key
         else:
-            name = letter if letters.count(letter) == 1 else f"{letter}_{_index(own)}"
-            if name in taken:  # a parameter's name stays that parameter's
-                name = f"{letter}_{'env' if p.symbol in environment else own}"
-        name = name if all(name != group.symbol.name for group, _ in found) else f"{name}_{own}"
+            name = letter if letters.count(letter) == 1 else f"{letter}_{_index(key)}"
+            # a parameter's name stays that parameter's
+            if name in taken:
+                name = f"{letter}_{'env' if p.symbol in environment else key}"
+        name = name if all(name != group.symbol.name for group, _ in named) else f"{name}_{key}"
+        # a damping ratio is b/(2 sqrt(k m))
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
-        found.append(
-            (
-                DimensionlessGroup(
-                    symbol, p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))
-                ),
-                factor,
-            )
-        )
-    return found
+        value = p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))
+        named.append((DimensionlessGroup(symbol, value), factor))
+    return named
 
 
 def _index(name: str) -> str:
-    """What tells a parameter from its like: n of omega_n, 2 of k2."""
+    """What distinguishes a parameter from others of its kind: n of omega_n, 2 of k2."""
     return re.sub(r"^(omega|tau|zeta|[a-zA-Z](?![a-zA-Z]))_?", "", name) or name
 
 
 def _letter(
     p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
 ) -> str:
-    """What a group is called in the field; nothing for a pure number, which keeps its name."""
+    """The letter by which a group is known in the field; empty for a pure number, which keeps its
+    name."""
     size = {name: n for name, n in sizes[p.symbol].items() if n}
     if not size:
         return ""
     kinds = {_kind(sizes[x], scene.motion) for x in base}
     kind = _kind(size, scene.motion)
-    own = {q.symbol for q in scene.environment.parameters}
+    of_environment = {q.symbol for q in scene.environment.parameters}
     if (
         kind is Dimension.DAMPING
-        and p.symbol in own
+        and p.symbol in of_environment
         and kinds >= {Dimension.STIFFNESS, Dimension.MASS}
     ):
         return "zeta"
@@ -457,7 +460,7 @@ class Derivation(Answer):
     kept: tuple[Symbol, ...]
     kept_thresholds: tuple[Part, ...] = tuple(Part)
     of: tuple[str, ...] = ()
-    """The quantities that its page shows; none for all that it says unasked."""
+    """The quantities that its page shows; empty for those that it shows by default."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
     _page: ClassVar[str] = "haptisym.pages.derive:page"
@@ -492,8 +495,8 @@ class Derivation(Answer):
     def environment(self) -> Distortion:
         """The closed forms of the environment alone, felt as it is: for these no chain is
         multiplied out."""
-        own = self.chain.environment
-        return Distortion.of(Chain(own, own, ()))
+        felt = self.chain.environment
+        return Distortion.of(Chain(felt, felt, ()))
 
     @cached_property
     def steps(self) -> Steps:
@@ -517,17 +520,17 @@ class Derivation(Answer):
         return isinstance(name, str) and listed_name(name) is not None
 
     def operations(self, name: str) -> int:
-        """How many operations a closed form takes, written out."""
+        """The number of operations of a closed form, expanded."""
         return int(count_ops(self[name]))
 
     @cached_property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What is judged, each with the symbol c for its threshold, or with the scene's number."""
+        """The criteria, each with the symbol c for its threshold, or with the scene's number."""
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """What is judged of a part, or by that name; SceneError for a JND of which there are no
-        such formulas."""
+        """The criterion of a part, or by its name; SceneError for a JND of which there are no such
+        formulas."""
         if self.kept_thresholds:
             self.scene.threshold.need_plain("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
@@ -542,6 +545,7 @@ class Derivation(Answer):
         return self._excess(of, self.distortion)
 
     def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
+        """r^2 - c^2 of a distortion; SceneError for a JND that is no single formula."""
         found = self.criterion(of).function(d)
         if isinstance(found, RealFunction):
             return found
@@ -552,16 +556,16 @@ class Derivation(Answer):
 
     def piece(self, of: LatticePiece) -> RealFunction:
         """One of the functions of which a region asks that they are not all positive."""
-        own = next(x for x in self.criteria if x == of.name)
-        found = own.function(self.distortion)
-        assert isinstance(found, Lattice)
-        function = found.terms[of.term][of.place]
+        criterion = next(x for x in self.criteria if x == of.name)
+        lattice = criterion.function(self.distortion)
+        assert isinstance(lattice, Lattice)
+        function = lattice.terms[of.term][of.place]
         assert isinstance(function, RealFunction)
         return function
 
     def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
-        """Where the ratio meets its threshold: formulas, and unless ``readable``, of factors
-        without one the equation itself."""
+        """The frequencies at which the ratio crosses its threshold, as formulas; where a factor has
+        none that can be read, the equation itself, or with ``readable`` nothing."""
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
@@ -573,7 +577,8 @@ class Derivation(Answer):
         )
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
-        """Where Re H of the environment ("env") or of what is felt ("perc") vanishes."""
+        """The frequencies at which Re H of the environment ("env") or of what is felt ("perc")
+        vanishes, as formulas or equations."""
         return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
@@ -590,8 +595,8 @@ class Derivation(Answer):
         return _equation(self.excess(of))
 
     def factors(self, of: Criterion | LatticePiece | str) -> Factors:
-        """Of r^2 - c^2, of one function of a region, or of Re H of a system, the irreducible
-        factors above and below the line."""
+        """The irreducible factors of numerator and denominator of r^2 - c^2, of one function of a
+        region, or of Re H of a system."""
         f = (
             self.stiffness(of)
             if isinstance(of, str)
@@ -604,7 +609,9 @@ class Derivation(Answer):
             for x in (f.function.numerator, f.function.denominator)
         )
         pairs = ((f.axis.in_half_angles(factor), n) for factor, n in chain(*lines))
-        return tuple((Equation(own.ring, own.numerator), n) for own, n in pairs)
+        return tuple(
+            (Equation(factor_form.ring, factor_form.numerator), n) for factor_form, n in pairs
+        )
 
     @cached_property
     def groups(self) -> Groups:
@@ -628,24 +635,28 @@ class Derivation(Answer):
 
 
 def _equation(f: RealFunction) -> Equation:
+    """f = 0, by the numerator of f."""
     written = f.written
     return Equation(written.ring, written.numerator)
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
+    """The polynomial whose sign is that of r^2 - c^2, as a product of factors."""
+
     def polynomial(d: Derivation) -> Expr:
         f = d.excess(part).written
         unit, factors = f.ring.factors(f.numerator)
-        found = f.ring.one.expression() * (1 if unit > 0 else -1)
+        # of a constant factor the sign alone matters
+        product = f.ring.one.expression() * (1 if unit > 0 else -1)
         for factor, n in factors:
-            found *= f.ring.expression(factor) ** n
-        return found
+            product *= f.ring.expression(factor) ** n
+        return product
 
     return polynomial
 
 
 def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
-    """What the distortion has under this name; of a real function its factored form."""
+    """An attribute of the distortion, by its path; of a real function the factored form."""
 
     def found(d: Derivation) -> Expr:
         value = attrgetter(path)(d.distortion)
@@ -655,6 +666,7 @@ def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
 
 
 def _jnd(name: str) -> Callable[[Derivation], Expr]:
+    """The JND of a parameter that the threshold c amounts to."""
     return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
 
@@ -693,7 +705,7 @@ QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
 
 
 def bare(name: str) -> str:
-    """A name without what a shell or a typist leaves out.
+    """A name in lower-case letters and digits alone, as it may be typed in a shell.
 
     >>> bare("|H_env|^2"), bare("Re dH")
     ('henv2', 'redh')
@@ -741,6 +753,7 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
 
 
 def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
+    """The derivation of a distortion, of which all symbols stay symbols."""
     if keep is not None:
         raise SceneError("keep: a distortion keeps its symbols: leave it out")
     if d.elements is None:

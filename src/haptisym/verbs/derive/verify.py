@@ -1,9 +1,9 @@
-"""Symbolic against numeric: the ways to one value held against each other at random frequencies and
+"""Symbolic against numeric: several ways to one value compared at random frequencies and
 parameters.
 
-The yardstick is the chain itself in complex arithmetic of 60 digits (mpmath): H_perc(j omega) built
-factor by factor, then the parts. Against it stand the closed form and the named steps (60 digits),
-ball arithmetic on lowest terms, and what ``compile`` makes in floats. How far each is off is told
+The reference is the chain itself in complex arithmetic of 60 digits (mpmath): H_perc(j omega) built
+effect by effect, then the parts. Compared with it are the closed form and the named steps (60
+digits), ball arithmetic on lowest terms, and what ``compile`` makes in floats. The differences are
 in units in the last place of a double.
 """
 
@@ -32,16 +32,19 @@ from haptisym.model.scenefile import as_scene
 from haptisym.programs.balls import PointValue
 from haptisym.programs.steps import DISTORTION
 
+# Of 60 digits ten are left for cancellation between H_perc and H_env: what is smaller than 1e-50 of
+# the modulus is rounding.
 _DIGITS, _NOISE = 60, 1e-50
 _TRIES = 1000  # to draw a number that a symbol may be
-_SMALLEST = 1e-250  # below it doubles lose digits, and their last place says nothing
+# Products of small doubles underflow below it and lose digits: such a value has no last place.
+_SMALLEST = 1e-250
 WAYS = ("closed form", "named steps", "ball arithmetic", "compiled")
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """The largest difference of a way from the yardstick, in ulp of the value there. ``omega`` :
-    where, rad/s; ``values`` : of the parameters there."""
+    """The largest difference of a way from the reference, in units in the last place of the value.
+    ``omega``, ``values`` : the frequency, rad/s, and the parameters at which it was found."""
 
     quantity: str
     way: str
@@ -52,8 +55,8 @@ class Disagreement:
 
 @dataclass(frozen=True, repr=False)
 class Verification(Shown):
-    """How far each way to each quantity is from complex arithmetic of 60 digits, at random points.
-    Made by ``verify``.
+    """The differences of each way to each quantity from complex arithmetic of 60 digits, at random
+    points. Made by ``verify``.
 
     ``worst`` : for each way the largest difference, in units in the last place of a double;
     ``rows`` : for each way and quantity, with the frequency, rad/s, and the values there.
@@ -77,11 +80,12 @@ class Verification(Shown):
         return {way: max((x.ulp for x in self.rows if x.way == way), default=0.0) for way in WAYS}
 
     def __str__(self) -> str:
-        head = f"{'ulp of a double, at most':<26}" + "".join(f"{way:>17}" for way in WAYS)
-        lines = [head]
+        names = "".join(f"{way:>17}" for way in WAYS)
+        lines = [f"{'ulp of a double, at most':<26}{names}"]
         for name in dict.fromkeys(x.quantity for x in self.rows):
-            own = {x.way: x.ulp for x in self.rows if x.quantity == name}
-            lines.append(f"{name:<26}" + "".join(f"{own[way]:>17.2g}" for way in WAYS))
+            errors = {x.way: x.ulp for x in self.rows if x.quantity == name}
+            columns = "".join(f"{errors[way]:>17.2g}" for way in WAYS)
+            lines.append(f"{name:<26}{columns}")
         lines.append(f"at {self.points} points; at {self.undefined} others there is no value")
         return "\n".join(lines)
 
@@ -114,12 +118,12 @@ def verify(
         for n in range(count):
             tick(n, count, "points")
             omega, values = _frequency(draw), ways.draw(draw)
-            found = ways.at(omega, values)
-            defined += found is not None
-            for name, way, error in _errors(found or {}):
+            rows = ways.at(omega, values)
+            defined += rows is not None
+            for name, way, error in _errors(rows or {}):
                 if (name, way) not in worst or error > worst[name, way].ulp:
-                    told = {x.name: float(v) for x, v in values.items()}
-                    worst[name, way] = Disagreement(name, way, error, float(omega), told)
+                    by_name = {x.name: float(v) for x, v in values.items()}
+                    worst[name, way] = Disagreement(name, way, error, float(omega), by_name)
     return Verification(
         defined,
         count - defined,
@@ -147,6 +151,7 @@ def _drawn(draw: Random, x: Symbol, most: float) -> Rational:
 
 
 def _errors(found: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, str, float]]:
+    """The quantity, the way and its error in units in the last place; infinite where it is nan."""
     for name, row in found.items():
         exact = row["complex"]
         unit = ulp(max(abs(float(exact)), _SMALLEST))
@@ -157,7 +162,10 @@ def _errors(found: Mapping[str, Mapping[str, Any]]) -> Iterator[tuple[str, str, 
 
 @dataclass(frozen=True)
 class _Ways:
-    """The ways to the values of a distortion at a point."""
+    """Evaluates the quantities of a distortion at a point in each of the ways.
+
+    Each has code of its own, so that a mistake in one shows against the others.
+    """
 
     d: Distortion
 
@@ -167,7 +175,7 @@ class _Ways:
 
     @cached_property
     def _orders(self) -> set[Symbol]:
-        """Those in powers of s, which stay below 1."""
+        """The symbols in powers of s, whose values stay below 1."""
         return {x for order in self.d.needed_chain.ring.orders for x in order.free_symbols}
 
     def draw(self, draw: Random) -> dict[Symbol, Rational]:
@@ -177,7 +185,7 @@ class _Ways:
     def at(
         self, omega: Rational, values: Mapping[Symbol, Rational]
     ) -> dict[str, dict[str, Any]] | None:
-        """By each way, of each quantity; None where the chain has a pole, or no value."""
+        """The value of each quantity by each way; None where the chain has a pole, or no value."""
         point = [mpmath.mpf(int(x.p)) / int(x.q) for x in (omega, *values.values())]
         try:
             exact = self._complex(*point)
@@ -201,7 +209,8 @@ class _Ways:
         return found if all(isfinite(float(x["complex"])) for x in found.values()) else None
 
     def _complex(self, omega: Any, *values: Any) -> dict[str, Any]:
-        """Direct complex evaluation of the chain."""
+        """Direct complex evaluation of the chain: each effect [[a, b], [c, d]] takes H to
+        (a H + b)/(c H + d)."""
         env, H, *rows = self._entries(mpmath.mpc(0, omega), *values)
         for a, b, c, d in rows:
             H = (a * H + b) / (c * H + d)
@@ -229,11 +238,12 @@ class _Ways:
 
     @cached_property
     def _steps(self) -> Callable[..., Any]:
-        found = self.d.steps(*DISTORTION)
+        named = self.d.steps(*DISTORTION)
         arguments = [self.d.frequency, *self._symbols]
-        put = _plainly([*arguments, *(x for x, _ in found.definitions)])
-        results = [found.results[name].xreplace(put) for name in DISTORTION]
-        steps = [(put[x], value.xreplace(put)) for x, value in found.definitions]
+        put = _plainly([*arguments, *(x for x, _ in named.definitions)])
+        results = [named.results[name].xreplace(put) for name in DISTORTION]
+        steps = [(put[x], value.xreplace(put)) for x, value in named.definitions]
+        # the named steps stand in for the common subexpressions that lambdify would look for
         made: Callable[..., Any] = lambdify(
             [put[x] for x in arguments], results, "mpmath", cse=lambda _: (steps, results)
         )
@@ -264,17 +274,18 @@ def _made(arguments: list[Symbol], forms: Any) -> Callable[..., Any]:
     """A function of mpmath; numbers in the forms stay exact."""
     put = _plainly(arguments)
 
-    def own(form: Any) -> Any:
+    def plain(form: Any) -> Any:
         if isinstance(form, list | tuple):
-            return [own(x) for x in form]
-        if isinstance(form, Abs):  # which multiplies out what it is given, for minutes
+            return [plain(x) for x in form]
+        # Abs multiplies out what it is given, which may take minutes
+        if isinstance(form, Abs):
             return Abs(form.args[0].xreplace(put), evaluate=False)
-        return form.func(*map(own, form.args)) if form.has(Abs) else form.xreplace(put)
+        return form.func(*map(plain, form.args)) if form.has(Abs) else form.xreplace(put)
 
-    made: Callable[..., Any] = lambdify([put[x] for x in arguments], own(forms), "mpmath")
+    made: Callable[..., Any] = lambdify([put[x] for x in arguments], plain(forms), "mpmath")
     return made
 
 
 def _plainly(symbols: list[Symbol]) -> dict[Symbol, Symbol]:
-    """Names that no function has."""
+    """Plain symbols p0, p1, ... in place of some: names that no function of mpmath has."""
     return {x: Symbol(f"p{n}", positive=x.is_positive) for n, x in enumerate(symbols)}

@@ -1,14 +1,15 @@
-"""Bandwidths that are attained: many sets of values in floats, the best of them exactly, with what
-must be kept.
+"""Bandwidths that are attained: many sets of values are tried in floats, the best of them exactly,
+and what must be kept is decided there.
 
-Floats only propose: those of a sweep, and where these take long or decide nothing what the one
-search shows at single points. What is called attained was evaluated exactly at rational values, and
-what must be kept was decided there.
+Floats only propose: those of a sweep, and where these take long or decide nothing, what the branch
+and bound of ``bound`` shows at single points. What is called attained was evaluated exactly at
+rational values.
 
 Where values may be *off* by a relative distance, what they attain is the smallest bandwidth of all
-values so far away. It is bounded from below by the one search and from above by single values,
+values so far away. It is bounded from below by branch and bound, from above by single values,
 whose ``factors`` (times the values: the middle, the corners, then whatever turned out to be worst
-anywhere) are what floats and the upper bound look at.
+anywhere) are what floats and the upper bound are computed for. ``Points.best`` is where to begin
+reading.
 """
 
 from __future__ import annotations
@@ -41,23 +42,24 @@ from haptisym.verbs.sweep.passes import Kernel
 PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
 KEPT = (PASSIVE, STABLE, STEADY)
 _POINTS = {1: 40, 2: 160, 3: 400}
-"""Sets of values to begin with, for so many parameters."""
+"""Sets of values to begin with, by the number of parameters."""
 _ROUNDS, _ROUND, _CLOSER = {1: 12, 2: 24, 3: 24}, {1: 16, 2: 40, 3: 80}, {1: 0.25, 2: 0.5, 3: 0.5}
-"""Times that the search closes in on the best, sets of values each time, and to which share of the
-box before."""
+"""Rounds in which the search closes in on the best, sets of values of a round, and the size of the
+box of a round over that of the one before; by the number of parameters."""
 _TRIED = 6
-"""Of the proposals of a round that look better than what keeps all, how many are tried."""
+"""Proposals of a round that are tried exactly, of those that look better than what is attained."""
 _FEWER = 4
 """How many times fewer sets and rounds there are for values that may be off, each of which is
 looked at many times."""
 _GOLDEN = {1: 1.618033988749895, 2: 1.324717957244746, 3: 1.2207440846057596}
-"""Roots x of x^(d+1) = x + 1: steps of 1/x, 1/x^2, ... fill a box of d sides evenly."""
+"""Roots x of x^(d+1) = x + 1, the golden ratio for d = 1: steps of 1/x, 1/x^2, ... modulo 1 fill a
+box of d sides evenly (an additive recurrence of low discrepancy), however many there are."""
 
 
 @dataclass(frozen=True)
 class Attained:
-    """Values, SI, and what is exact there: evaluations, and whether all that must be is ``kept``,
-    None where that is undecided.
+    """What is attained at one set of values, SI: exact evaluations, and whether what must be kept
+    is ``kept``, None where that is undecided.
 
     ``evaluations`` : of each environment; where values may be off those of all factors, and of what
     was found to be worst.
@@ -77,7 +79,8 @@ class Attained:
 
     @property
     def bandwidth(self) -> float:
-        """What is attained for certain, rad/s."""
+        """The bandwidth that is proven to be attained, rad/s; the worst one of values that may be
+        off."""
         return self.seen if self.proven is None else min(self.proven, self.seen)
 
     @property
@@ -96,13 +99,15 @@ def least_of(x: Evaluation) -> float:
     if x.bandwidth is None:
         return 0.0
     value = Fraction(x.bandwidth.enclosure(20)[0])
-    found = float(value)
-    return found if Fraction(found) <= value else float(np.nextafter(found, -np.inf))
+    nearest = float(value)
+    # the nearest float may lie above: what is attained must not be more than the exact bandwidth
+    return nearest if Fraction(nearest) <= value else float(np.nextafter(nearest, -np.inf))
 
 
 @dataclass
 class Points:
-    """Sets of values of one to three parameters, of one scene or of one for each environment.
+    """Evaluates sets of values of one to three parameters, of one scene or of one for each
+    environment.
 
     ``keep`` : what must be kept, in the scenes' hands. ``off`` : the relative distance that values
     may be off, 0 if none;
@@ -127,7 +132,7 @@ class Points:
             self._look_at(x)
 
     def _look_at(self, factors: tuple[Expr, ...]) -> None:
-        """Values so many times what they are, too."""
+        """Judge values from now on also by what they attain when multiplied by these factors."""
         sides = tuple(
             Side(x.symbol.name, *ends, x.unit)
             for x, ends in zip(self.free, self.ranges, strict=True)
@@ -142,6 +147,8 @@ class Points:
 
     @cached_property
     def _scales(self) -> list[tuple[float, float, bool]]:
+        """The range of each parameter, and whether values are spread over it by equal ratios: where
+        it spans more than a factor of eight."""
         ends = [(float(low), float(high)) for low, high in self.ranges]
         return [(low, high, low > 0 and high > 8 * low) for low, high in ends]
 
@@ -167,47 +174,46 @@ class Points:
         return np.clip(values, low, high)
 
     def bandwidths(self, values: Array, since: int = 0) -> Array:
-        """Of sets of values, (sets, parameters), the smallest bandwidth of all environments and
-        factors, in floats.
+        """The smallest bandwidth of all environments and factors at sets of values, (sets,
+        parameters), in floats, rad/s.
 
         A lower and an upper number, (2, sets): both are the same but where floats decide nothing,
-        at a threshold that is touched. ``since`` : of the factors from that number on.
+        at a threshold that is touched. ``since`` : only the factors from that number on count.
         """
-        found = np.full((2, len(values)), np.inf)
+        smallest_yet = np.full((2, len(values)), np.inf)
         boxes = self.boxes[since * len(self.scenes) :]
-        for (factors, scene), box in zip(
-            product(self.factors[since:], self.scenes), boxes, strict=True
-        ):
-            own, left, kernel = (
-                np.empty((2, len(values))),
-                np.arange(len(values)),
-                self._kernel(scene),
-            )
+        pairs = product(self.factors[since:], self.scenes)
+        for (factors, scene), box in zip(pairs, boxes, strict=True):
+            of_scene = np.empty((2, len(values)))
+            left, kernel = np.arange(len(values)), self._kernel(scene)
             if kernel is not None:
                 columns, left = kernel.in_floats((values * np.array(factors, float)).T)
-                own[:] = np.nan_to_num(columns["bandwidth"], nan=0.0)
+                of_scene[:] = np.nan_to_num(columns["bandwidth"], nan=0.0)
+            # the box is multiplied by the factors, so that its shares are those of the values
             if len(left):
-                own[:, left] = self._from(box.criteria, values[left])
-            found = np.minimum(found, own)
-        return found
+                of_scene[:, left] = self._from(box.criteria, values[left])
+            smallest_yet = np.minimum(smallest_yet, of_scene)
+        return smallest_yet
 
     def first_crossings(self, values: Array) -> dict[Part, Array]:
-        """From where on each part is noticed with any environment, of sets of values; the band's
-        end where it is not."""
-        own = {part: [x for box in self.boxes for x in box.criteria_of(part)] for part in Part}
-        return {part: self._from(criteria, values)[1] for part, criteria in own.items() if criteria}
+        """The frequencies, rad/s, from which on each part is noticed with some environment, at sets
+        of values; the band's end where it is not."""
+        by_part = {part: [x for box in self.boxes for x in box.criteria_of(part)] for part in Part}
+        return {
+            part: self._from(criteria, values)[1] for part, criteria in by_part.items() if criteria
+        }
 
     def _from(self, criteria: Sequence[Judge], values: Array) -> Array:
-        """From where on, at least and at most, one of several criteria is exceeded, rad/s; the
-        band's end where none is."""
+        """Lower and upper bounds on the frequency from which on one of several criteria is
+        exceeded, rad/s; the band's end where none is."""
         start, width = np.array([(low, high - low) for low, high, _ in self._scales]).T
         low, high = map(float, self.scenes[0].band)
         shares = np.stack(at_points(criteria, (values - start) / width))
         return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
     def _kernel(self, scene: Scene) -> Kernel | None:
-        """What a sweep has; not of several delays, holds, powers of s or of one and a JND region: a
-        set may take it a second."""
+        """The kernel of a sweep of the scene; None for several delays, holds or powers of s, or one
+        with a JND region, of which a single set may take a sweep a second."""
         if id(scene) not in self._kernels:
             chain = scene.chain
             parts = ((chain.environment, chain.rendered), *chain.matrices)
@@ -224,6 +230,7 @@ class Points:
         if key not in self.known:
             try:
                 self.known[key] = self._attained(key)
+            # that the time is over is no property of these values, and not to be remembered as one
             except LimitError:
                 raise
             except HaptisymError:
@@ -231,6 +238,7 @@ class Points:
         return self.known[key]
 
     def _attained(self, values: tuple[Expr, ...]) -> Attained:
+        """What is attained at some values, which may be off."""
         scenes = self._scenes(values)
         found = Attained(values, tuple(map(evaluate, scenes)), self._keep_all(scenes))
         if not self.off:
@@ -238,9 +246,9 @@ class Points:
         proven, at = self.worst(found, self.off, self.gap / 100)
         if at is not None:
             there = tuple(map(evaluate, self._at(at)))
-            if min(map(least_of, there)) < found.seen * (
-                1 - self.gap / 2
-            ):  # worse than by all that are looked at
+            # worse than by all factors so far: what floats and the upper bound compute would not
+            # come down to what is attained without this one
+            if min(map(least_of, there)) < found.seen * (1 - self.gap / 2):
                 pairs = zip(at, values, strict=True)
                 self._look_at(tuple(x / value if value else Integer(1) for x, value in pairs))
             found = replace(found, evaluations=(*found.evaluations, *there))
@@ -248,19 +256,15 @@ class Points:
         return replace(found, kept=kept, proven=proven)
 
     def fits(self, found: Attained) -> bool:
-        """Whether what must be kept is; of values that are off it may stay open, which is said,
-        whether all of them do."""
+        """Whether what must be kept is kept. Of values that may be off it may be undecided whether
+        all of them keep it; these are accepted, and the answer is then not certified."""
         return found.kept is True or (bool(self.off) and found.kept is None)
 
     def worst(
         self, found: Attained, relative: Expr, within: float
     ) -> tuple[float, tuple[Expr, ...] | None]:
-        """What all values within a relative distance of some attain at least, rad/s, infinite where
-        nothing is noticed.
-
-        With the worst of them that were found to attain less than what was known; None where there
-        are none.
-        """
+        """A lower bound on what all values within a relative distance attain, rad/s, infinite where
+        nothing is noticed; and the worst of them, None where none attains less than is known."""
         each = zip(self.free, found.values, strict=True)
         sides = tuple(Side(x.symbol.name, v, v, x.unit) for x, v in each)
         start, end = map(float, self.scenes[0].band)
@@ -280,8 +284,10 @@ class Points:
                             x.at(Fraction(float(u))) for x, u in zip(box.sides, where, strict=True)
                         ),
                     )
+            # 0 is also where a search begins: where the time was over before anything was proven,
+            # the tick raises, and 0 is no answer
             if least <= 0:
-                tick()  # where the time was over before anything was proven that is no answer
+                tick()
             lowest = min(lowest, least)
         if (
             lowest < 1
@@ -293,8 +299,8 @@ class Points:
         return _frequency(lowest, start, end), at
 
     def _is_whole_around(self, values: Sequence[Expr], relative: Expr) -> bool:
-        """Whether nothing is noticed for all values within a relative distance, also where
-        thresholds are reached exactly."""
+        """Whether it is proven that nothing is noticed for all values within a relative distance:
+        by the verdict of ``tolerances``, which decides also where thresholds are just reached."""
         from haptisym.verbs.tolerances.proofs import BandVerdict, tolerances
 
         away = zip((x.path for x in self.free), values, strict=True)
@@ -309,27 +315,33 @@ class Points:
         not proven."""
         if not self.keep:
             return True
-        if len(self.free) > 1 or not any(values):  # 0 is off by nothing
+        # Of several parameters the corners may refute, but prove nothing of what lies between;
+        # values that are all 0 are off by nothing, and their one corner is all.
+        if len(self.free) > 1 or not any(values):
             corners = [tuple(map(mul, values, x)) for x in _offsets(len(self.free), relative)]
-            found = [self._keep_all(self._at(x)) for x in corners]
-            return False if False in found else None if None in found or any(values) else True
+            verdicts = [self._keep_all(self._at(x)) for x in corners]
+            if False in verdicts:
+                return False
+            return None if None in verdicts or any(values) else True
         from haptisym.verbs.require.required import require
 
         [value], [free] = values, self.free
         ends = sorted((value * (1 - relative), value * (1 + relative)))
         for scene in self.scenes:
-            asked = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
-            if asked.undecided:
+            required = require(scene, free.path, (ends[0], ends[1]), that=self.keep, limit=None)
+            if required.undecided:
                 return None
-            if len(asked.feasible) != 1 or asked.ends:
+            if len(required.feasible) != 1 or required.ends:
                 return False
         return True
 
     def _at(self, values: Sequence[Expr]) -> list[Scene]:
-        own = dict(zip((x.path for x in self.free), values, strict=True))
-        return [scene.with_values(own) for scene in self.scenes]
+        """The scenes of all environments with these values."""
+        by_path = dict(zip((x.path for x in self.free), values, strict=True))
+        return [scene.with_values(by_path) for scene in self.scenes]
 
     def _scenes(self, values: Sequence[Expr]) -> list[Scene]:
+        """The scenes of all environments with these values times all factors."""
         return [
             scene
             for factors in self.factors
@@ -337,68 +349,79 @@ class Points:
         ]
 
     def _keep_all(self, scenes: Sequence[Scene]) -> bool | None:
+        """Whether all scenes keep what must be kept; None where that is undecided."""
         found = [keeps(scene, x) for x in self.keep for scene in scenes]
         return False if False in found else None if None in found else True
 
     def best(self, start: Array, least: float = 0.0) -> Attained | None:
-        """The best that is found from some sets of values that keeps what must be kept, better than
-        ``least``.
+        """The best values that are found from some sets of values, better than ``least`` and with
+        what must be kept; None where none are found.
 
         Proposed by floats, which close in on the best so far, and evaluated exactly. Where that
-        shows a factor to be worst that nobody had looked at, floats begin again with it.
+        shows a new factor to be the worst one, floats begin again with it.
         """
-        looked_at, found = 0, np.array(np.inf)
-        while len(self.factors) > looked_at:
-            found = np.minimum(found, self.bandwidths(start, looked_at))
-            looked_at = len(self.factors)
-            best = self._best(start, found, least)
+        examined, bandwidths = 0, np.array(np.inf)
+        while len(self.factors) > examined:
+            # those of earlier factors are known from the round before
+            bandwidths = np.minimum(bandwidths, self.bandwidths(start, examined))
+            examined = len(self.factors)
+            best = self._best(start, bandwidths, least)
         return best if best and self.fits(best) and best.bandwidth > least else None
 
-    def _best(self, values: Array, found: Array, least: float) -> Attained | None:
-        centre, top, sides, looked_at = None, least, len(self.free), len(self.factors)
-        # some factors alone are looked at: what is little better by these is hardly ever so by all
+    def _best(self, values: Array, bandwidths: Array, least: float) -> Attained | None:
+        """One search in rounds about the best so far; None where nothing better keeps what it must,
+        or a new factor was found to be the worst."""
+        centre, top, sides, examined = None, least, len(self.free), len(self.factors)
+        # only some factors are evaluated: what is little better by these is hardly ever so by all
         margin = 1 + self.gap / 2 if self.off else 1.0
         for n in range(_ROUNDS[sides] // (_FEWER if self.off else 1)):
             tick()
-            better = self._first_kept(values, found, top * margin)
+            better = self._first_kept(values, bandwidths, top * margin)
             if better is not None:
                 centre, top = better
+                # an exact evaluation is what finds new factors
                 if self.off:
                     self.attained(self.exact(centre))
-            if centre is None or len(self.factors) > looked_at:
+            if centre is None or len(self.factors) > examined:
                 return None
             values = self._near(centre, _CLOSER[sides] ** (n + 1), n)
-            found = self.bandwidths(values)
+            bandwidths = self.bandwidths(values)
         assert centre is not None
         return self.attained(self.exact(centre))
 
     def exact(self, values: Array) -> tuple[Expr, ...]:
         """Floats as the decimals that they are written as, so that what is printed is what was
-        evaluated; in the ranges."""
-        each = zip(map(Rational, map(repr, values.tolist())), self.ranges, strict=True)
-        return tuple(min(max(x, low), high) for x, (low, high) in each)
+        evaluated; within the ranges."""
+        decimals = map(Rational, map(repr, values.tolist()))
+        # the float of a range's end may lie outside of it
+        pairs = zip(decimals, self.ranges, strict=True)
+        return tuple(min(max(x, low), high) for x, (low, high) in pairs)
 
     def _near(self, centre: Array, width: float, n: int) -> Array:
         """Sets of values about one, within a share of the box (by ratios: of the logarithm of its
         range)."""
         count = _ROUND[len(self.free)]
+        # from another number on in each round, so that no round repeats the points of the last one
         shares = (_even(len(self.free), np.arange(count) + 7 * n) - 0.5) * 2 * width
-        columns = [
-            c * (high / low) ** u if by_ratio and c > 0 else c + (high - low) * u
-            for c, (low, high, by_ratio), u in zip(centre, self._scales, shares.T, strict=True)
-        ]
+        columns = []
+        for c, (low, high, by_ratio), u in zip(centre, self._scales, shares.T, strict=True):
+            is_ratio = by_ratio and c > 0
+            columns.append(c * (high / low) ** u if is_ratio else c + (high - low) * u)
         return self._inside(np.stack(columns, -1))
 
-    def _first_kept(self, values: Array, found: Array, least: float) -> tuple[Array, float] | None:
-        """The best proposal above ``least`` that keeps all, of the first few that look so, and its
-        bandwidth."""
-        low, high = found.copy()
-        open_ = [
+    def _first_kept(
+        self, values: Array, bandwidths: Array, least: float
+    ) -> tuple[Array, float] | None:
+        """The best proposal above ``least`` that keeps what must be kept, of the first few that
+        look so, and its bandwidth; None where none of them does."""
+        low, high = bandwidths.copy()
+        # where a threshold is touched floats leave the bandwidth open: it is evaluated exactly
+        unclear = [
             int(i)
             for i in np.argsort(-high, kind="stable")
             if high[i] > max(low[i] + self._unclear, least)
         ]
-        for i in open_[:_TRIED]:
+        for i in unclear[:_TRIED]:
             tick()
             exactly = self.attained(self.exact(values[i]))
             low[i] = 0.0 if exactly is None else exactly.bandwidth
@@ -408,6 +431,7 @@ class Points:
             try:
                 if not self.keep or self._keep_all(self._scenes(self.exact(values[i]))):
                     return values[i], float(low[i])
+            # That the time is over is no property of these values.
             except LimitError:
                 raise
             except HaptisymError:
@@ -416,24 +440,25 @@ class Points:
 
     @cached_property
     def _unclear(self) -> float:
-        """How far floats may be apart, rad/s, where they decide what the bandwidth is."""
+        """How far a lower and an upper float may be apart, rad/s, to count as one bandwidth."""
         start, end = map(float, self.scenes[0].band)
         return self.gap / 100 * (end - start)
 
     def nearest_whole(self, values: Array, high: float, to: Array) -> Attained | None:
-        """Of sets of values with which floats may see nothing noticed up to ``high``, the nearest
-        that keeps all."""
-        found = values[self.bandwidths(values)[1] >= high]
+        """The values nearest to ``to`` at which nothing is noticed up to ``high`` and what must be
+        kept is kept, of those for which floats leave that possible; None where there are none."""
+        possible = values[self.bandwidths(values)[1] >= high]
         spans = np.array([high - low for low, high, _ in self._scales])
-        for x in found[np.argsort(np.abs((found - to) / spans).max(-1), kind="stable")][:_TRIED]:
+        distances = np.abs((possible - to) / spans).max(-1)
+        for x in possible[np.argsort(distances, kind="stable")][:_TRIED]:
             tick()
-            own = self.attained(self.exact(x))
-            if own and self.fits(own) and own.is_whole:
-                return own
+            attained = self.attained(self.exact(x))
+            if attained and self.fits(attained) and attained.is_whole:
+                return attained
         return None
 
     def rounded(self, best: Attained, loss: float) -> Attained:
-        """The same with fewer digits in the units of the scene, where that costs no more than a
+        """The best values with as few digits, in the units of the scene, as cost no more than a
         share of the bandwidth."""
         sizes = [x.shown_unit(x.motion).size for x in self.free]
         for digits in range(2, 17):
@@ -452,21 +477,22 @@ class Points:
 
 
 def _even(sides: int, numbers: Array) -> Array:
+    """Points of the evenly filling sequence, (numbers, sides), by their numbers in it."""
     steps = 1 / _GOLDEN[sides] ** np.arange(1, sides + 1)
     return (0.5 + numbers[:, None] * steps) % 1.0
 
 
 def _frequency(share: float, low: float, high: float) -> float:
-    """What a share of a band is, rad/s, rounded down; 0 where it is nothing, infinite where it is
-    all."""
+    """The frequency at a share of a band, rad/s, rounded down; 0 for no share, infinite for all of
+    the band."""
     if share >= 1:
         return inf
     return float(np.nextafter(low + share * (high - low), low)) if share > 0 else 0.0
 
 
 def _offsets(parameters: int, relative: Expr) -> list[tuple[Expr, ...]]:
-    """By what values are multiplied that are off by so much at most: not at all, and all together
-    by as much as they may."""
+    """The factors of values that may be off: the middle, and all corners, where each is off by as
+    much as it may."""
     ends = (
         [tuple(x) for x in product((1 - relative, 1 + relative), repeat=parameters)]
         if relative
@@ -476,8 +502,8 @@ def _offsets(parameters: int, relative: Expr) -> list[tuple[Expr, ...]]:
 
 
 def keeps(scene: Scene, what: str) -> bool | None:
-    """Whether a scene is passive, stable in all of its hands, or steady: without shaking, a drift
-    being allowed."""
+    """Whether a scene is passive, stable in all of its hands, or steady: without an oscillating
+    root that grows, a drift being allowed. None where that is undecided."""
     if what == PASSIVE:
         return passivity(scene).holds
     from haptisym.verbs.stability.held import held  # which much else is loaded for

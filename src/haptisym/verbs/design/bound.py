@@ -1,5 +1,5 @@
-"""How large, and how small, the bandwidth can be in a box of parameters, proven: readings of the
-one search, ``kernel.where``.
+"""How large, and how small, the bandwidth can be in a box of parameters: proven bounds, by the
+branch and bound of ``kernel.where``.
 
 Let first(q) be the lowest frequency at which some criterion's excess F_i(omega, q) is positive: the
 bandwidth at the values q, but for the band's high end where nothing is noticed. first(q) <= W for
@@ -12,7 +12,8 @@ true.
 first(q) >= w for all q of a box if every F_i is negative on [0, w) in each of its cells
 (``smallest``).
 
-Places are shares of the band, values shares of their ranges. Derivation: 20_best_damping.
+Frequencies are shares of the band, values shares of their ranges. ``LargestBandwidth`` is where to
+begin reading. Derivation: 20_best_damping.
 """
 
 from __future__ import annotations
@@ -45,23 +46,25 @@ from haptisym.model.scene import clocks
 from haptisym.programs.taylormodels import Modelled, TaylorModel, valued
 
 _PIECES, _BATCH = 16, 128
-"""Of the band, to begin with; cells in a round."""
+"""Pieces of the band to begin with; cells in a round."""
 _NARROW = 2.0**-44
 """Share of the box down to which cells are cut."""
-_LOW = (
-    -1 + 1e-3
-)  # nearer to 0 rad/s -Im H_perc has no sign that could be seen; its lowest coefficient tells
+# Nearer to 0 rad/s -Im H_perc, which vanishes there, has no sign that models could show; the sign
+# of its lowest coefficient decides.
+_LOW = -1 + 1e-3
+# Points of a round that are offered; rounds without success after which offers become rarer; cuts
+# of pieces before the box is cut.
 _OFFERED, _PATIENCE, _CUT_FIRST = 32, 8, 5
 _SEEN, _CUT_POINTS = 1e-6, 8
 """How closely first(q) is bounded at single points, a share of the band; how often pieces are cut
 for it."""
-_WITHOUT_END = 10**12  # pieces: time is the limit
+_WITHOUT_END = 10**12  # pieces: the time is the limit
 _MOST_WORST = 10_000
 """Pieces that are looked at for the worst of one parameter: a threshold that is touched is never
 settled."""
 _REACH = 20
-"""As many times the band's high end is looked at for what must be kept: beyond, the highest
-coefficient alone tells."""
+"""How many times the band's high end passivity is examined up to: above, the sign of the highest
+coefficient decides."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,8 @@ class DesignBox(Box):
         return self.free
 
     def times(self, factors: Sequence[Expr]) -> DesignBox:
-        """The box of all values that are so many times those of this one; shares mean the same."""
+        """The box of all values that are so many times those of this one; a share of it is so many
+        times the value at that share of this one."""
         scaled = (
             replace(x, low=x.low * f, high=x.high * f)
             for x, f in zip(self.free, factors, strict=True)
@@ -97,7 +101,7 @@ class DesignBox(Box):
         return self.criteria_of(None)
 
     def criteria_of(self, part: Part | None) -> list[Judge]:
-        """The same, of one part alone if it is given."""
+        """What must not be positive on the band, of one part alone if it is given."""
         found = (
             excess_of(self, x) for x in noticed(self.scene.threshold) if part in (None, x.part)
         )
@@ -105,13 +109,12 @@ class DesignBox(Box):
 
     @property
     def passive(self) -> list[tuple[Judge, int]]:
-        """What is positive where a display gives energy away, at places from -1 to 0, each in how
-        many pieces.
-
-        Nothing of loops with a clock.
-        """
+        """Functions that are positive where a display generates energy, at places from -1 to 0,
+        each with the number of pieces to begin with; none of sampled loops."""
         if clocks(self.scene):
             return []
+        # Passivity is asked of all frequencies, not of the band alone: from 0 to far above it by
+        # models, nearer to 0 and above that by the lowest and the highest coefficient.
         high = _REACH * self.scene.band[1]
         wide = replace(self, scene=replace(self.scene, band=(Integer(0), high)))
         return [
@@ -121,16 +124,13 @@ class DesignBox(Box):
 
 
 Offer: TypeAlias = Callable[[Array], float | None]
-"""Is given points, shares of the box, at which the bandwidth may be large; gives the largest that
-is attained so far.
-
-None where there are more criteria now, and the search has to begin with these.
-"""
+"""Is given points, shares of the box, at which the bandwidth may be large, and returns the largest
+that is attained so far; None where there are more criteria now, and a new search has to begin."""
 
 
 class LargestBandwidth:
-    """Upper bounds on the bandwidth in a box, in shares of the band, by targets that come closer to
-    what is attained.
+    """The search for an upper bound on the bandwidth in a box, in shares of the band, by targets
+    that come closer and closer to what is attained.
 
     ``criteria`` : judges of the band; ``kept`` : of what must be kept, at places from -1 to 0, each
     with the number of pieces of these to begin with; ``outer`` : the cells that hold all values
@@ -141,10 +141,9 @@ class LargestBandwidth:
         self, criteria: Sequence[Judge], kept: Sequence[tuple[Judge, int]], outer: Array
     ) -> None:
         self._criteria = len(criteria)
-        first = Cells.of(
-            outer,
-            [*[np.empty((0, 1, 2))] * len(criteria), *(_pieces(_LOW, 0.0, n) for _, n in kept)],
-        )
+        # Of the band nothing is examined yet, only what must be kept (``_reach``).
+        nothing = [np.empty((0, 1, 2))] * len(criteria)
+        first = Cells.of(outer, [*nothing, *(_pieces(_LOW, 0.0, n) for _, n in kept)])
         self._reached = 0.0
         self._offered: set[bytes] = set()
         self._settled: list[Cells] = [first[:0]]
@@ -160,9 +159,9 @@ class LargestBandwidth:
         )
 
     def prove(self, aim: Callable[[float], float], offer: Offer) -> float | None:
-        """A target that no values of the box are better than, the whole band if it is attained.
+        """A target that no values of the box exceed; 1, the whole band, if that is attained.
 
-        None where cells became too narrow, the time was over, or an offer said so.
+        None where cells became too narrow, the time was over, or an offer asks for a new search.
 
         ``aim`` : the target for what is attained; it rises where an offer is better than all
         before.
@@ -174,9 +173,8 @@ class LargestBandwidth:
         missed = 0
         for n, done in enumerate(self._search):
             self._settled.append(done)
-            points = (
-                self._promising() if n % (1 + missed // _PATIENCE) == 0 else ()
-            )  # where nothing better was found for long, less often
+            # exact evaluations are costly: where nothing better was found for long, less often
+            points = self._promising() if n % (1 + missed // _PATIENCE) == 0 else ()
             missed += len(points) > 0
             now = offer(points) if len(points) else attained
             if now is None:
@@ -192,14 +190,16 @@ class LargestBandwidth:
         return target if attained > 0 else max(joined(self._settled).ceiling.max(initial=0.0), 0.0)
 
     def _put_back(self, target: float) -> None:
-        """Cells that were settled for a larger target, and are not for this one."""
+        """Search those cells again that were settled for a larger target, and are not for this
+        one."""
         cells = joined(self._settled)
         again = cells.ceiling > target
         self._settled = [cells[~again]]
         self._search.waiting.add(cells[again])
 
     def _reach(self, target: float) -> None:
-        """Look up to a target."""
+        """Examine the band up to a target: above it nothing need be known, as a cell is settled by
+        one frequency below at which a criterion is positive for all of it."""
         self._search.settled = no_better(target)
         if target > self._reached:
             more = _pieces(
@@ -211,12 +211,14 @@ class LargestBandwidth:
             self._reached = target
 
     def _promising(self) -> Array:
-        """The middles of the open cells whose criteria are negative furthest up, each once."""
+        """The middles of the undecided cells whose criteria are proven to be negative up to the
+        highest frequencies, each once."""
         cells = self._search.left
         floor = np.full(len(cells), self._reached)
         for pieces in cells.pieces[: self._criteria]:
             np.minimum.at(floor, pieces.owner, pieces.inner[:, 0, 0])
         middles = cells.outer[np.argsort(-floor, kind="stable")[:_OFFERED]].mean(-1)
+        # by their bytes: the middles of cells are the same floats when cells come back
         new = [x for x in middles if x.tobytes() not in self._offered]
         self._offered |= {x.tobytes() for x in new}
         return np.array(new).reshape(len(new), middles.shape[1])
@@ -229,14 +231,17 @@ class LargestBandwidth:
 
 
 def _wide(outer: Array) -> Array:
+    """Which sides of cells may be cut."""
     return outer[..., 1] - outer[..., 0] > _NARROW
 
 
 def _uncut(outer: Array) -> Array:
+    """No side may be cut: only pieces of the band are."""
     return np.zeros(outer.shape[:2], bool)
 
 
 def _by_size(cells: Cells) -> Array:
+    """The rank of cells by which the largest come first."""
     return -np.prod(cells.outer[..., 1] - cells.outer[..., 0], -1)
 
 
@@ -252,8 +257,8 @@ def _whole_box(criteria: Sequence[Judge], sides: int, end: float = 1.0) -> Cells
 
 
 def at_points(criteria: Sequence[Judge], points: Array) -> tuple[Array, Array]:
-    """Of points of a box, (points, parameters), what first(q) is at least and at most, in shares of
-    the band.
+    """Lower and upper bounds on first(q) at points of a box, (points, parameters), in shares of the
+    band.
 
     Both are 1 where nothing is positive. They stay apart where a criterion comes close to its
     threshold, or touches it.
@@ -269,21 +274,24 @@ def at_points(criteria: Sequence[Judge], points: Array) -> tuple[Array, Array]:
         settled=lambda low, high: np.minimum(high, 1) - np.minimum(low, 1) <= _SEEN,
     )
     cells = joined([*search, search.left])
-    asked, answered = np.lexsort(points.T), np.lexsort(cells.outer[..., 0].T)
-    found = np.empty((2, len(points)))
-    found[:, asked] = np.clip(np.stack([cells.floor, cells.ceiling]), 0.0, 1.0)[:, answered]
-    return found[0], found[1]
+    # Cells come back in the order in which they were settled: both sides are sorted by their values
+    # and put in pairs.
+    order_of_points, order_of_cells = np.lexsort(points.T), np.lexsort(cells.outer[..., 0].T)
+    bounds = np.empty((2, len(points)))
+    shares = np.clip(np.stack([cells.floor, cells.ceiling]), 0.0, 1.0)
+    bounds[:, order_of_points] = shares[:, order_of_cells]
+    return bounds[0], bounds[1]
 
 
 def smallest(
     criteria: Sequence[Judge], sides: int, relative: float, seen: float = 1.0
 ) -> Iterator[tuple[float, float, Array | None]]:
     """Bounds on the smallest first(q) in a box, in shares of the band, that come closer until they
-    are within ``relative``.
+    are within ``relative`` of each other.
 
-    ``seen`` : what some values of the box are known to have: of the band below it alone is anything
-    asked. With the bounds come values that have no more than the upper one, as shares of the box;
-    None where that is ``seen`` still.
+    ``seen`` : what some values of the box are known to have, so that only the band below it is
+    examined. With the bounds come values that have no more than the upper one, as shares of the
+    box; None as long as that is ``seen``.
     """
     if not criteria or seen <= 0:
         yield seen, seen, None
@@ -296,7 +304,8 @@ def smallest(
         settled=no_worse(np.inf),
         last=_CUT_FIRST,
     )
-    cells = joined([*first, first.left])  # most pieces need no cut of the box
+    # most pieces of the band need no cut of the box
+    cells = joined([*first, first.left])
     search = Search(
         criteria,
         cells,
@@ -304,12 +313,15 @@ def smallest(
         settled=no_worse(end),
         rank=lambda x: x.floor,
         batch=_BATCH,
+        # each further parameter is allowed three times as many pieces
         most=_MOST_WORST * 3 ** (sides - 1),
     )
     for done in search:
         known = joined([done, search.left])
         least = int(np.argmin(known.ceiling))
         if known.ceiling[least] < seen:
+            # All of this cell has no more than its ceiling, its middle too. What remains to be
+            # shown is that nothing is noticed below that, but for the gap.
             seen, where = float(known.ceiling[least]), known.outer[least].mean(-1)
             end = seen * (1 - relative)
             search.settled = no_worse(end)
@@ -318,8 +330,8 @@ def smallest(
 
 
 def _below(cells: Cells, end: float) -> Cells:
-    """The same without pieces above a place: nobody asks what is there, and cells would be cut for
-    it."""
+    """The cells without pieces above a place: what is there does not matter any more, and cells
+    would be cut for it."""
     return replace(cells, pieces=tuple(x[x.inner[:, 0, 0] < end] for x in cells.pieces))
 
 
@@ -327,8 +339,8 @@ def profile(criteria: Sequence[Judge], sides: int, within: float, most: int) -> 
     """Cells that fill a box, (cells, parameters, 2), and bounds on first(q) in each, (cells, 2), in
     shares of the band.
 
-    ``within`` : how far apart bounds are to be; ``most`` : pieces that are looked at, after which
-    some are further apart.
+    ``within`` : how far apart bounds are to be; ``most`` : pieces that are examined, after which
+    some stay further apart.
     """
     search = Search(
         criteria,
@@ -366,7 +378,7 @@ _FIELDS = ("imag", "environment_imag")
 
 
 class _Activity(Excess):
-    """-Im H_perc, positive where the display gives energy away, on its box's band."""
+    """-Im H_perc, positive where the display generates energy, on its box's band."""
 
     def __init__(self, box: Box) -> None:
         self._over(box)
@@ -385,14 +397,16 @@ class _Activity(Excess):
             return -(x + y)
 
     def below(self, cells: Array) -> LineBound:
-        """The same at places from -1, for 0 rad/s, to 0, for the high end of its band."""
+        """-Im H_perc at places from -1, for 0 rad/s, to 0, for the high end of its band: below all
+        places of the bandwidth, so that a cell that is broken here has a negative first(q)."""
         cells = cells.copy()
         cells[:, 0] += 1.0
         return self.curve(cells)
 
 
 class _Coefficient(Excess):
-    """A formula of the parameters alone: positive where what must be kept is broken."""
+    """A formula of the parameters alone, the same at all frequencies; positive where the display is
+    not passive."""
 
     def __init__(self, box: Box, formula: Expr) -> None:
         self._over(box)
@@ -409,38 +423,36 @@ class _Coefficient(Excess):
 
 
 def _at_both_ends(box: DesignBox) -> list[Expr]:
-    """Formulas that are positive where -Im H_perc is near 0 rad/s, and far out; none where it is no
+    """Formulas with the sign of -Im H_perc near 0 rad/s, and at high frequency; none where it is no
     rational function."""
     scene, names = box.scene, [x.name for x in box.free]
     chain = scene.chain.at(
         {p.symbol: p.value for p in scene.parameters if p.symbol.name not in names}
     )
-    found = PASSIVE.function(Distortion.of(chain))
+    activity = PASSIVE.function(Distortion.of(chain))
     if (
-        not isinstance(found, RealFunction)
-        or found.axis.functions
-        or found.axis.orders
-        or found.function.is_zero
+        not isinstance(activity, RealFunction)
+        or activity.axis.functions
+        or activity.axis.orders
+        or activity.function.is_zero
     ):
         return []
-    above, below = (
-        _by_powers(found, x) for x in (found.function.numerator, found.function.denominator)
-    )
+    quotient = activity.function
+    above, below = (_by_powers(activity, x) for x in (quotient.numerator, quotient.denominator))
+    # near 0 the lowest powers of omega decide the sign of a quotient, at high frequency the highest
     return [above[end(above)] * below[end(below)] for end in (min, max)]
 
 
 def _by_powers(f: RealFunction, polynomial: object) -> dict[int, Expr]:
     """The coefficient of each power of omega, as a formula."""
-    found: dict[int, Expr] = {}
-    own, others = (
-        f.axis.meanings.index(omega),
-        [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega],
-    )
+    coefficients: dict[int, Expr] = {}
+    place = f.axis.meanings.index(omega)
+    others = [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega]
     for exponents, value in monomials(polynomial):
-        power = int(exponents[own])
+        power = int(exponents[place])
         term = Mul(
             Rational(int(value.p), int(value.q)),
             *(x ** int(exponents[i]) for i, x in others if exponents[i]),
         )
-        found[power] = found.get(power, Integer(0)) + term
-    return found
+        coefficients[power] = coefficients.get(power, Integer(0)) + term
+    return coefficients

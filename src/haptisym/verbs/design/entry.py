@@ -1,14 +1,15 @@
-"""Which values of one to three parameters make the bandwidth largest, proven; and what it costs to
-miss them.
+"""Which values of one to three parameters make the bandwidth largest: the best values found, proven
+bounds on how much better others can be, and what it costs to miss them.
 
 The bandwidth B(q) is the end of the transparent interval that starts at the band's low end: the
 lowest frequency at which some criterion is exceeded with some environment, the band's high end if
 none is. It is upper semicontinuous, so that it has a maximum on a closed box; at the maximum
 several criteria are often met at once, and B falls off sharply on either side.
 
-Found by branch and bound: exact evaluations at single values give what is attained, which counts if
-it keeps what must be kept; cells that are proven to hold nothing better by more than the gap are
-closed (``bound``). Both meet, or the gap that is left is said.
+By branch and bound: exact evaluations at single values give what is attained, which counts if what
+must be kept is kept there (``attained``); cells that are proven to hold nothing better by more than
+the gap are closed (``bound``). Both bounds meet to within the gap, or the larger distance that is
+left is in the answer. ``_Search.go`` is where to begin reading.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import cycle
 from pathlib import Path
 from typing import Any, ClassVar, TypeAlias
@@ -45,14 +46,16 @@ from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
 Range: TypeAlias = tuple[Number, Number] | None
 Free: TypeAlias = Mapping[str, Range] | Sequence[str] | str
 Spans: TypeAlias = list[tuple[RealNumber | None, RealNumber | None]]
-"""Values of one parameter, from where to where; None where that is an end of its range, or not
-known."""
+"""Intervals of one parameter; None for an end that is one of its range, or not known."""
 _GAPS = {1: Fraction(1, 1000), 2: Fraction(1, 1000), 3: Fraction(1, 100)}
 _TARGETS = (1.0, 0.1, 0.01)
-"""How far above what is attained an upper bound is proven first, before the gap itself."""
+"""How far above what is attained an upper bound is proven first, relatively, before the gap itself:
+loose targets close most of the box at little cost, and leave a bound if the time ends early."""
 _MISSED = (Rational(1, 100), Rational(1, 20))
 _LOSS = 1e-5
 _FINEST_HELD = 2.0**-5
+# A few roundings of a share: cells that must hold all values with which something is kept are wider
+# by it than the floats of their ends.
 _ULPS = 1e-15
 _MOST_LOSS = 5.0  # seconds for what a best value costs to miss
 _MOST_HELD = 20.0  # seconds for all values of one parameter with which what must be kept is
@@ -69,7 +72,8 @@ class Bound(Judged):
 
 @dataclass(frozen=True)
 class Loss:
-    """What all values within a relative distance of the best attain: ``bandwidth``, rad/s, proven.
+    """What it costs to miss the best values by up to a relative distance: all values so near attain
+    at least ``bandwidth``, rad/s, proven.
 
     ``kept`` : whether all of them keep what must be kept, None where that is not proven.
     """
@@ -146,7 +150,8 @@ class Design(Answer):
         """Whether the bounds are no further apart than the gap, and what must be kept is proven to
         be."""
         (low, high), (start, end) = self.bandwidth, map(float, self.family.band)
-        # of what is noticed from the low end on the gap is a share of the band
+        # Where something is noticed from the low end on, the bandwidth is 0, of which no relative
+        # gap is possible: it is then a share of the band. Compared exactly.
         least = low if low > start else end - start
         apart = Fraction(high) - Fraction(max(low, start) if high > 0 else low)
         return apart <= self.gap * Fraction(least) and (self.best is None or self.best.kept is True)
@@ -162,29 +167,30 @@ class Design(Answer):
         to within the gap."""
         if self.best is None or self.is_whole:
             return ()
-        end, found = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
+        end, bindings = self.best.seen * (1 + float(self.gap)), dict[tuple[str, str], Bound]()
         rows = zip(cycle(self.family), self.best.evaluations, strict=False)
         met = [
             Bound(x.criterion, x.omega, name)
-            for name, own in rows
-            for x in own.crossings
+            for name, evaluation in rows
+            for x in evaluation.crossings
             if x.kind is CrossingKind.EXCEEDS
         ]
         for x in sorted(met, key=lambda x: float(x.omega)):
             if float(x.omega) <= end:
-                found.setdefault((x.environment, x.criterion.name), x)
-        return tuple(found.values())
+                bindings.setdefault((x.environment, x.criterion.name), x)
+        return tuple(bindings.values())
 
     @cached_property
     def clusters(self) -> list[list[tuple[float, float]]]:
-        """Boxes, from where to where of each parameter, SI, outside of which nothing is better than
-        the best."""
+        """Boxes, the ends of each parameter, SI, outside of which nothing is better than the best:
+        one about each connected set of cells."""
         label = touching(self.where)
-        own = [self.where[label == n] for n in sorted(set(label.tolist()))]
-        return [
-            list(zip(x[..., 0].min(0).tolist(), x[..., 1].max(0).tolist(), strict=True))
-            for x in own
-        ]
+        boxes = []
+        for n in sorted(set(label.tolist())):
+            cells = self.where[label == n]
+            low, high = cells[..., 0].min(0).tolist(), cells[..., 1].max(0).tolist()
+            boxes.append(list(zip(low, high, strict=True)))
+        return boxes
 
     def _body(self) -> dict[str, Any]:
         several = len(self.family) > 1
@@ -226,8 +232,9 @@ class Design(Answer):
 
 @dataclass(frozen=True)
 class DesignQuestion:
-    """What is asked: scenes by environment, free parameters, each between two values, and what must
-    be kept."""
+    """The question: scenes by environment, free parameters, each between two values, SI, and what
+    must be kept. ``robust`` : the relative distance that values may be off; ``gap`` : that of the
+    bounds."""
 
     family: SceneFamily
     free: tuple[Knob, ...]
@@ -243,25 +250,28 @@ class DesignQuestion:
 
     @cached_property
     def points(self) -> Points:
-        """Single sets of values."""
+        """What evaluates single sets of values."""
         return Points(self.scenes, self.free, self.ranges, self.keep, self.robust, self.gap)
 
     @property
     def _passive(self) -> list[tuple[Judge, int]]:
+        """Functions that are positive where the display is not passive, if it must be."""
         return [x for box in self.points.boxes for x in box.passive] if PASSIVE in self.keep else []
 
     def search(self, cells: Array | None = None) -> LargestBandwidth:
-        """The upper bound's, in cells outside of which nothing better is left."""
+        """A search for the upper bound in cells outside of which nothing better is left; without
+        any, in all that may keep what must be kept."""
         return LargestBandwidth(
             self.points.criteria, self._passive, self._held[0] if cells is None else cells
         )
 
     @cached_property
     def _held(self) -> tuple[Array, Array]:
-        """Cells, in shares, that hold all values with which what must be kept may be, and such with
-        which it is not.
+        """Two sets of cells, in shares: those that hold all values with which what must be kept may
+        be kept, and those with which it is proven not to be.
 
-        Of one parameter as ``require`` finds them; of more where it is stable.
+        Of one parameter from ``require``; of more where the display must be stable, from the plane
+        of its hands. Else all of the box, and none.
         """
         whole = np.tile([0.0, 1.0], (1, len(self.free), 1))
         if len(self.free) == 1:
@@ -275,8 +285,8 @@ class DesignQuestion:
 
     @cached_property
     def _alone(self) -> Spans | None:
-        """Of one parameter all values with which what must be kept is, or may be, in order; None
-        where that is not known."""
+        """The intervals of one parameter in which what must be kept is kept, or may be, in order;
+        None where that is not known."""
         if self.robust or not self.keep or len(self.free) > 1:
             return None
         from haptisym.verbs.require.required import require
@@ -291,20 +301,20 @@ class DesignQuestion:
 
     @property
     def single(self) -> list[Expr]:
-        """The values of one parameter about which no others keep what must be kept; those that are
-        rational."""
+        """Single values of one parameter that keep what must be kept while their neighbours do not;
+        those that are rational. Samples would never hit them."""
         found = [a.value for a, b in self._alone or () if isinstance(a, ExactNumber) and a == b]
         return [x for x in found if x.is_Rational]
 
     def refused(self, finest: float, most: int) -> Array:
         """Cells, (cells, parameters, 2), in shares, for all values of which what must be kept is
         proven to be broken."""
-        own = (
+        active = (
             broken(self._passive, len(self.free), finest, most)
             if self._passive
             else self._held[1][:0]
         )
-        return np.concatenate([own, self._held[1]])
+        return np.concatenate([active, self._held[1]])
 
     def profile(self, within: float, most: int) -> tuple[Array, Array]:
         """Cells in shares, and between which numbers, rad/s, the bandwidths of their values lie; as
@@ -314,12 +324,15 @@ class DesignQuestion:
         return cells, np.where(shares > 0, low + shares * (high - low), 0.0)
 
     def _held_alone(self, spans: Spans) -> tuple[Array, Array]:
+        """Both sets of cells of one parameter, from the intervals that may be allowed: these
+        widened by what their ends are rounded, and what lies between them."""
         low, high = self.ranges[0]
 
         def share(x: RealNumber | None, end: int, none: float) -> float:
-            return (
-                none if x is None else float((Rational(x.enclosure(20)[end]) - low) / (high - low))
-            )
+            if x is None:
+                return none
+            exact = Rational(x.enclosure(20)[end])
+            return float((exact - low) / (high - low))
 
         ends = [[share(a, 0, 0.0) - _ULPS, share(b, 1, 1.0) + _ULPS] for a, b in spans]
         allowed = np.clip(np.array(ends).reshape(-1, 1, 2), 0.0, 1.0)
@@ -327,23 +340,30 @@ class DesignQuestion:
         return allowed, between[between[:, 0, 1] > between[:, 0, 0]]
 
     def _held_plane(self) -> tuple[Array, Array]:
+        """Both sets of cells of two or three parameters, by the stability in the plane of the first
+        two for all values of the third."""
         from haptisym.verbs.stability.ranges import held_plane
 
         sides = {x.symbol: ends for x, ends in zip(self.free, self.ranges, strict=True)}
         first = dict(list(sides.items())[:2])
         rest = {x: ends for x, ends in sides.items() if x not in first}
-        found = held_plane(self.scenes[0], self.scenes[0].hands, first, rest, finest=_FINEST_HELD)
+        plane = held_plane(self.scenes[0], self.scenes[0].hands, first, rest, finest=_FINEST_HELD)
         both = []
-        for cells in (np.concatenate([found.stable, found.left]), found.unstable):
-            own = np.tile([0.0, 1.0], (len(cells), len(self.free), 1))
-            own[:, :2] = cells
-            both.append(own)
+        # what is undecided in the plane may be stable, and must be searched
+        for cells in (np.concatenate([plane.stable, plane.left]), plane.unstable):
+            all_sides = np.tile([0.0, 1.0], (len(cells), len(self.free), 1))
+            all_sides[:, :2] = cells
+            both.append(all_sides)
         return both[0], both[1]
 
 
 @dataclass
 class _Search:
-    """The work on a question, and what is known at any moment."""
+    """The work on a question, and what is known of it when the time is over.
+
+    ``upper`` : no values attain more than this share of the band. ``cells`` : outside of them no
+    values are better than the best.
+    """
 
     question: DesignQuestion
     gap: float
@@ -360,23 +380,19 @@ class _Search:
         self.points = self.question.points
 
     def share(self, bandwidth: float) -> float:
-        """Of the band."""
+        """The share of the band below a frequency; 0 for one below the band."""
         return max((bandwidth - self._low) / (self._high - self._low), 0.0)
 
     def frequency(self, share: float) -> float:
-        """rad/s."""
+        """The frequency at a share of the band, rad/s."""
         return self._low + share * (self._high - self._low)
 
     @property
     def attained(self) -> float:
-        """A share of the band."""
-        return (
-            0.0
-            if self.best is None
-            else 1.0
-            if self.best.is_whole
-            else self.share(self.best.bandwidth)
-        )
+        """The bandwidth of the best values so far, as a share of the band; 0 without any."""
+        if self.best is None:
+            return 0.0
+        return 1.0 if self.best.is_whole else self.share(self.best.bandwidth)
 
     def go(self) -> None:
         """Find the best, and prove how much better it can be."""
@@ -395,9 +411,12 @@ class _Search:
                 proven = None
                 while proven is None:
                     looked_at = len(self.points.factors)
-                    proven = cover.prove(lambda share, x=relative: self._aim(share, x), self._offer)  # type: ignore[misc]
+                    aim = partial(self._aim, relative=relative)
+                    proven = cover.prove(aim, self._offer)
                     if self.attained >= 1:
                         return
+                    # A new factor means new criteria: a new search begins, in the cells that may
+                    # still hold something better by the old ones.
                     if len(self.points.factors) > looked_at:
                         cover = self.question.search(self._open_in(cover))
                     elif proven is None:
@@ -413,25 +432,31 @@ class _Search:
         return cover.better_than(-1e-9 if self.best is None else self.attained)
 
     def _aim(self, share: float, relative: float) -> float:
-        relative *= 1 - 1e-6  # what is rounded on the way stays within the gap
+        """The share of the band up to which an upper bound is to be brought down, for what is
+        attained: higher by a relative distance, or by a share of the band where that is 0."""
+        # what is rounded on the way stays within the gap
+        relative *= 1 - 1e-6
         return min(
             self.share(self.frequency(share) * (1 + relative)) if share > 0 else relative, 1.0
         )
 
     def _start(self) -> None:
-        points, own = self.points, tuple(x.value for x in self.question.free)
-        self.given = points.attained(own)
+        """Find good values to begin with: the scene's own, values all over the box, and single ones
+        that samples would not hit."""
+        points, given = self.points, tuple(x.value for x in self.question.free)
+        self.given = points.attained(given)
         inside = all(
-            low <= x <= high for x, (low, high) in zip(own, self.question.ranges, strict=True)
+            low <= x <= high for x, (low, high) in zip(given, self.question.ranges, strict=True)
         )
         if inside and self.given and points.fits(self.given):
             self.best = self.given
         if self.attained >= 1:
             return
         start = points.spread()
-        whole = points.nearest_whole(start, self._high, np.array([float(x) for x in own]))
+        whole = points.nearest_whole(start, self._high, np.array([float(x) for x in given]))
         found = whole or points.best(start, self.best.bandwidth if self.best else 0.0)
-        if found is None and self.best is None:  # what is attained may be nothing, and is kept
+        # a bandwidth of 0 that keeps what must be kept is an answer too
+        if found is None and self.best is None:
             some = map(points.attained, map(points.exact, start[:: max(len(start) // 12, 1)]))
             found = next((x for x in some if x and points.fits(x)), None)
         self.best = found or self.best
@@ -446,16 +471,18 @@ class _Search:
         self._round()
 
     def _round(self) -> None:
+        """Give the best values as few digits as cost a twentieth of the gap at most."""
         if self.best is not None and self.best is not self.given:
             self.best = self.points.rounded(self.best, self.gap / 20)
 
     def bounds(self) -> tuple[float, float]:
-        """What the largest bandwidth lies between, rad/s; of all values that are off by as much as
-        they may the worst."""
+        """The bounds of the largest bandwidth, rad/s; where values may be off, of the largest worst
+        one."""
         if self.is_refused:
             return 0.0, 0.0
         upper = self._high if self.upper >= 1 else 0.0
         if 0 < self.upper < 1:
+            # rounded up, as it is an upper bound
             upper = min(float(np.nextafter(self.frequency(self.upper), np.inf)), self._high)
         if self.best is None:
             return 0.0, upper
@@ -470,11 +497,11 @@ class _Search:
         return low[:, None] + width[:, None] * cells
 
     def losses(self) -> list[Loss]:
-        """What it costs to miss the best values; what holds for all values holds for all that are
-        nearer."""
-        best, found = self.best, list[Loss]()
+        """What it costs to miss the best values, by increasing distance; without those distances of
+        which nothing was proven in time."""
+        best, losses = self.best, list[Loss]()
         if best is None:
-            return found
+            return losses
         robust = Loss(self.question.robust, best.bandwidth, best.kept)
         middle = replace(
             best, evaluations=best.evaluations[: len(self.question.scenes)], proven=None
@@ -486,17 +513,20 @@ class _Search:
                     kept = self.points.keep_around(best.values, relative)
             except (LimitError, UndecidedError, SceneError):
                 continue
-            further = [x for x in (robust, *found) if x.relative >= relative]
+            # what is proven for all values within a larger distance holds for these too
+            further = [x for x in (robust, *losses) if x.relative >= relative]
             low = max([low, *(x.bandwidth for x in further)])
-            found.append(Loss(relative, low, kept or any(x.kept for x in further) or kept))
-        return found[::-1]
+            losses.append(Loss(relative, low, kept or any(x.kept for x in further) or kept))
+        return losses[::-1]
 
     def _offer(self, shares: Array) -> float | None:
+        """Try points of the box that may be better, as of ``bound.Offer``."""
         tick()
         if not len(shares):
             return self.attained
         looked_at = len(self.points.factors)
         values, least = self.points.values(shares), self.best.bandwidth if self.best else 0.0
+        # not for a gain of less than a twentieth of the gap, which rounding the values may cost
         better = self._near(values, least * (1 + self.gap / 20))
         if better is not None:
             self.best = better
@@ -505,9 +535,9 @@ class _Search:
 
     def _near(self, values: Array, least: float) -> Attained | None:
         """Something better than ``least`` near some sets of values."""
-        if (
-            self.question.robust
-        ):  # what floats say of it is of some factors alone: one exactly tells which it wants
+        # Floats judge values that may be off by the factors known so far: one exact evaluation
+        # finds the factor that is missing.
+        if self.question.robust:
             found = self.points.attained(self.points.exact(values[0]))
             return found if found and self.points.fits(found) and found.bandwidth > least else None
         _, most = self.points.bandwidths(values)
@@ -585,6 +615,7 @@ def design(
 
 
 def _share(what: str, given: Number) -> Expr:
+    """A rational share, above 0 and at most a half; SceneError for another number."""
     found = number(given, Dimension.RATIO).value
     if not (found.is_Rational and 0 < found <= Rational(1, 2)):
         raise SceneError(f"{what}: {given} must be a share above 0, at most 0.5 (or 50 %)")
@@ -592,62 +623,64 @@ def _share(what: str, given: Number) -> Expr:
 
 
 def _wishes(keep: Sequence[str] | str) -> tuple[str, ...]:
+    """What must be kept, each once, in the order of ``KEPT``; SceneError for what is none of it."""
     listed = [keep] if isinstance(keep, str) else list(keep)
     for x in listed:
         if x not in KEPT:
-            raise SceneError(
-                f'keep: "{str(x)[:60]}" is none of {", ".join(KEPT)}; {meant(str(x), KEPT)}'.rstrip(
-                    "; "
-                )
-            )
+            said = f'keep: "{str(x)[:60]}" is none of {", ".join(KEPT)}; {meant(str(x), KEPT)}'
+            raise SceneError(said.rstrip("; "))
     return tuple(x for x in KEPT if x in listed)
 
 
 def _box(family: SceneFamily, free: Free) -> tuple[tuple[Knob, ...], tuple[tuple[Expr, Expr], ...]]:
-    """The free parameters, and from where to where each is looked for."""
+    """The free parameters, and the range in which each is searched."""
     listed = [free] if isinstance(free, str) else free
-    asked: dict[str, Range] = dict(listed) if isinstance(listed, Mapping) else dict.fromkeys(listed)
-    if not 1 <= len(asked) <= 3:
+    ranges: dict[str, Range] = (
+        dict(listed) if isinstance(listed, Mapping) else dict.fromkeys(listed)
+    )
+    if not 1 <= len(ranges) <= 3:
         raise SceneError(
-            f"{len(asked)} parameters are free: the best values of one, two or three are found"
+            f"{len(ranges)} parameters are free: the best values of one, two or three are found"
         )
     knobs = family.first.knobs
-    found = [knobs[path].felt() for path in asked]
-    for path, x in zip(asked, found, strict=True):
+    chosen = [knobs[path].felt() for path in ranges]
+    for path, x in zip(ranges, chosen, strict=True):
         if x.parts:
             raise SceneError(
                 f"{x.path} is what a person notices, and nothing to design: choose a "
                 f"parameter of the display"
             )
-        if found.count(x) > 1:
+        if chosen.count(x) > 1:
             raise SceneError(f"{x.path} is free twice, the second time as {path}")
         if len(family) > 1 and not x.path.startswith("effects."):
             raise SceneError(
                 f"{x.path} is of one environment: with several, choose parameters of effects"
             )
     for scene in family.scenes.values():
-        scene.knobs.need_numbers(found)
+        scene.knobs.need_numbers(chosen)
         if not scene.threshold.is_box or scene.threshold.ranges:
             raise SceneError(
                 "the JND has a range: give it a number here, which the best values depend on"
             )
-    return tuple(found), tuple(
-        _range(x, given) for x, given in zip(found, asked.values(), strict=True)
+    return tuple(chosen), tuple(
+        _range(x, given) for x, given in zip(chosen, ranges.values(), strict=True)
     )
 
 
 def _range(free: Knob, given: Range) -> tuple[Expr, Expr]:
     """The two ends, SI, within what the model allows; of an end that is not allowed itself a
     millionth is left out."""
-    own = free.value
-    if given is None and (own.free_symbols or not own):
+    value = free.value
+    if given is None and (value.free_symbols or not value):
         raise SceneError(
-            f"{free.path} is {own}, so that a tenth to ten times of it is no range: give "
+            f"{free.path} is {value}, so that a tenth to ten times of it is no range: give "
             f"one, as {free.path}=1:10"
         )
-    asked = domain(free, given or ((own / 10, own * 10) if own > 0 else (own * 10, -own * 10)))
-    low, high = asked.low, asked.high
+    allowed = domain(
+        free, given or ((value / 10, value * 10) if value > 0 else (value * 10, -value * 10))
+    )
+    low, high = allowed.low, allowed.high
     assert low is not None
     assert high is not None
     inside = (high - low) / 10**6
-    return low if asked.holds_low else low + inside, high if asked.holds_high else high - inside
+    return low if allowed.holds_low else low + inside, high if allowed.holds_high else high - inside

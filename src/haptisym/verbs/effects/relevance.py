@@ -2,9 +2,10 @@
 fewest that do for all, with proof.
 
 The fewest effects are found by sampling and decided by proof: ``|r_full - r_kept| <= bound`` at
-every frequency of the band. So the full scene meets its threshold c only where the kept scene's
-ratio lies between c - bound and c + bound, and the chart of the kept scene at these two levels
-encloses all its crossings. Of a region of another shape it is said that they are on the band.
+every frequency of the band (``differences``). So the full scene's ratio equals its threshold c only
+where the kept scene's ratio lies between c - bound and c + bound, and the chart of the kept scene
+at these two levels encloses all its crossings. For a JND region of another shape the whole band
+is the enclosure.
 """
 
 from __future__ import annotations
@@ -46,16 +47,16 @@ from haptisym.verbs.effects.differences import (
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_DEPTH = 7  # of the pieces in whose middles ratios are sampled
-_MOST_SUBSETS = 1 << 12  # that are gone through: all of 12 effects
+_DEPTH = 7  # ratios are sampled in the middles of 2^7 pieces of the band
+_MOST_SUBSETS = 1 << 12  # subsets that are examined: all of 12 effects
 
 
 @dataclass(frozen=True)
 class Selection:
     """Effects that are kept, with the largest change that the others make together.
 
-    ``smallest`` : whether every smaller set, and every one as small with a lower bound, is proven
-    not to do.
+    ``smallest`` : whether it is proven that no smaller set is within the tolerance, and none of
+    this size with a lower bound.
     """
 
     kept: Kept
@@ -84,13 +85,15 @@ class SubsetSearch:
 
     def choose(self) -> Selection:
         """The fewest effects; of several sets that size, the one with the lowest bound."""
-        everything, gone_through, smallest = self.balls.everything, 0, True
+        everything, examined, smallest = self.balls.everything, 0, True
         for size in range(len(everything)):
-            gone_through += comb(len(everything), size)
-            if gone_through > _MOST_SUBSETS:
+            examined += comb(len(everything), size)
+            if examined > _MOST_SUBSETS:
                 return self._one_by_one()
             sets = [frozenset(kept) for kept in combinations(sorted(everything), size)]
             verdicts = {kept: self._verdict(kept) for kept in sets}
+            # A set of which it is undecided whether it suffices may be one that does: then a larger
+            # one is not proven to be the smallest.
             smallest = smallest and None not in verdicts.values()
             found = [
                 self._choice(kept, smallest=smallest) for kept, within in verdicts.items() if within
@@ -111,13 +114,17 @@ class SubsetSearch:
             kept = found
 
     def _choice(self, kept: Kept, *, smallest: bool) -> Selection:
+        """The selection of a set that is within the tolerance, with its bounds."""
+        # Where the supremum just reaches the tolerance its enclosure is a little wider: that it is
+        # no more was then proven by the exact functions.
         found = {part: self._difference(kept, part).supremum() for part in Part}
         above = nextafter(self._limit, inf)
         bound = {part: Supremum(x.least, min(x.most, above)) for part, x in found.items()}
         return Selection(kept, bound, smallest)
 
     def _verdict(self, kept: Kept) -> bool | None:
-        """Whether a set does; None where that stayed undecided."""
+        """Whether a set of effects is within the tolerance; None where that is undecided."""
+        # the sample says where to look; one ball there refutes most sets without a search
         change, part, piece = self._sampled(kept)
         if change > self._limit and self._at(kept, part, piece) > self._limit:
             return False
@@ -125,6 +132,8 @@ class SubsetSearch:
         return None if None in verdicts and False not in verdicts else all(verdicts)
 
     def _within(self, difference: Difference) -> bool | None:
+        """Whether a difference exceeds the tolerance nowhere; None where that is undecided."""
+        # by the exact functions only where balls cannot separate the supremum from the tolerance
         found = difference.supremum(self._limit)
         if found.most <= self._limit or found.least > self._limit:
             return found.most <= self._limit
@@ -134,6 +143,7 @@ class SubsetSearch:
         return Difference(self.scene, self.balls, kept, part)
 
     def _at(self, kept: Kept, part: Part, piece: BandPiece) -> float:
+        """A proven lower bound of the change of a ratio in the middle of a piece."""
         with series_arithmetic():
             return self._difference(kept, part).at_middle(piece)
 
@@ -149,6 +159,7 @@ class SubsetSearch:
         """The largest change among samples, not proven, and where it is."""
         both = self._samples.ratios(kept)
         with np.errstate(invalid="ignore"):
+            # Infinite less infinite, at a pole of both, is nan, and shows no change.
             change = np.nan_to_num(np.abs(both - self._all), nan=0.0)
         part, index = np.unravel_index(int(change.argmax()), change.shape)
         return float(change[part, index]), tuple(Part)[int(part)], BandPiece(_DEPTH, int(index))
@@ -175,22 +186,24 @@ class _Samples:
             self.known = [link.known(1j * self.omega) for link in self.links]
 
     def ratios(self, kept: Kept) -> NDArray[np.float64]:
-        """r_r and r_i in two rows."""
+        """r_r and r_i in two rows, in floats without a bound on their errors."""
         with np.errstate(all="ignore"):
             H, *state = self.links[0].results(self.known[0])
             for i in sorted(kept):
                 state = [*self.links[1 + i].results(self.known[1 + i], state)]
-            parts = [np.abs(self.balls.part_of(state[1], part) / np.abs(H)) for part in Part]
-        return np.stack([np.broadcast_to(x, self.omega.shape) for x in parts])
+            size = np.abs(H)
+            parts = [self.balls.part_of(state[1], part) for part in Part]
+            ratios = [np.abs(x / size) for x in parts]
+        return np.stack([np.broadcast_to(x, self.omega.shape) for x in ratios])
 
 
-_FINEST = 10  # halvings of the band until two effects count as alike
+_FINEST = 10  # halvings of the band after which two effects count as equal: 1/1000 of it
 
 
 @dataclass(frozen=True)
 class Influence:
-    """What an effect alone does: per part the supremum of ``|r(full) - r(without it)|`` on the
-    band; infinite if unbounded."""
+    """What leaving out one effect changes: per part the supremum of ``|r(full) - r(without it)|``
+    on the band; infinite if unbounded. ``kept`` : whether the effect is among those kept."""
 
     effect: Effect
     change: Mapping[Part, Supremum]
@@ -199,8 +212,8 @@ class Influence:
 
 @dataclass(frozen=True)
 class CrossingEnclosure(Judged):
-    """An interval of the band, rad/s, that the full scene's ratio of that part may have crossings
-    in: outside all there are none.
+    """An interval of the band, rad/s, in which the full scene's ratio may cross its threshold:
+    outside all of them it does not.
 
     ``certain`` : whether it holds at least one, as the ratio is on different sides of its threshold
     below and above; otherwise it may hold none or several.
@@ -221,8 +234,8 @@ class CrossingEnclosure(Judged):
 
 @dataclass(frozen=True)
 class Dominance:
-    """From ``low`` to ``high``, rad/s, that effect alone changes r_r or r_i more than any other
-    changes either: proven."""
+    """An interval, rad/s, on which one effect changes r_r or r_i more than any other one changes
+    either: proven."""
 
     effect: Effect
     low: Expr
@@ -289,14 +302,16 @@ class Relevance(Answer):
 
     @cached_property
     def crossings(self) -> tuple[CrossingEnclosure, ...]:
-        """Where the full scene's crossings lie: in these intervals, in ascending order, and nowhere
-        else on the band."""
+        """The intervals that hold the full scene's crossings, in ascending order; elsewhere on the
+        band there is none."""
         found = [
             enclosure for x in noticed(self.pruned.threshold) for enclosure in self._enclosures(x)
         ]
         return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
 
     def _enclosures(self, criterion: Criterion) -> Iterator[CrossingEnclosure]:
+        """The intervals of one criterion, and places at which the chart is undecided."""
+        # the kept ratio is not below the low level, nor above the high one
         table = chart(self._levels(criterion), *self.pruned.band)
         for x in table.where(lambda signs: signs.get("low", 1) >= 0 >= signs.get("high", -1)):
             yield CrossingEnclosure(criterion, x.low.omega, x.high.omega, _passes(table, x))
@@ -314,10 +329,14 @@ class Relevance(Answer):
             return {}
         c, square = criterion.threshold, criterion.measure(d)
         bound = Rational(*self.bound[criterion.part].most.as_integer_ratio())
-        high: dict[str, Signed] = {"high": replace(criterion, threshold=c + bound).exceeded(square)}
-        if positive(c - bound, *self.pruned.band) if c.has(omega) else (c - bound).evalf() > 0:
-            high["low"] = replace(criterion, threshold=c - bound).exceeded(square)
-        return high
+        above, below = c + bound, c - bound
+        levels: dict[str, Signed] = {"high": replace(criterion, threshold=above).exceeded(square)}
+        # squares are compared: a negative level, below which no ratio lies, would count as its
+        # modulus
+        is_positive = positive(below, *self.pruned.band) if c.has(omega) else below.evalf() > 0
+        if is_positive:
+            levels["low"] = replace(criterion, threshold=below).exceeded(square)
+        return levels
 
     @cached_property
     def operations(self) -> tuple[int, int]:
@@ -328,8 +347,8 @@ class Relevance(Answer):
 
     @cached_property
     def dominance(self) -> tuple[Dominance, ...]:
-        """Which effect changes the ratios most, along the band; in the gaps two are alike, or
-        nothing is told to 1/1000 of it."""
+        """Which effect changes the ratios most, along the band; in the gaps two effects are equal,
+        or it is undecided, to 1/1000 of the band."""
         with series_arithmetic():
             pieces = list(self._dominated())
         found = []
@@ -345,9 +364,11 @@ class Relevance(Answer):
         for piece in waiting:
             ranges = [self._range(i, piece) for i in range(len(self.scene.effects))]
             first = max(range(len(ranges)), key=lambda i: ranges[i].least, default=None)
-            if first is not None and all(
+            # one effect changes more everywhere on the piece than any other one anywhere
+            dominates = first is not None and all(
                 x.most < ranges[first].least for i, x in enumerate(ranges) if i != first
-            ):
+            )
+            if dominates:
                 yield first, piece
             elif first is None or piece.depth >= _FINEST:
                 yield None, piece
@@ -355,7 +376,7 @@ class Relevance(Answer):
                 waiting.add(*piece.halves())
 
     def _range(self, index: int, piece: BandPiece) -> SupremumBounds:
-        """Of the larger one of an effect's changes of r_r and r_i."""
+        """Bounds on the larger one of an effect's changes of r_r and r_i on a piece."""
         real, imag = (self.without(index, part).range(piece) for part in Part)
         return SupremumBounds(
             max(real.least, imag.least), max(real.reached, imag.reached), max(real.most, imag.most)
@@ -382,7 +403,7 @@ class Relevance(Answer):
         }
 
     def row(self) -> dict[str, Any]:
-        """What a document about the pruned scene says of the full one."""
+        """The part on the full scene of a document about the pruned one."""
         names = {
             "kept": [e.name for e in self.pruned.effects],
             "dropped": [e.name for e in self.dropped],
@@ -422,6 +443,7 @@ def _passes(table: Chart, interval: Interval) -> bool:
     if interval.low is table.points[0] or interval.high is table.points[-1]:
         return False
     before, after = interval.low.before, interval.high.after
+    # outside the interval the ratio is below both levels or above both, and the full one with it
     below = [signs.get("low", 1) < 0 for signs in (before, after)]
     return below[0] != below[1]
 
@@ -462,6 +484,7 @@ def relevance(
 
 
 def _tolerance(given: Number) -> Expr:
+    """A tolerance as an exact number; SceneError where it is not rational, or negative."""
     try:
         value = number(given, Dimension.RATIO).value
     except SceneError as error:

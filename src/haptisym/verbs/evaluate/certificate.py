@@ -1,15 +1,15 @@
 """Certificates: claims with proofs that another program can check (docs/certificates.md).
 
 A certificate is a document of JSON with the hash of a scene's file, a claim and its proof;
-``document`` writes it for each question (those of ``require`` and ``stability`` stand with these
-verbs). The proof of an evaluation are its functions as
-``products`` and ``breakpoints``: rational numbers so close that in the cells between them signs of
-coefficients show that nothing else happens. That of poles and roots are ``zeros``: a function of s
-as a product, and cells in which its turns on the axis can be counted.
+``document`` writes it for each question (those of ``require`` and ``stability`` are in the folders
+of these). The proof of an evaluation consists of its functions as ``products`` and of
+``breakpoints``: rational numbers so close that in the cells between them signs of coefficients
+(Descartes' rule) show that nothing else happens. That of poles and roots is ``zeros``: a function
+of s as a product, and cells in which its turns on the axis can be counted (the argument principle).
 
-Whether a cell shows what it must is asked of the checker's own objects, of ``haptisym_check``: so
+Whether a cell shows what it must is decided by the checker's own objects, of ``haptisym_check``:
 there are no second signs here that could differ from those by which a certificate is accepted. The
-checker itself takes nothing from this package.
+checker itself imports nothing from this package.
 """
 
 from __future__ import annotations
@@ -57,14 +57,16 @@ def document(
 
     ``linked`` : the functions of the proof, if there are such.
     """
-    told = {
+    content = {
         "format": FORMAT,
         "scene_sha256": hashlib.sha256(scene.text.encode()).hexdigest(),
         "environment": name_in_file(scene),
         "claim": claim,
         "proof": proof,
     }
-    text = json.dumps(told, ensure_ascii=False)
+    text = json.dumps(content, ensure_ascii=False)
+    # A checker has limits of its own. Only where one may be reached it is run on the document here,
+    # as that takes long.
     if has_broken_powers(scene.text) or (linked and _points(linked) * len(text) > _MOST_CHECKABLE):
         try:
             check(text.encode(), scene.text.encode())
@@ -75,37 +77,40 @@ def document(
 
 _FORMULA = re.compile(r"""\b[A-Z]["']?\s*=\s*("{3}|'{3}|["'])(.*?)\1""", re.DOTALL)
 _BROKEN = re.compile(r"\bs\s*(\^|\*\*)[\s(+-]*[0-9]*\.")  # a power of s that is not whole
-_MOST_CHECKABLE = (
-    10**7
-)  # no shipped scene needs more than two thirds of it; some three times as much may be refused
+# No shipped scene needs more than two thirds of it; some three times as much may be refused.
+_MOST_CHECKABLE = 10**7
 
 
 def has_broken_powers(scene: str) -> bool:
-    """Whether formulas of a scene's text hold powers of s that are not whole: a checker may not see
-    that they cancel."""
+    """Whether formulas of a scene's text contain powers of s that are not whole: a checker may not
+    find that they cancel."""
     return any(_BROKEN.search(found[2]) for found in _FORMULA.finditer(scene))
 
 
 def _points(linked: Linked) -> int:
-    """About so many has the grid on which it is shown that the functions are those of the scene."""
+    """About how many points the grid has on which a checker compares the functions of the proof
+    with those of the scene."""
+    # A polynomial that is 0 at one more points than its degree, in each variable, is 0: for each
+    # variable the largest degree of any numerator or denominator counts.
     degrees = [x.degrees for x in linked.factors]
     powers = [
-        [(abs(n), degrees[i]) for i, n in told["powers"] if n * side > 0]
-        for told in linked.told.values()
+        [(abs(n), degrees[i]) for i, n in function["powers"] if n * side > 0]
+        for function in linked.told.values()
         for side in (1, -1)
     ]
-    most = [
-        max(sum(n * own[v] for n, own in row) for row in powers) + 1
-        for v in range(min(map(len, degrees), default=0))
-    ]
-    count = 2 + len(linked.delays)  # of each power Re and Im together
-    found: int = prod(most[:count]) * prod(n * (n + 1) // 2 for n in most[count:])
-    return found
+    most = []
+    for variable in range(min(map(len, degrees), default=0)):
+        of_sides = (sum(n * of_factor[variable] for n, of_factor in row) for row in powers)
+        most.append(max(of_sides) + 1)
+    # omega, pi and the delays; then the powers, of each of which Re and Im have a joint degree
+    count = 2 + len(linked.delays)
+    points: int = prod(most[:count]) * prod(n * (n + 1) // 2 for n in most[count:])
+    return points
 
 
 def name_in_file(scene: Scene) -> str | None:
-    """Which of several environments it is of the file that it was read from. SceneError where a
-    checker cannot read that."""
+    """The name of a scene among several environments of its file; None where the file has one
+    scene. SceneError where a checker cannot read the scene from that file."""
     scene.threshold.need_plain("a certificate")
     if scene.threshold.source:
         name = scene.threshold.source
@@ -114,6 +119,7 @@ def name_in_file(scene: Scene) -> str | None:
         )
     if not scene.text:
         raise SceneError("certificate: write the scene to a file, and evaluate that")
+    # the checker reads the file, not the scene: both must be the same, but for title and hands
     family = read_scenes(scene.text)
     for name, one in family.scenes.items():
         if replace(one, title="", hands=()) == replace(scene, title="", hands=()):
@@ -125,7 +131,7 @@ def name_in_file(scene: Scene) -> str | None:
 
 
 def shown(ask: Callable[..., Any], *given: Any) -> Any:
-    """What the checker finds; None where it refuses."""
+    """The result of a function of the checker; None where it refuses."""
     try:
         return ask(*given)
     except RefusedError:
@@ -153,31 +159,36 @@ def breakpoints(places: Sequence[RealNumber], factors: Sequence[OmegaFactor]) ->
     where so many cells as a certificate may have are not enough.
     """
     ends = [_exact(places[0]), _exact(places[-1])]
+    # One number between each two zeros: then each cell holds one zero at most. A band that does not
+    # end at a rational number begins or ends a little beyond it, and that gap needs one too.
     inner = [simplest(a, b) for a, b in pairwise(places[1:-1])]
     if len(places) > 2 or None in ends:
         first = [] if ends[0] is not None else [simplest(*places[:2])]
         last = [] if ends[1] is not None else [simplest(*places[-2:])]
         inner = sorted({*first, *inner, *last})
     low, high = _beside(places[0], -1), _beside(places[-1], 1)
-    found, waiting, asked = [low], Waiting(pairwise([low, *inner, high])), [*factors]
+    points, waiting, asked = [low], Waiting(pairwise([low, *inner, high])), [*factors]
     for a, b in waiting:
         if _is_shown(asked, a, b):
-            found.append(b)
-        elif len(found) + len(waiting.rest) < _MOST:
+            points.append(b)
+        elif len(points) + len(waiting.rest) < _MOST:
+            # Descartes' rule may count complex zeros near a cell too, so that one is cut although
+            # it holds one zero; in small enough cells the count is exact.
             middle = _between(factors, a, b)
             waiting.add((a, middle), (middle, b))
         else:
             raise UndecidedError("a certificate: it would need too many cells")
-    return found
+    return points
 
 
 def simplest(low: RealNumber, high: RealNumber) -> Fraction:
-    """The simplest rational number between two."""
-    found = rational_between(low, high)
-    return Fraction(int(found.p), int(found.q))
+    """The rational number of the smallest denominator between two, which is short to write."""
+    between = rational_between(low, high)
+    return Fraction(int(between.p), int(between.q))
 
 
 def _exact(place: RealNumber) -> Fraction | None:
+    """The value of a frequency that is a rational number, None for any other."""
     value = place.value if isinstance(place, ExactNumber) else None
     return Fraction(int(value.p), int(value.q)) if value is not None and value.is_Rational else None
 
@@ -191,8 +202,8 @@ def _beside(end: RealNumber, side: int) -> Fraction:
 
 
 def _is_shown(factors: list[OmegaFactor], low: Fraction, high: Fraction) -> bool:
-    """Whether signs show that there is at most one zero in a cell, of one factor; one that fails is
-    asked first again."""
+    """Whether signs show that there is at most one zero in a cell, of one factor; a factor that
+    fails is tried first from then on, as it is the likeliest to fail in the halves too."""
     count = 0
     for i, factor in enumerate(factors):
         found = shown(factor.signs, low, high)
@@ -204,7 +215,8 @@ def _is_shown(factors: list[OmegaFactor], low: Fraction, high: Fraction) -> bool
 
 
 def _between(factors: Sequence[OmegaFactor], low: Fraction, high: Fraction) -> Fraction:
-    """A number well inside, at which no factor vanishes."""
+    """A number well inside a cell, at which no factor vanishes."""
+    # factors that have vanished wherever they were tried
     flat = {*factors}
     for n in range(2, 100):
         middle, reach = low + (high - low) / n, (high - low) / (4 * n)
@@ -228,8 +240,8 @@ _MOST_ZEROS = 300
 
 
 def zeros(function: RationalFunction) -> dict[str, Any]:
-    """A function in lowest terms as a product of factors, with cells in which the turns of each can
-    be counted.
+    """A function in lowest terms as a product of factors, with cells in which the turns of each
+    factor of its numerator can be counted: the number of its zeros in Re s >= 0.
 
     SceneError where it is no quotient of polynomials with real coefficients, UndecidedError where
     the cells do not suffice.
@@ -266,12 +278,16 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
     """Numbers of omega^2, ascending, between which E or O of p(j omega) = E + j omega O has one
     zero, or E none."""
     rows = [[int(c) for c in row] for row in polynomial]
+    # s itself, whose zero is at 0
     if not any(rows[0]):
-        return []  # s itself
-    even, odd = (
-        sliced([[c * (-1) ** k for c in row] for k, row in enumerate(rows[i::2])] or [[0]])
-        for i in (0, 1)
-    )
+        return []
+
+    def alternating(parity: int) -> list[list[int]]:
+        """E or O in omega^2: every second coefficient, with (j omega)^2 = -omega^2."""
+        chosen = [[c * (-1) ** k for c in row] for k, row in enumerate(rows[parity::2])]
+        return sliced(chosen or [[0]])
+
+    even, odd = alternating(0), alternating(1)
     places = sorted([*_positive(even[0]), *_positive(odd[0])], key=lambda x: x.bounds(0)[0])
     found, between = [Fraction(0)], [simplest(a, b) for a, b in pairwise(places)]
     waiting: Waiting[tuple[Fraction, Fraction | None]] = Waiting(
@@ -285,9 +301,8 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
                 2 * low + n - 1 if high is None else low + (high - low) / n
                 for n in range(2, 2 + len(even[0]))
             ]
-            middle = next(
-                (x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0]
-            )  # E is not zero
+            # E must not vanish where cells meet; of more numbers than its degree one will do
+            middle = next((x for x in tried if any((_signs(even, x, None) or [0])[:1])), tried[0])
             waiting.add((low, middle), (middle, high))
         else:
             raise UndecidedError("a certificate: whether zeros of Re or Im p(j omega) are distinct")
@@ -295,25 +310,29 @@ def _cells(polynomial: Sequence[Sequence[str]]) -> list[Fraction]:
 
 
 def _signs(slices: list[list[int]], low: Fraction, high: Fraction | None) -> list[int] | None:
-    """Of the coefficients in a cell; None where they stay open."""
-    found: list[int] | None = shown(
-        signs, slices, low.as_integer_ratio(), high.as_integer_ratio() if high else (1, 0)
-    )
-    return found
+    """The signs of the coefficients of a polynomial transformed to a cell, or above ``low`` where
+    the cell has no end; None where the checker leaves them undecided."""
+    end = high.as_integer_ratio() if high else (1, 0)
+    coefficients: list[int] | None = shown(signs, slices, low.as_integer_ratio(), end)
+    return coefficients
 
 
 def _turns_are_shown(
     even: list[list[int]], odd: list[list[int]], low: Fraction, high: Fraction | None
 ) -> bool:
-    """E is not zero at ``low``: 0, or where a cell ended."""
-    own, other = _signs(even, low, high), _signs(odd, low, high)
-    if own is None or other is None or not (own[0] and (own[-1] or high is None)):
+    """Whether the angle that p(j omega) turns by in a cell follows from signs at its ends.
+
+    E is not zero at ``low``: 0, or where a cell ended.
+    """
+    of_even, of_odd = _signs(even, low, high), _signs(odd, low, high)
+    if of_even is None or of_odd is None or not (of_even[0] and (of_even[-1] or high is None)):
         return False
-    return turns(own) == 0 or turns(own) + turns(other) == 1
+    # where E keeps its sign p stays in a half plane; with one zero of E or O it crosses one axis
+    return turns(of_even) == 0 or turns(of_even) + turns(of_odd) == 1
 
 
 def _positive(plain: Sequence[int]) -> list[RealNumber]:
-    """The positive zeros of a polynomial, nearly."""
+    """Approximations of the positive zeros of a polynomial, which only say where to cut."""
     with flint.ctx.workprec(_BITS):
         found = fmpz_poly(list(plain)).complex_roots() if any(plain[1:]) else []
         return [Sliver(*bounds(z.real)) for z, _ in found if z.imag.contains(0) and z.real > 0]
@@ -367,7 +386,7 @@ def certificate(e: Evaluation) -> str:
 
 
 def _room(e: Evaluation, linked: Linked) -> int:
-    """How many digits of a frequency may have."""
+    """How many digits the enclosure of a frequency may have for a checker to decide signs there."""
     if linked.delays or linked.orders:
         return _MOST_AMONG_WAVES
     has_pi = any(x.degrees[1] for x in linked.factors) or any(x.has(pi) for x in e.scene.band)
@@ -375,8 +394,8 @@ def _room(e: Evaluation, linked: Linked) -> int:
 
 
 def _poles(e: Evaluation) -> dict[str, Any] | None:
-    """Those of H_perc in Re s >= 0; None where they are not decided, or no certificate has room for
-    them."""
+    """The proof of the number of poles of H_perc in Re s >= 0; None where that is undecided, or has
+    no place in the format."""
     try:
         return None if e.stable is None else zeros(inverse(e.distortion.perc))
     except (SceneError, UndecidedError):
@@ -384,6 +403,7 @@ def _poles(e: Evaluation) -> dict[str, Any] | None:
 
 
 def _functions(e: Evaluation) -> dict[str, RealFunction]:
+    """All functions whose signs an evaluation is read from, by their names in the format."""
     found: dict[str, RealFunction] = {}
     for key, f in curves(rectangular(e.distortion), e.criteria).items():
         if not isinstance(f, RealFunction):
@@ -397,8 +417,8 @@ def _functions(e: Evaluation) -> dict[str, RealFunction]:
 
 
 def _claim(e: Evaluation) -> dict[str, Any]:
-    """What the evaluation answers, each frequency by its place among all at which something
-    happens."""
+    """The answers of an evaluation, with each frequency given by its number among all at which
+    something happens."""
     points = e.chart.points
     place = {id(point.omega): i for i, point in enumerate(points)}
 
@@ -431,8 +451,8 @@ def _claim(e: Evaluation) -> dict[str, Any]:
 
 
 def _enclosures(e: Evaluation, most: int) -> list[list[str]]:
-    """Of all places, with as many digits as were asked for, or more where that does not tell them
-    apart."""
+    """Decimal enclosures of all frequencies, with as many digits as requested, or more where these
+    would overlap: a checker takes their order from them."""
     digits = e.digits
     if digits > most:
         raise SceneError(f"certificate: at most {most} digits, not {digits}")

@@ -5,7 +5,8 @@ The paper judges both parts of dH apart, which is a square, and leaves open how 
 the direction phi, with x/a = r cos(phi) and y/b = r sin(phi) and the half widths a and b of the
 JND, a model notices what is larger than its reach::
 
-    square  1/max(|cos phi|, |sin phi|),   ellipse of tilt t  sqrt((1 - t^2)/(1 - t sin 2 phi)),   disc: t = 0.
+    square              1/max(|cos phi|, |sin phi|),
+    ellipse of tilt t   sqrt((1 - t^2)/(1 - t sin 2 phi)),   disc: t = 0.
 
 The quotient of the reaches of two of them is largest on a diagonal: for two ellipses it is
 monotonic in sin 2 phi; for the square and an ellipse its square is (1 + q^2 - 2 t q)/(1 - t^2) with
@@ -38,9 +39,9 @@ from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
 
 TILT = Rational(1, 2)
-"""Of the ellipses where the scene's JND has none: no tilt was measured."""
+"""Tilt of the ellipses where the scene's JND has none: no tilt was measured."""
 _SAMPLES = 401
-"""Of an interval, among which the frequency of the largest margin is looked for."""
+"""Samples of an interval, among which the frequency of the largest margin is chosen."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,8 +85,8 @@ class Stimulus(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Discrimination(Shown):
-    """What would decide between square, disc and both tilted ellipses of the half widths of a
-    scene's JND.
+    """The changes that would decide between square, disc and both tilted ellipses of the half
+    widths of a scene's JND.
 
     ``models`` : of each name the JND. ``stimuli`` : for each two models the change of the largest
     margin. ``display`` : where the scene's display is itself such a change. ``undecided`` : where
@@ -118,7 +119,7 @@ class Discrimination(Shown):
 
 
 def discriminate(e: Evaluation) -> Discrimination:
-    """Of a scene that is evaluated; SceneError as of ``half_widths``."""
+    """The discrimination of a scene that is evaluated; SceneError as of ``half_widths``."""
     tilt = e.scene.threshold.region.tilt or TILT
     plain = Threshold.of(*half_widths(e.scene.threshold))
     regions = {"square": plain.region, "disc": RegionDetails(Shape.ELLIPSE)}
@@ -139,7 +140,8 @@ def discriminate(e: Evaluation) -> Discrimination:
 def _displayed(
     e: Evaluation, models: Mapping[str, Threshold], table: Chart, pair: tuple[str, str]
 ) -> Iterator[Stimulus]:
-    """Where two models judge the display differently, and at which frequency most clearly."""
+    """The intervals on which two models judge the display differently, each with the change at the
+    frequency of the largest margin."""
 
     def exceeds(name: str, signs: Signs) -> bool:
         return any(signs[name, x] > 0 for x in noticed(models[name]))
@@ -149,12 +151,16 @@ def _displayed(
             lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)  # type: ignore[misc]
         ):
             ends = float(found.low.omega), float(found.high.omega)
+            # at a tangency the change is on the border: no margin
             if found.low is found.high:
-                continue  # a tangency
+                continue
+            # the interval is proven; where in it the margin is largest is computed
             omega = np.linspace(*ends, _SAMPLES)[1:-1]
             f = e.distortion.compile()(omega)
             x, y = np.copysign(f.ratio_real, f.real), np.copysign(f.ratio_imag, f.imag)
             above, below = (_multiple(models[name], x, y, omega) for name in (one, other))
+            # By which factor the change could shrink before the one model misses it, or grow before
+            # the other notices it.
             margin = np.minimum(above, 1 / below)
             i = int(np.argmax(margin))
             dk, db = float(f.real[i]), float(f.imag[i] / omega[i])
@@ -172,7 +178,7 @@ def _displayed(
 
 
 def _multiple(t: Threshold, x: Array, y: Array, omega: Array) -> Array:
-    """How many times a region must be enlarged to hold a change."""
+    """The factor by which a region must be enlarged to contain a change, at each frequency."""
 
     def number(c: Expr) -> Any:
         return floats_of(c, omega)
@@ -201,11 +207,19 @@ def _designed(
     def reaches(turn: int) -> list[tuple[float, str]]:
         return sorted((float(_reach(models[name], turn, omega)), name) for name in pair)
 
-    turn = max((1, -1), key=lambda turn: round(reaches(turn)[1][0] / reaches(turn)[0][0], 12))
+    def quotient(turn: int) -> float:
+        (least, _), (most, _) = reaches(turn)
+        # rounded: where both diagonals are equally good, roundings must not choose
+        return round(most / least, 12)
+
+    turn = max((1, -1), key=quotient)
     (least, tight), (most, loose) = reaches(turn)
+    # the geometric mean of both reaches; half widths along the axes are 1/sqrt(2) of a diagonal
     reach = (least * most) ** 0.5 / 2**0.5
     x, y = turn * wide * reach, high * reach
-    return Stimulus(tight, loose, omega, x, y, x * size, y * size / omega, (most / least) ** 0.5)
+    stiffness, damping = x * size, y * size / omega
+    margin = (most / least) ** 0.5
+    return Stimulus(tight, loose, omega, x, y, stiffness, damping, margin)
 
 
 def _reach(t: Threshold, turn: int, omega: float) -> float:
@@ -223,9 +237,11 @@ def _place(e: Evaluation, display: list[Stimulus]) -> tuple[float, float]:
     low, high = map(float, e.scene.band)
     best = [max(display, key=lambda x: x.margin).omega] if display else []
     first = sorted(float(x.crossing.omega) for x in e.regions if x.crossing)
-    found = [*best, *first, *(low + share * (high - low) for share in (0.5, 0.4, 0.6, 0.45))]
-    f = e.distortion.compile(of=["environment_real", "environment_imag"])(np.array(found))
-    sizes = np.hypot(f.environment_real, f.environment_imag)
-    return next(
-        (w, float(h)) for w, h in zip(found, sizes, strict=True) if w > 0 and 0 < h < np.inf
-    )
+    # several inside the band, as |H_env| may vanish or be infinite at one of them
+    inside = [low + share * (high - low) for share in (0.5, 0.4, 0.6, 0.45)]
+    places = [*best, *first, *inside]
+    function = e.distortion.compile(of=["environment_real", "environment_imag"])
+    f = function(np.array(places))
+    sizes = np.hypot(f.environment_real, f.environment_imag).tolist()
+    pairs = zip(places, sizes, strict=True)
+    return next((w, size) for w, size in pairs if w > 0 and 0 < size < np.inf)

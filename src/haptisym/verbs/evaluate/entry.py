@@ -1,5 +1,5 @@
-"""The evaluation of a scene, from which effects that do not matter may be left out; of a measured
-one, line by line."""
+"""The evaluation of a scene as a command: with its tolerance, regions, proportion and movement; of
+a measured scene frequency by frequency."""
 
 from __future__ import annotations
 
@@ -108,14 +108,15 @@ def evaluate(
             found = _discriminated(found)
         if movement is not None:
             found = _moved(found, movement)
-        _ = (
-            found.bandwidths
-        )  # of a range of thresholds, which tell themselves where the time for them is over
+        # those of a range of thresholds are computed now, while the limit holds; where the time is
+        # over they note it themselves
+        _ = found.bandwidths
     return found
 
 
 def _discriminated(found: Evaluation) -> Evaluation:
-    """With which changes would decide between regions, if there is time for it."""
+    """The evaluation with the changes that would decide between regions, if there is time for
+    it."""
     from haptisym.verbs.evaluate.discriminate import discriminate  # loaded where it is asked for
 
     discrimination = in_time(partial(discriminate, found), "discriminate", found.left)
@@ -123,7 +124,7 @@ def _discriminated(found: Evaluation) -> Evaluation:
 
 
 def _moved(found: Evaluation, given: str | Path) -> Evaluation:
-    """With what a fit to a movement reports, if there is time for it."""
+    """The evaluation with what a fit to a movement reports, if there is time for it."""
     from haptisym.verbs.evaluate.movement import movement  # loaded where it is asked for
 
     fitted = in_time(partial(movement, found.scene, given), "movement", found.left)
@@ -131,6 +132,7 @@ def _moved(found: Evaluation, given: str | Path) -> Evaluation:
 
 
 def _evaluated(scene: Scene, digits: int, tolerance: Number | None) -> Evaluation:
+    """The evaluation of a scene, without the effects that do not matter for a tolerance."""
     if tolerance is None:
         return evaluation.evaluate(scene, digits)
     from haptisym.verbs.effects.relevance import relevance

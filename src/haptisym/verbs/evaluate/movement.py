@@ -14,11 +14,11 @@ nothing is noticed, frequency by frequency, the fitted mass may be off by more t
 
 Integrals over a flat band are enclosed in balls (Arb's), a recording's spectrum is SciPy's, within
 the scene's band. Next to 0 rad/s, where a hold is 0/0 as a formula and a power of s has no
-derivative, H is enclosed by its program. A narrow band takes most digits from the normal equations,
-so the precision is raised until each number has as many as a double. What stays a ball around 0 is
-0 where H says so for all frequencies, and undecided otherwise. Across a pole of H the integral of
-|H|^2 is infinite:
-there is no fit. Derivation: 21_fitted_movement.
+derivative, H is enclosed by its program. A narrow band costs the normal equations most of their
+digits, so the precision is raised until each number has as many as a double. A number whose ball
+still contains 0 is 0 where the form of H shows it for all frequencies, and undecided otherwise.
+Across a pole of H the integral of |H|^2 is infinite: there is no fit. Derivation:
+21_fitted_movement.
 """
 
 from __future__ import annotations
@@ -47,9 +47,10 @@ from haptisym.programs.program import Program
 NAMES = ("k", "b", "m")
 SYSTEMS = ("environment", "perceived")
 _BITS = (160, 320, 640, 1280, 2560)
-"""The precisions that are tried, of which five eighths are wanted of an integral."""
+"""The precisions that are tried, in bits; integrals are computed to five eighths of them."""
 _ENOUGH, _ULP = 60, 2.0**-52
-"""Bits of a number that is told, a few more than a double has; the last digit of a double."""
+"""Correct bits of a number that is given, a few more than a double has; the last digit of a
+double."""
 _FEWEST = 20  # bits of a number that was computed in doubles: six digits
 _FIELDS = ("environment_real", "environment_imag", "real", "imag")
 _KINDS = ("displacement", "velocity")
@@ -58,8 +59,8 @@ _SUFFIXES = (".csv", ".txt", ".tsv")
 
 @dataclass(frozen=True, repr=False)
 class Movement(Shown):
-    """``environment``, ``perceived`` : what a fit reports of each, k, b and m in SI; ``spectrum`` :
-    the movement in words.
+    """What a fit of k, b and m to a movement reports. ``environment``, ``perceived`` : of each, in
+    SI; ``spectrum`` : the movement in words.
 
     ``change`` : relative, of what is felt to the environment's. A number is None where it is
     undecided, or where there is none:
@@ -113,6 +114,7 @@ def movement(scene: Scene, given: str | Path) -> Movement:
     if Path(text).suffix.lower() in _SUFFIXES:
         return _recorded(scene, Path(text))
     kind, ends = _read(text)
+    # velocity is omega times displacement: flat in velocity means omega^-2 in displacement
     weight = 0 if kind == "displacement" else -2
     low, high = map(float, ends)
     shown = next(
@@ -136,10 +138,8 @@ Poles = dict[str, tuple[float, ...] | None]
 
 def _flat(scene: Scene, ends: tuple[Expr, Expr], weight: int) -> Iterator[tuple[Fits, Poles]]:
     """Fits to a flat spectrum and the poles on its band, with more and more digits."""
-    d, program = (
-        scene.closed,
-        scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS),
-    )
+    d = scene.closed
+    program = scene.chain.at({p.symbol: p.value for p in scene.parameters}).program(_FIELDS)
     both = dict(zip(SYSTEMS, (d.env, d.perc), strict=True))
     poles = {name: found for name, f in both.items() if (found := _poles(f, ends)) != ()}
     for bits in _BITS:
@@ -158,20 +158,18 @@ def _poles(f: RationalFunction, ends: tuple[Expr, Expr]) -> tuple[float, ...] | 
     """The frequencies on a band at which H is infinite; None where that is undecided."""
     lowest = f.reduced()
     below = f.ring.convert(Integer(1)) / f.ring.function(lowest.denominator)
-    for x in (
-        below,
-        lowest,
-    ):  # what is simple first: where nothing is divided by 0 there is no pole
+    # 1/denominator first, which is simpler: where it has no pole, H has none
+    for x in (below, lowest):
         if x.denominator.is_constant():
             return ()
         try:
             points = chart({"H": squared_modulus(x)}, *ends).points
         except UndecidedError:
             return None
-        found = tuple(float(p.omega) for p in points if p.orders.get("H", 0) < 0)
-        if not found and not any(p.undecided for p in points):
+        poles = tuple(float(p.omega) for p in points if p.orders.get("H", 0) < 0)
+        if not poles and not any(p.undecided for p in points):
             return ()
-    return None if any(p.undecided for p in points) else found
+    return None if any(p.undecided for p in points) else poles
 
 
 def _told(
@@ -181,8 +179,8 @@ def _told(
     tries: Iterable[tuple[Fits, Poles]],
     bits: int = _ENOUGH,
 ) -> Movement:
-    """What is told of fits that get better with each try: of each number so many ``bits``, or
-    None."""
+    """The answer from fits that get better with each try: numbers with so many correct ``bits``,
+    None for one that has fewer in all of them."""
     d = scene.closed
     zeros = {
         name: _zeros(f)
@@ -190,31 +188,35 @@ def _told(
     }
     for fits, poles in tries:  # noqa: B007  the last ones are told
         tick()
-        found = {name: dict(row) for name, row in fits.items()}
-        if len(found) == len(SYSTEMS):
-            env, perc = (found[name] for name in SYSTEMS)
+        in_balls = {name: dict(row) for name, row in fits.items()}
+        if len(in_balls) == len(SYSTEMS):
+            env, perc = (in_balls[name] for name in SYSTEMS)
+            # the quotient must not lose the digits of its parts, whatever precision is set here
             with flint.ctx.workprec(_BITS[-1]):
-                found["change"] = {
+                in_balls["change"] = {
                     x: perc[x] / env[x] - 1 for x in NAMES if x not in zeros["environment"]
                 }
         rows = {
             name: {x: _number(y, x in zeros[name], bits) for x, y in row.items()}
-            for name, row in found.items()
+            for name, row in in_balls.items()
         }
         undecided = any(x is None for row in rows.values() for x in row.values())
         if not undecided:
             break
-    own, seen, change = (
+    environment, perceived, change = (
         {x: rows.get(name, {}).get(x) for x in NAMES} for name in (*SYSTEMS, "change")
     )
+    # whether H has a pole may be undecided, and then whether there is a fit
     known = {name: places for name, places in poles.items() if places is not None}
+    is_undecided = undecided or known != poles
+    is_computed = bits < _ENOUGH
     return Movement(
-        spectrum, band, own, seen, change, known, undecided or known != poles, bits < _ENOUGH
+        spectrum, band, environment, perceived, change, known, is_undecided, is_computed
     )
 
 
 def _number(x: Any, is_zero: bool, bits: int) -> float | None:  # noqa: FBT001
-    """The middle of a ball of that accuracy."""
+    """The middle of a ball that has so many correct bits, else None; 0 where that is known."""
     if is_zero:
         return 0.0
     return float(x) if x.rel_accuracy_bits() >= bits else None
@@ -225,14 +227,16 @@ def _zeros(f: RationalFunction) -> set[str]:
     none."""
     response = on_axis(f)
     real = response.real.expression()
-    found = {"k"} if not (real / omega**2).has(omega) else set()
-    found |= {"m"} if not real.has(omega) else set()
-    return (
-        found | ({"k", "m"} if real == 0 else set()) | ({"b"} if response.imag.is_zero else set())
-    )
+    # Re H = -m omega^2 alone is fitted by no stiffness, Re H = k alone by no mass. In balls such a
+    # number has no digit that is known, whatever the precision.
+    zero = {"k"} if not (real / omega**2).has(omega) else set()
+    zero |= {"m"} if not real.has(omega) else set()
+    zero |= {"k", "m"} if real == 0 else set()
+    return zero | ({"b"} if response.imag.is_zero else set())
 
 
 def _read(text: str) -> tuple[str, tuple[Expr, Expr]]:
+    """The kind of a flat spectrum and its band; SceneError for a text that gives none."""
     words = text.split(":")
     kind = words.pop(0).strip() if len(words) == 3 else "displacement"
     if kind not in _KINDS or len(words) != 2:
@@ -265,9 +269,9 @@ def _integrals(
     a, b = (expression_ball(x) for x in ends)
 
     def integral(power: int) -> Any:
-        least = (
-            within * size * (b - a) * b ** (power + weight)
-        )  # Arb's own, 2^-bits, is nothing small where a band is
+        # Arb's own absolute tolerance, 2^-bits, is not small against an integral over a narrow band
+        # of a small H: this one is relative to the integrand's size.
+        least = within * size * (b - a) * b ** (power + weight)
         return acb.integral(
             lambda z, analytic: of(z, analytic) * z ** (power + weight),
             a,
@@ -300,6 +304,8 @@ def _response(
     }
 
     def next_to_rest(z: Any, analytic: bool) -> Any:  # noqa: FBT001
+        # Arb asks whether the integrand is analytic on a ball before it uses Gauss' rule there; nan
+        # says no, and it is then bounded on the ball, or the interval cut.
         if analytic:
             return acb("nan")
         found = program.run(FUNCTIONS, [z.real.nonnegative_part()], constants)
@@ -316,11 +322,14 @@ def _response(
 
 
 def _generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
-    """What a generator of the ring is at j z."""
+    """The value of a generator of the ring at s = j z: s, a power of it, an exponential, a
+    number."""
     at = acb(0, 1) * z
     if x == s:
         return at
     if x.has(s) and x.is_Pow and x.base == s:
+        # log(j z) = log z + j pi/2; the logarithm is that of z so that its cut is on the negative
+        # real axis of frequencies, away from the band
         log = z.log(analytic=analytic) + acb(0, arb.pi() / 2)
         return (log * expression_ball(x.exp)).exp()
     if x.has(s):
@@ -329,20 +338,25 @@ def _generator(x: Expr, z: Any, analytic: bool) -> Any:  # noqa: FBT001
 
 
 def _fit(moments: tuple[Any, Any, Any], real: tuple[Any, Any], imag: Any) -> dict[str, Any]:
-    """k, b and m by the normal equations."""
+    """k, b and m by the normal equations, 2 x 2 for k and -m, one for b."""
     one, two, four = moments
-    below = one * four - two * two
-    k, m = (real[0] * four - two * real[1]) / below, (two * real[0] - one * real[1]) / below
+    # the difference of nearly equal products on a narrow band: digits are lost here
+    determinant = one * four - two * two
+    k = (real[0] * four - two * real[1]) / determinant
+    m = (two * real[0] - one * real[1]) / determinant
     return {"k": k, "b": imag / two, "m": m}
 
 
 def _recorded(scene: Scene, path: Path) -> Movement:
-    """Of a recording: lines of its spectrum, SciPy's, those within the scene's band."""
+    """What a fit to a recording reports: to those frequencies of its spectrum, by SciPy's
+    periodogram, that lie within the scene's band."""
     import numpy as np
     from scipy.signal import periodogram
 
     from haptisym.model.motions import recording
 
+    # at equal steps of time, which a periodogram needs; the window keeps what leaks from the ends
+    # of a recording that is no period small, and a trend is no oscillation
     motion = recording(path)
     times = np.linspace(motion.times[0], motion.times[-1], len(motion.times))
     rate = (len(times) - 1) / float(times[-1] - times[0])
@@ -351,13 +365,13 @@ def _recorded(scene: Scene, path: Path) -> Movement:
     )
     omega = 2 * np.pi * frequency
     low, high = map(float, scene.band)
-    own = (omega > 0) & (omega >= low) & (omega <= high)
-    if own.sum() < 2 or not power[own].any():
+    on_band = (omega > 0) & (omega >= low) & (omega <= high)
+    if on_band.sum() < 2 or not power[on_band].any():
         raise SceneError(
             f"movement: {path}: fewer than two frequencies of the recording lie on the band "
             f"of the scene"
         )
-    w, S = omega[own], power[own]
+    w, S = omega[on_band], power[on_band]
     f = scene.closed.compile(of=list(_FIELDS))(w)
 
     def sum_of(terms: Any) -> Any:

@@ -5,9 +5,9 @@ A function is ``number * product of factor^exponent``. A factor is a polynomial 
 pi; where there are delays, one in sine and cosine of omega tau/2 as well: the tangents in which a
 ring has delays are made homogeneous, and what is missing to equal powers is a power of the cosine.
 Powers s^alpha are written as real and imaginary part of (j omega)^alpha, two independent variables,
-where a ring has modulus and angle: for that a distortion is put on another axis first. What a
-factor's signs are is no question here: the checker's own objects answer it (``certificate``), so
-that what is written is what is accepted.
+where a ring has modulus and angle: for that a distortion is put on another axis first. The signs of
+factors are decided by the checker's own objects (``certificate``), so that what is written is what
+is accepted. ``products`` is where to begin reading.
 """
 
 from __future__ import annotations
@@ -49,19 +49,28 @@ class RectangularAxis(Axis):
 
     def parts(self, polynomials: Sequence[Polynomial]) -> list[ComplexPolynomial]:
         split = [self._by_powers(p) for p in polynomials]
+        # all coefficients in one call, which multiplies all of them by the same factor
         found = iter(super().parts([q for row in split for q in row.values()]))
         return [self._joined([*row], found) for row in split]
 
     def _by_powers(self, polynomial: Polynomial) -> dict[tuple[int, ...], Polynomial]:
-        """What stands before each product of powers: the dynamics' variables are s, pi, symbols,
-        delays, powers and j."""
-        start = self._start
-        first, rows = start + self.delays, dict[tuple[int, ...], dict[tuple[int, ...], object]]()
+        """The coefficient of each product of powers s^alpha, by the exponents of these.
+
+        The dynamics' variables are s, pi, symbols, delays, powers and j; the coefficient's have the
+        real and imaginary parts of powers behind the symbols, and no powers.
+        """
+        behind_symbols = self._start
+        behind_delays = behind_symbols + self.delays
+        behind_powers = behind_delays + len(self.powers)
+        no_parts = [0] * (2 * len(self.powers))
+        rows = dict[tuple[int, ...], dict[tuple[int, ...], object]]()
         for exponents, value in polynomial.to_dict().items():
-            own = tuple(map(int, exponents))
-            powers, rest = own[first : first + len(self.powers)], own[first + len(self.powers) :]
-            inner = (*own[:start], *[0] * (2 * len(self.powers)), *own[start:first], *rest)
-            rows.setdefault(powers, {})[inner] = value
+            all_of_them = tuple(map(int, exponents))
+            symbols = all_of_them[:behind_symbols]
+            delays = all_of_them[behind_symbols:behind_delays]
+            powers = all_of_them[behind_delays:behind_powers]
+            rest = all_of_them[behind_powers:]
+            rows.setdefault(powers, {})[(*symbols, *no_parts, *delays, *rest)] = value
         return {powers: self._inner.context.from_dict(row) for powers, row in rows.items()}
 
     def _joined(
@@ -69,9 +78,11 @@ class RectangularAxis(Axis):
     ) -> ComplexPolynomial:
         """The sum of parts times their powers (x + j y)^n."""
         gens, real, imag = self.context.gens(), self.constant(0), self.constant(0)
+        # ``found`` is shared by all polynomials of a call: this one takes as many as it has powers
         for exponents, (x, y) in zip(powers, found, strict=False):
             for i, n in enumerate(exponents):
-                a, b = gens[self._start + 2 * i : self._start + 2 * i + 2]
+                place = self._start + 2 * i
+                a, b = gens[place : place + 2]
                 for _ in range(n):
                     x, y = x * a - y * b, x * b + y * a
             real, imag = real + x, imag + y
@@ -79,11 +90,11 @@ class RectangularAxis(Axis):
 
 
 class RectangularRing(Ring):
-    """The same dynamics as a ring, on such an axis."""
+    """A ring of dynamics whose real functions are on a rectangular axis."""
 
     @classmethod
     def like(cls, ring: Ring) -> RectangularRing:
-        """With the same variables."""
+        """The ring with the same variables as another one."""
         return cls(ring.symbols, ring.lags, ring.orders, j=ring.axis.complex)
 
     @cached_property
@@ -127,10 +138,10 @@ NO_ROOM = (
 
 
 def _rows(coefficients: Mapping[tuple[int, int], int]) -> list[list[str]]:
-    """Ascending in the variable, each ascending in pi."""
-    rows: list[dict[int, int]] = [
-        {} for _ in range(max((n for n, _ in coefficients), default=0) + 1)
-    ]
+    """The coefficients as a certificate has them: rows ascending in the variable, each ascending in
+    pi."""
+    degree = max((n for n, _ in coefficients), default=0)
+    rows: list[dict[int, int]] = [{} for _ in range(degree + 1)]
     for (n, q), value in coefficients.items():
         rows[n][q] = value
     return [[str(row.get(q, 0)) for q in range(max(row, default=0) + 1)] for row in rows]
@@ -156,18 +167,22 @@ class Factors:
         """``number * product of factor^exponent`` of a quotient of polynomials."""
         if top.is_zero():
             return {"number": "0", "powers": []}
-        number, found = Rational(1), Counter[str]()
+        number, exponents = Rational(1), Counter[str]()
         for polynomial, sign in ((top, 1), (bottom, -1)):
             unit, factors = self._taken(ring, polynomial)
             number *= unit**sign
-            for told, n in factors:
-                found[told] += sign * n
+            for factor, n in factors:
+                exponents[factor] += sign * n
         powers = {
-            self.listed.setdefault(told, len(self.listed)): n for told, n in found.items() if n
+            self.listed.setdefault(factor, len(self.listed)): n
+            for factor, n in exponents.items()
+            if n
         }
         return {"number": str(number), "powers": [list(x) for x in sorted(powers.items())]}
 
     def _taken(self, ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Told]:
+        """As ``_factors``, but each polynomial is factored once."""
+        # polynomials have no hash: a list, which is short
         found = next((taken for other, taken in self.known if other == polynomial), None)
         if found is None:
             found = self._factors(ring, polynomial)
@@ -175,38 +190,42 @@ class Factors:
         return found
 
     def _factors(self, ring: PolynomialRing, polynomial: Polynomial) -> tuple[Rational, Told]:
-        """A number, and the factors: of tangents made homogeneous the cosines as well."""
+        """A polynomial as a number times factors: those with tangents made homogeneous, with powers
+        of the cosines that this brings in."""
         if not (self.delays or self.orders):
             number, found = ring.factors(polynomial, in_square=self.in_square)
             return number, [(self._plain(factor), n) for factor, n in found]
         assert isinstance(ring, Axis)
         number, found = ring.factors(ring.without_circles(polynomial)[0], in_square=False)
         first = ring.size - 2 * len(self.orders)
-        told = [
+        written = [
             (self._waved(x, first) if any(x.degrees()[first:]) else self._plain(x), n)
             for x, n in found
         ]
-        turning = [int(n) for n in polynomial.degrees()[ring.size : ring.size + len(self.delays)]][
-            ::-1
-        ]
+        # A polynomial of degree n in tan x is one in sin x and cos x over cos^n x: the degrees of
+        # the whole one, not those of its factors. The ring has its delays the other way round.
+        degrees = polynomial.degrees()[ring.size : ring.size + len(self.delays)]
+        turning = [int(n) for n in degrees][::-1]
         nowhere = [0] * (len(self.delays) + 2 * len(self.orders))
-        for i, n in enumerate(turning):  # cos(omega tau/2)
+        # the factor cos(omega tau/2) of each delay
+        for i, n in enumerate(turning):
             alone = {
                 "waves": [int(k == i) for k in range(len(turning))],
                 "terms": [[nowhere, [["1"]]]],
             }
-            told += [(json.dumps(alone), -n)] if n else []
-        return number, told
+            written += [(json.dumps(alone), -n)] if n else []
+        return number, written
 
     def _plain(self, factor: Polynomial) -> str:
-        """A polynomial in the variable and what stands beside it."""
-        found: Coefficients = {}
+        """The JSON of a factor that is a polynomial in the variable and one more, such as pi."""
+        coefficients: Coefficients = {}
         for powers, value in factor.to_dict().items():
             self._need_alone([int(n) for n in powers])
-            found[int(powers[0]), int(powers[self.second])] = int(value.p)
-        even = self.in_square and not any(n % 2 for n, _ in found)
-        rows = _rows({(n // 2, q): x for (n, q), x in found.items()} if even else found)
-        return json.dumps({"step": 2 if even else 1, "polynomial": rows})
+            coefficients[int(powers[0]), int(powers[self.second])] = int(value.p)
+        even = self.in_square and not any(n % 2 for n, _ in coefficients)
+        if even:
+            coefficients = {(n // 2, q): x for (n, q), x in coefficients.items()}
+        return json.dumps({"step": 2 if even else 1, "polynomial": _rows(coefficients)})
 
     def _waved(self, factor: Polynomial, first: int) -> str:
         """A polynomial made homogeneous in cosine and sine; tangents, the last one's first, stand
@@ -221,20 +240,19 @@ class Factors:
             )
         terms: dict[tuple[int, ...], Coefficients] = {}
         for exponents, value in factor.to_dict().items():
-            own = [int(n) for n in exponents]
-            terms.setdefault((*own[places][::-1], *own[raised]), {})[own[0], own[self.second]] = (
-                int(value.p)
-            )
+            powers = [int(n) for n in exponents]
+            coefficients = terms.setdefault((*powers[places][::-1], *powers[raised]), {})
+            coefficients[powers[0], powers[self.second]] = int(value.p)
         if len(terms) > _MOST_TERMS or any(n > _MOST for n in degrees[raised]):
             raise SceneError(
                 f"certificate: at most {_MOST_TERMS} products of sines and powers in a "
                 f"factor, to at most {_MOST}"
             )
-        rows = [[list(turns), _rows(own)] for turns, own in sorted(terms.items())]
+        rows = [[list(turns), _rows(powers)] for turns, powers in sorted(terms.items())]
         return json.dumps({"waves": degrees[places][::-1], "terms": rows})
 
     def _need_alone(self, powers: Sequence[int]) -> None:
-        """SceneError where a polynomial holds more than the variable and what stands beside it."""
+        """SceneError where a polynomial has more variables than the first and ``second``."""
         others = [i for i, n in enumerate(powers) if n and i not in (0, self.second)]
         if others:
             raise SceneError(BESIDE_PI if others == [PI] else NOT_RATIONAL)
@@ -255,14 +273,14 @@ class Linked:
         return any("waves" in x for x in self.listed)
 
     def proof(self, **more: Any) -> dict[str, Any]:
-        """What a proof has of them, and more."""
+        """The part of a proof with the functions and their factors, and more entries."""
         others = {"delays": [str(x) for x in self.delays], "orders": [str(x) for x in self.orders]}
         return {**others, **more, "factors": self.listed, "functions": self.told}
 
     @cached_property
     def factors(self) -> list[OmegaFactor]:
-        """With what the checker knows of them: their signs, and what those cost. RefusedError where
-        one is too large."""
+        """The factors as objects of the checker, with their signs and what those cost. RefusedError
+        where one is too large."""
         return [factor_of(x, self.delays, self.orders) for x in self.listed]
 
 
@@ -278,11 +296,11 @@ def products(functions: Mapping[str, RealFunction], second: int = PI) -> Linked:
     exact = tuple(Fraction(int(x.p), int(x.q)) for x in others)
     delays, orders = exact[: len(axis.lags)], exact[len(axis.lags) :]
     factors = Factors(delays, orders, second, not others and are_even(list(functions.values())))
-    told = {
+    quotients = {
         name: factors.quotient(x.axis, x.function.numerator, x.function.denominator)
         for name, x in functions.items()
     }
-    return Linked(told, [json.loads(x) for x in factors.listed], delays, orders)
+    return Linked(quotients, [json.loads(x) for x in factors.listed], delays, orders)
 
 
 def are_even(functions: Sequence[RealFunction]) -> bool:

@@ -63,31 +63,34 @@ class FamilyAnswers(Answer):
     @cached_property
     def common(self) -> ValueSet | None:
         """The values that do for all environments; None where the answers are no such sets."""
-        found = list(self.answers.values())
-        domains: set[Any] = {getattr(x, "domain", None) for x in found}
+        each = list(self.answers.values())
+        domains: set[Any] = {getattr(x, "domain", None) for x in each}
+        # no sets of values, or of different ranges: then the parameter is one of the environments
+        # themselves, and its values are about different things
         if (
             self.left
             or len(domains) > 1
             or None in domains
-            or not all(hasattr(x, "values") for x in found)
+            or not all(hasattr(x, "values") for x in each)
         ):
-            return None  # no sets of values, or of different ranges: a parameter of the environments themselves
-        return combined([x.values for x in found])
+            return None
+        return combined([x.values for x in each])
 
     @property
     def binding(self) -> tuple[tuple[float, str, str], ...]:
-        """At each end of the common values, SI, the environments that bind there, each with its
+        """The ends of the common values, SI, each with an environment that limits it and its
         criterion."""
         ends = [end.value for end in self.common.ends] if self.common else []
-        found = {
+        # an end of the intersection is an end of one set at least, of those that have it there
+        bindings = {
             (float(value), name, b.criterion.name)
             for value in ends
             for name, x in self.answers.items()
-            for own in x.ends
-            if float(own.value) == float(value)
-            for b in own.bindings
+            for limit in x.ends
+            if float(limit.value) == float(value)
+            for b in limit.bindings
         }
-        return tuple(sorted(found))
+        return tuple(sorted(bindings))
 
     def _body(self) -> dict[str, Any]:
         rows = [{"name": name, **x.to_dict()} for name, x in self.answers.items()]
@@ -136,10 +139,12 @@ def answer_each(
     answers, left = dict[str, Any](), Left()
     for i, (name, scene) in enumerate(family.scenes.items()):
         try:
+            # an equal share of the time that is left for each that is still to come
             with share(1 / (len(family) - i)), within(f'environment "{name}"'):
                 answers[name] = question(scene)
         except UndecidedError as error:
             left[name] = str(error)
+            # undecided for all of them: there is no answer to return
             if len(left) == len(family):
                 raise
     return FamilyAnswers(family, answers, left)

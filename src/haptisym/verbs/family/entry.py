@@ -30,7 +30,8 @@ from haptisym.verbs.family.answers import FamilyAnswers, answer_each
 
 @dataclass(frozen=True)
 class FamilyBinding(Judged):
-    """At this end of the common transparent set this environment breaks this criterion beyond."""
+    """An end of the common transparent set, rad/s, beyond which one environment exceeds one
+    criterion."""
 
     omega: RealNumber
     environment: str
@@ -39,10 +40,11 @@ class FamilyBinding(Judged):
 
 @dataclass(frozen=True, repr=False)
 class WorstCase(Shown):
-    """``chart`` : of each environment and criterion, (name, criterion), what must not be positive,
-    on one band.
+    """All environments together: transparent where each of them is.
 
-    So ends of different environments are told apart, or found equal, exactly.
+    ``chart`` : for each environment and criterion, (name, criterion), the function that must not be
+    positive, all on one band: so ends of different environments are distinguished, or found equal,
+    exactly.
     """
 
     chart: Chart
@@ -53,7 +55,8 @@ class WorstCase(Shown):
 
     @classmethod
     def of(cls, family: SceneFamily, threshold: Threshold) -> WorstCase:
-        """In one ring: equal functions are found equal."""
+        """The worst case of a family by one JND."""
+        # in one ring, in which equal functions of different environments are found equal
         ring, criteria = family.ring(), noticed(threshold)
         functions: dict[Key, Signed] = {}
         for name, scene in family.scenes.items():
@@ -84,21 +87,29 @@ class WorstCase(Shown):
         band's low end is in the set, who stands in the way there comes first.
         """
         lowest, highest = self.chart.points[0], self.chart.points[-1]
-        blocked = lowest.at if any(lowest.at[key] > 0 for key in self.keys) else lowest.after
-        found = self._exceeding(lowest.omega, blocked) if self.bandwidth is None else []
+        bindings: list[FamilyBinding] = []
+        if self.bandwidth is None:
+            # exceeded at the low end itself, or only from there on, where a ratio is just reached
+            is_exceeded = any(lowest.at[key] > 0 for key in self.keys)
+            bindings += self._exceeding(lowest.omega, lowest.at if is_exceeded else lowest.after)
         for x in self.transparent:
-            found += [] if x.low is lowest else self._exceeding(x.low.omega, x.low.before)
-            found += [] if x.high is highest else self._exceeding(x.high.omega, x.high.after)
-        return tuple(dict.fromkeys(found))
+            # the ends of the band limit a set without any environment's doing
+            if x.low is not lowest:
+                bindings += self._exceeding(x.low.omega, x.low.before)
+            if x.high is not highest:
+                bindings += self._exceeding(x.high.omega, x.high.after)
+        return tuple(dict.fromkeys(bindings))
 
     def _exceeding(self, omega: RealNumber, signs: Signs) -> list[FamilyBinding]:
+        """The environments and criteria that are exceeded next to a frequency, by the signs
+        there."""
         return [FamilyBinding(omega, name, x) for name, x in self.keys if signs[name, x] > 0]
 
 
 @dataclass(frozen=True, repr=False)
 class FamilyCompared(Shown):
-    """What one region says of all environments together, and of each: ``answers``, by the names of
-    the environments."""
+    """The result of one JND region for all environments together (``worst``), and for each:
+    ``answers``, by the names of the environments."""
 
     name: str
     threshold: Threshold
@@ -113,13 +124,13 @@ class FamilyCompared(Shown):
 
     @property
     def bandwidth(self) -> RealNumber | None:
-        """The common one."""
+        """The common bandwidth, rad/s; None where there is none."""
         return self.worst.bandwidth
 
     @property
     def first(self) -> tuple[FamilyBinding, ...]:
-        """Who binds at the first end of the common transparent set; none where it is the whole
-        band."""
+        """The environments that limit the common transparent set at its first end; none where it is
+        the whole band."""
         bound = self.worst.binding
         return tuple(x for x in bound if x.omega is bound[0].omega)
 
@@ -129,7 +140,7 @@ class FamilyCompared(Shown):
         return not self.worst.chart.undecided and all(x.certified for x in self.answers.values())
 
     def row(self, digits: int) -> dict[str, Any]:
-        """As a row of a document."""
+        """The region and its common bandwidth as a row of a document."""
         return {
             "region": self.name,
             "threshold": self.threshold.row(),
@@ -140,7 +151,7 @@ class FamilyCompared(Shown):
 
 
 def binding_row(x: FamilyBinding, digits: int) -> dict[str, Any]:
-    """Who binds where, as documents have it."""
+    """An end of the common transparent set as a row of a document."""
     return {
         "at": float(x.omega),
         "digits": x.omega.digits(digits),
@@ -202,7 +213,7 @@ class FamilyEvaluation(Answer):
 
     @property
     def chart(self) -> Chart:
-        """What each environment must not exceed, (name, criterion), on one band."""
+        """The functions that must not be positive, by (name, criterion), on one band."""
         return self.worst.chart
 
     @property
@@ -226,10 +237,10 @@ class FamilyEvaluation(Answer):
     @property
     def certified(self) -> bool:
         """Whether nothing was left undecided, in any environment or in the worst case."""
-        own = all(x.certified for x in self.answers.values()) and all(
+        all_answers = all(x.certified for x in self.answers.values()) and all(
             x.certified for x in self.regions
         )
-        return own and not self.chart.undecided
+        return all_answers and not self.chart.undecided
 
     def _body(self) -> dict[str, Any]:
         return {
@@ -279,6 +290,8 @@ def evaluate_all(
 def _evaluated(
     family: SceneFamily, digits: int, *, regions: bool
 ) -> FamilyEvaluation | FamilyAnswers:
+    """The evaluation of a family; the answers of single environments where the time is over before
+    it is known what they have in common."""
     each = answer_each(family, lambda scene: evaluate(scene, digits))
     found = (
         None
@@ -292,6 +305,7 @@ _ALL = "what all environments have in common"
 
 
 def _together(each: FamilyAnswers, digits: int, *, regions: bool) -> FamilyEvaluation:
+    """The answers of single environments with what holds for all of them."""
     family, answers = each.family, each.answers
     worst = WorstCase.of(family, family.threshold)
     if not regions:

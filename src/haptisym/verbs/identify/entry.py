@@ -1,10 +1,10 @@
-"""A model fitted to a measured response, with what the lines tell of it, and the scene file that it
-makes.
+"""Identification: a model fitted to a measured response, and the scene file that it makes.
 
-Whether the model holds is told by its residuals: their chi^2, the correlation of one line's with
-the next one's, and, of records, a force that follows the cube of what is predicted. Between which
-values each parameter lies is told by the curvature; the box that holds all of them together is
-Bonferroni's.
+Whether the model holds is judged by its residuals r, measured less model in units of sigma
+(``verdict``): the sum of |r|^2 against chi^2, the correlation of neighbouring residuals, and, of
+records, a force that follows the cube of what is predicted. The interval of each parameter follows
+from the curvature of the sum of squares; the box that holds all parameters together with the
+confidence, at least, is Bonferroni's (``estimates``). Read from ``identify``.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ from haptisym.verbs.identify.fitting import (
 def scene_text(
     title: str, source: str, remarks: Iterable[str], tables: Sequence[tuple[str, Table]]
 ) -> str:
-    """A scene file. ``remarks`` : comments at its head. ``tables`` : each with its heading, as
-    ``[environment]``.
+    """Return the text of a scene file. ``remarks`` : comments at its head. ``tables`` : each with
+    its heading, as ``[environment]``.
 
     >>> print(scene_text("Wall", "", ["fitted"], [("[environment]", {"model": "kelvin-voigt", "k": ["1 N/m", "3 N/m"]})]))
     # fitted
@@ -75,17 +75,17 @@ def scene_text(
 
 
 def _value(given: Any) -> str:
+    """Return a value as TOML."""
+    # Strings are escaped as in JSON, but that TOML has no bare DEL.
     if isinstance(given, str):
-        return json.dumps(given, ensure_ascii=False).replace(
-            "\x7f", "\\u007f"
-        )  # which TOML reads as JSON does
+        return json.dumps(given, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(given, Mapping):
         return f"{{ {', '.join(f'{key} = {_value(x)}' for key, x in given.items())} }}"
     return f"[{', '.join(map(_value, given))}]" if isinstance(given, list | tuple) else str(given)
 
 
 def environment_table(own: Environment) -> Table:
-    """The table of an environment whose parameters are numbers."""
+    """Return the table of an environment whose parameters are numbers, as a scene file has it."""
     slots = ENVIRONMENTS[own.model].slots
     table: dict[str, Any] = {"model": own.model}
     table |= {key: str(own.dynamics) for key, x in slots.items() if x.formula}
@@ -101,15 +101,19 @@ def environment_table(own: Environment) -> Table:
 
 
 def _quantity(p: Parameter) -> Any:
+    """Return a parameter as a scene file has it: one text, or three for a range."""
     low, high = p.interval or (p.value, p.value)
     unit = p.unit_in(p.motion) if p.motion or p.exponents else ""
-    told = [exactly(x, p.dimension, unit) for x in (low, p.value, high)]
-    return told if p.interval else told[1]
+    texts = [exactly(x, p.dimension, unit) for x in (low, p.value, high)]
+    return texts if p.interval else texts[1]
 
 
 def exactly(value: Expr, dimension: Dimension, unit: str) -> str:
-    """An exact number as a scene file has it, in Hz where it is a frequency that has pi in it."""
+    """Return an exact number as a scene file has it: in Hz where it is a frequency with pi in
+    it."""
     if dimension is Dimension.FREQUENCY:
+        # A scene file has no pi: a frequency that was given in Hz is a rational number of turns
+        # again.
         turns = value / (2 * pi)
         return f"{turns} Hz" if turns.is_Rational else f"{value} rad/s"
     number = str(value) if isinstance(value, Rational) else repr(float(value))
@@ -117,30 +121,33 @@ def exactly(value: Expr, dimension: Dimension, unit: str) -> str:
 
 
 def threshold_value(c: Threshold) -> Any:
-    """What a scene file says of a threshold: its key ``jnd``."""
+    """Return the value of the key ``jnd`` of a scene file for a threshold."""
     if c.source:
         return {"like": c.source}
-    own = c.region
-    if own.corners:
+    region = c.region
+    if region.corners:
         return {
-            "shape": own.shape.value,
-            "corners": [[str(x), str(y)] for x, y in own.corners],
+            "shape": region.shape.value,
+            "corners": [[str(x), str(y)] for x, y in region.corners],
             **_taken(c),
         }
-    table: dict[str, Any] = {} if own.shape is Shape.SQUARE else {"shape": own.shape.value}
-    table |= {part.value: _limit(c, part) for part in Part} | (
-        {"tilt": str(own.tilt)} if own.tilt else {}
-    )
-    if own.floor is not None:
-        table["floor"] = str(own.floor)
+    table: dict[str, Any] = {} if region.shape is Shape.SQUARE else {"shape": region.shape.value}
+    table |= {part.value: _limit(c, part) for part in Part}
+    if region.tilt:
+        table["tilt"] = str(region.tilt)
+    if region.floor is not None:
+        table["floor"] = str(region.floor)
     return table | _taken(c)
 
 
 def _taken(c: Threshold) -> dict[str, Any]:
+    """Return the proportion at which a threshold was taken; empty where that is not known."""
     return {} if c.proportion is None else {"proportion": str(c.proportion)}
 
 
 def _limit(c: Threshold, part: Part) -> Any:
+    """Return the limit of one part: a number, a range, or one for each way; SceneError where it is
+    irrational, which no text gives exactly."""
     interval, lower = c.interval(part), c.lower(part)
     if c[part].is_number and not c[part].is_Rational:
         raise SceneError(
@@ -154,8 +161,8 @@ def _limit(c: Threshold, part: Part) -> Any:
 
 
 def band_value(low: float, high: float) -> list[str]:
-    """What a scene file says of a band that ends at floats: in Hz where that has fewer digits, as
-    in the file of the lines.
+    """Return the band of a scene file that ends at floats: in Hz where that has fewer digits, as in
+    the file of the points.
 
     Twelve digits are enough: ``Measurement.on_band`` allows for files that round more.
     """
@@ -167,12 +174,13 @@ def band_value(low: float, high: float) -> list[str]:
 
 _EXACT = 1e-9  # of the largest response
 _LEAST_LINES = 8
-"""For a test of neighbours."""
+"""Frequency points that the test of neighbouring residuals needs: with fewer the correlation is far
+from normally distributed."""
 
 
 @dataclass(frozen=True)
 class FitVerdict:
-    """What the residuals tell of a model.
+    """Whether a model holds, by its residuals.
 
     ``square`` : their chi^2, None where no disc is known; ``chance`` : of one that large where the
     model holds. ``neighbours`` :
@@ -192,8 +200,8 @@ class FitVerdict:
 
 
 def verdict(found: Fit) -> FitVerdict:
-    """Are the residuals as large as the discs say, is one line's residual independent of the next
-    one's, are records linear?"""
+    """Test a fit: whether the residuals are as large as the discs say, whether neighbouring
+    residuals are independent, and whether records are linear."""
     from scipy.special import gammaincc
 
     known, welch = found.noise.freedom is not None, found.lines.welch
@@ -203,13 +211,18 @@ def verdict(found: Fit) -> FitVerdict:
         if square is None or not found.freedom
         else float(gammaincc(found.freedom / 2, square / 2))
     )
-    # residuals that are no more than where least squares end tell nothing of the model
+    # Residuals this small are where least squares ended: their order says nothing of the model.
     is_exact = bool(
         np.abs(found.model - found.lines.H).max() <= _EXACT * np.abs(found.lines.H).max()
     )
     together = None if is_exact else _neighbours(even(found))
+    # Of n independent residuals the correlation of neighbours is about normal with the standard
+    # deviation 1/sqrt(2 (n - 1)), as each pair has two parts: erfc(c sqrt(n - 1))/2 is its upper
+    # tail.
     by_chance = None if together is None else erfc(together * sqrt(len(found.lines) - 1)) / 2
     by_cube = welch.cube_chance if welch else None
+    # Two or three tests share what the confidence leaves, so that a true model fails any of them no
+    # more often than that.
     spare = (1 - found.lines.confidence) / (2 if by_cube is None else 3)
     wrong = any(x is not None and x < spare for x in (chance, by_chance, by_cube))
     fits = False if wrong else True if chance is not None else None
@@ -217,17 +230,19 @@ def verdict(found: Fit) -> FitVerdict:
 
 
 def even(found: Fit) -> Complexes:
-    """The residuals with their tails brought to those of a normal distribution."""
+    """Return the residuals with their sizes carried over to those of a normal distribution."""
+    # A sigma that is estimated from few averages makes long tails, and a single large residual
+    # would decide the correlation.
     size = np.abs(found.residuals)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shown = np.where(
-            size > 0, found.residuals / size * np.sqrt(found.noise.squares(found.residuals)), 0
-        )
+        scaled = found.residuals / size * np.sqrt(found.noise.squares(found.residuals))
+        shown = np.where(size > 0, scaled, 0)
     return np.asarray(shown, dtype=complex)
 
 
 def _neighbours(residuals: Complexes) -> float | None:
-    """The correlation of one line's residual with the next one's."""
+    """Return the correlation of neighbouring residuals; None where there are too few, or all are
+    0."""
     size = float(np.square(np.abs(residuals)).mean())
     if len(residuals) < _LEAST_LINES or size == 0:
         return None
@@ -236,7 +251,7 @@ def _neighbours(residuals: Complexes) -> float | None:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A parameter that was found, SI. ``low``, ``high`` : its confidence interval by itself;
+    """The estimate of a parameter, SI. ``low``, ``high`` : its confidence interval by itself;
     ``least``, ``most`` : its side of the box that holds all parameters together with the
     confidence, at least. ``error`` : standard error."""
 
@@ -250,8 +265,8 @@ class Estimate:
 
     @property
     def written(self) -> float:
-        """The value to a hundredth of its error, and to three digits at least: no file says more
-        than is known."""
+        """The value to a hundredth of its error, and to three digits at least: a file gives no
+        digits that are not known."""
         if self.parameter.rule is Rule.FRACTION or not (self.value and 0 < self.error < np.inf):
             return self.value
         last = min(floor(log10(self.error)), floor(log10(abs(self.value))))
@@ -259,16 +274,16 @@ class Estimate:
 
     @property
     def told(self) -> bool:
-        """Whether the lines tell it well enough for a range to mean anything: a positive one within
-        a factor of two."""
+        """Whether the data determine it well enough for a range to mean anything: a positive one
+        within a factor of two."""
         if self.parameter.rule is Rule.POSITIVE:
             return self.most <= 2 * self.value
         return self.parameter.rule is not Rule.FRACTION or self.most - self.least < 0.9
 
 
 def estimates(found: Fit) -> tuple[Estimate, ...]:
-    """Of all parameters; the box is Bonferroni's, each side with its share of what the confidence
-    leaves."""
+    """Return the estimates of all parameters; the box is Bonferroni's, each side with its share
+    of what the confidence leaves."""
     spare, free = 1 - found.lines.confidence, found.wanted.free
     one, all_of_them = (_reach(found, 1 - spare / (2 * parts)) for parts in (1, len(free)))
     made = []
@@ -289,7 +304,8 @@ def estimates(found: Fit) -> tuple[Estimate, ...]:
 
 
 def _reach(found: Fit, share: float) -> float:
-    """Standard errors from the middle to that share of the distribution."""
+    """Return the quantile of a standardised estimate: Student's t where the noise is estimated
+    from the residuals, else normal."""
     from scipy.special import stdtrit
 
     if found.noise.freedom is None:
@@ -298,39 +314,42 @@ def _reach(found: Fit, share: float) -> float:
 
 
 def _ends(x: Free, value: float, reach: float) -> tuple[float, float]:
-    """An interval that keeps the parameter's rule: even in the logarithm where it must be
-    positive."""
+    """Return the ends of an interval that keeps the parameter's rule: even in the logarithm
+    where it must be positive."""
+    # The exponents are bounded, so that a parameter the data say nothing of has finite ends.
     if x.rule is Rule.POSITIVE:
         factor = float(np.exp(min(reach / value, 600.0)))
         low, high = value / factor, value * factor
     elif x.rule is Rule.FRACTION:
+        # Even in the logarithm of the odds, whose slope is 1/(x (1 - x)): both ends stay in (0, 1).
         step = float(np.exp(min(reach / (value * (1 - value)), 30.0)))
         odds = value / (1 - value)
-        low, high = odds / step / (1 + odds / step), odds * step / (1 + odds * step)
+        low = odds / step / (1 + odds / step)
+        high = odds * step / (1 + odds * step)
     else:
         low, high = value - reach, value + reach
-    return rounded(max(low, 0.0) if x.rule is Rule.NONNEGATIVE else low, ROUND_FLOOR), rounded(
-        high, ROUND_CEILING
-    )
+    low = max(low, 0.0) if x.rule is Rule.NONNEGATIVE else low
+    return rounded(low, ROUND_FLOOR), rounded(high, ROUND_CEILING)
 
 
 _DIGITS = 6
 
 
 def rounded(value: float, way: str) -> float:
-    """A few digits, outward, so that a range stays one."""
+    """Round to six digits in a way that ``decimal`` names: ends of a range outward, so that it
+    holds what it held."""
     return float(Context(prec=_DIGITS, rounding=way).create_decimal_from_float(value))
 
 
 _APART = 1e-6
 _LARGE = 0.1
-"""Of a value, the error up to which simulated runs find that intervals hold the truth as often as
-they say."""
+"""Relative error up to which simulated runs find that intervals hold the truth as often as they
+claim."""
 
 
 @dataclass(frozen=True)
 class MeasuredLines:
-    """What was asked about: lines, which have no parameters to vary."""
+    """The subject of an identification: measured points, which have no parameters to vary."""
 
     title: str
 
@@ -374,8 +393,8 @@ class Identification(Answer):
         return MeasuredLines(self.title)
 
     def _line(self) -> str:
-        told = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]
-        return f"{titled(self.title)}: {counted(len(self.estimates), 'parameter')}, {told}"
+        verdict = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]
+        return f"{titled(self.title)}: {counted(len(self.estimates), 'parameter')}, {verdict}"
 
     @property
     def certified(self) -> bool:
@@ -384,7 +403,7 @@ class Identification(Answer):
 
     @property
     def wanted(self) -> Wanted:
-        """What was asked for: the model, and which of its values are given."""
+        """The model that was asked for, and which of its values are given."""
         return self.fit.wanted
 
     @property
@@ -401,15 +420,15 @@ class Identification(Answer):
         def value(x: Free) -> Any:
             return self._written(by_path[x.path])
 
-        lines, own = self.fit.lines, self.wanted
+        lines, model = self.fit.lines, self.wanted
         evaluation = {
             "band": band_value(float(lines.omega[0]), float(lines.omega[-1])),
             "jnd": threshold_value(self.threshold),
             "confidence": self.fit.lines.confidence,
         }
         tables = [
-            ("[environment]", filled(own.environment, value)),
-            *(("[[effects]]", filled(x, value)) for x in own.effects),
+            ("[environment]", filled(model.environment, value)),
+            *(("[[effects]]", filled(x, value)) for x in model.effects),
         ]
         source = f"fitted to {self.measurement.name} by haptisym identify"
         remarks = [
@@ -420,19 +439,18 @@ class Identification(Answer):
 
     @property
     def has_ranges(self) -> bool:
-        """Whether parameters are written as ranges: the model was not refuted, and the lines tell
-        every parameter."""
+        """Whether parameters are written as ranges: the model was not refuted, and the data
+        determine every parameter."""
         return self.verdict.fits is not False and all(x.told for x in self.estimates)
 
     @property
     def confidence_words(self) -> str:
-        """Of the box. Intervals of the curvature hold less than they say where errors are large, as
-        simulated runs tell.
+        """Words for the confidence of the box. Where errors are large, intervals from the curvature
+        hold the truth less often than they claim, as simulated runs show.
 
-        Of lines that were estimated from records neither the leakage of the window nor the bias of
-        loud lines is in them:
-        simulated loops of a mass of 0.8 kg, a damper and a spring held the truth in 41 to 89 of 90
-        intervals of 95 %.
+        Of points that were estimated from records neither the leakage of the window nor the bias of
+        loud points is in them: simulated loops of a mass of 0.8 kg, a damper and a spring held the
+        truth in 41 to 89 of 90 intervals of 95 %.
         """
         share = f"{100 * self.fit.lines.confidence:g} %"
         which = (
@@ -450,7 +468,10 @@ class Identification(Answer):
         return f"about {share}{less}{which}"
 
     def _written(self, x: Estimate) -> Any:
+        """Return an estimate as the scene file has it: a range, or its value alone."""
         motion, dimension = self.motion, x.parameter.dimension
+        # A unit that depends on the kind of motion is left out where that is not known: the number
+        # is SI.
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
             motion is None and len(set(dimension.value)) > 1
         )
@@ -462,8 +483,7 @@ class Identification(Answer):
         )
 
     def moved(self, other: Any) -> str:
-        """What is another value in another answer with the same response: paths, values and
-        units."""
+        """Return what differs in another answer with the same response: paths, values and units."""
         pairs = [
             (x, v)
             for x, v in zip(self.estimates, other, strict=True)
@@ -475,6 +495,7 @@ class Identification(Answer):
         )
 
     def _told(self) -> list[str]:
+        """Return remarks for the head of the scene file: what its ranges mean."""
         if self.verdict.fits is False:
             return [
                 (
@@ -546,7 +567,8 @@ class Identification(Answer):
 
     @property
     def ambiguous(self) -> tuple[str, ...]:
-        """The paths of the parameters that are others in another answer with the same response."""
+        """The paths of the parameters that have other values in another answer with the same
+        response."""
         own = self.fit.values
         others = np.array(self.fit.others or [own])
         moved = np.any(np.abs(others - own) > _APART * np.abs(own), axis=0)
@@ -569,7 +591,7 @@ class Identification(Answer):
 
 
 def correlation(found: Fit) -> Any:
-    """Of the estimates."""
+    """Return the correlation matrix of the estimates."""
     errors = np.sqrt(np.diag(found.covariance))
     return found.covariance / np.outer(errors, errors)
 
@@ -615,9 +637,8 @@ def identify(
         known = (given.environment, environment_table(given.environment))
         band = band or given.band
     assert isinstance(felt, Measurement)
-    asked = wanted(
-        environment, [effects] if isinstance(effects, str) else list(effects), degrees, known
-    )
+    models = [effects] if isinstance(effects, str) else list(effects)
+    asked = wanted(environment, models, degrees, known)
     lines = felt if band is None else felt.on_band(*(float(frequency("band", x)) for x in band))
     with limited(limit):
         found = with_others(fit(asked, lines))
@@ -636,8 +657,8 @@ def opened(
     files: bool = True,
     **records: Any,
 ) -> Measurement | MeasuredScene:
-    """What was measured, from wherever it is; ``files`` : whether those that a scene names are
-    read."""
+    """Return the measured response, or scene, that is given in any form; ``files`` : whether
+    those that a scene names are read."""
     certainty: dict[str, Any] = records | {
         key: x for key, x in (("averages", averages), ("confidence", confidence)) if x is not None
     }
@@ -674,8 +695,8 @@ def opened(
 
 
 def _runs(name: str) -> str:
-    """Which simulated bench run is meant, perhaps."""
-    own = f"{name}-bench"
-    if own in bench_names():
-        return f"its simulated bench run is {own}"
+    """Return words that point to the simulated bench run of a scene, or to all of them."""
+    bench = f"{name}-bench"
+    if bench in bench_names():
+        return f"its simulated bench run is {bench}"
     return f"simulated bench runs are {', '.join(bench_names())}"

@@ -1,13 +1,14 @@
-"""What a person's answers say of the just-noticeable difference, ready for a scene, and what was
-published. Estimated.
+"""The just-noticeable difference (JND) of a person from answers at several levels, ready for a
+scene, and published JNDs. Estimated.
 
-A psychometric function, a cumulative Gaussian between the rate of guesses and that of lapses, is
-fitted to answers at several levels by maximum likelihood, freely, or with one quantity held: the
-values of a quantity that the likelihood does not refuse are its interval (twice the fall of its
-logarithm is chi-squared). The descent goes over log sigma and (m - mu)/sigma with m in the middle
-of the levels, as over mu itself the valley of a flat curve bends, and ends with Newton's steps.
-psignifit 4 fits the same curve by Bayes' rule, and allows for answers that vary more than by
-chance.
+A psychometric function psi(x) = guess + (1 - guess - lapse) Phi((x - mu)/sigma), a cumulative
+Gaussian between the rate of guesses and that of lapses, is fitted by maximum likelihood
+(``Likelihood``). The interval of a quantity a mu + z sigma, such as the JND, has the values that
+the likelihood does not refuse: with the quantity held at a value the best curve is found again, and
+twice the fall of the logarithm is chi-squared with one degree of freedom (``_profiled``). The
+descent goes over log sigma and (m - mu)/sigma with m in the middle of the levels, as over mu itself
+the valley of a flat curve bends, and ends with Newton's steps (``_Way``). psignifit 4 fits the same
+curve by Bayes' rule, and allows for answers that vary more than by chance. Read from ``jnd``.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class PsychometricCurve(Viewed):
 
 @dataclass(frozen=True)
 class WantedJnd:
-    """What is wanted of a curve: the JND at ``proportion``, which is a mu + z sigma.
+    """The JND that is wanted of a curve: at ``proportion``, where it is a mu + z sigma.
 
     ``alternatives`` : of a forced choice between so many, whose levels are differences: the JND is
     the level at which that share of the answers would be right without lapses. None where a
@@ -86,7 +87,7 @@ class WantedJnd:
 
     @classmethod
     def of(cls, proportion: float | None, alternatives: int | None) -> WantedJnd:
-        """The same; without a proportion, halfway between chance and 1."""
+        """Return the wanted JND; without a proportion, halfway between chance and 1."""
         if alternatives is not None and alternatives < 2:
             raise SceneError(f"a forced choice has at least 2 alternatives, not {alternatives}")
         chance = 1 / alternatives if alternatives else 0.5
@@ -99,33 +100,35 @@ class WantedJnd:
 
     @property
     def weights(self) -> tuple[int, float]:
-        """a and z."""
+        """The weights a and z of mu and sigma."""
+        # Answers "more": the distance from mu to where Phi is the proportion. Forced choice: the
+        # level at which guess + (1 - guess) Phi is the proportion.
         if not self.alternatives:
             return 0, _NORMAL.inv_cdf(self.proportion)
         return 1, _NORMAL.inv_cdf((self.proportion - self.chance) / (1 - self.chance))
 
 
 LEAST_TRIALS = 5
-"""Of a group of levels of which the deviance is tested: with fewer answers chi-squared says
-nothing."""
+"""The least number of answers in a group of levels when the deviance is tested: with fewer it is
+far from chi-squared."""
 
 
 @dataclass(frozen=True, slots=True)
 class IntervalEstimate:
-    """A number and the interval of it; None where that has no end on a side."""
+    """An estimated number and its interval; None where the interval has no end on a side."""
 
     value: float
     low: float | None
     high: float | None
 
     def scaled(self, factor: float) -> IntervalEstimate:
-        """Times a positive number."""
+        """Return the estimate times a positive number."""
         low, high = (None if x is None else factor * x for x in (self.low, self.high))
         return IntervalEstimate(factor * self.value, low, high)
 
     @property
     def as_size(self) -> IntervalEstimate:
-        """Of a size, which is at least 0: so is the lower end of its interval."""
+        """The same for a size: the lower end of its interval is at least 0."""
         return IntervalEstimate(
             self.value, None if self.low is None else max(self.low, 0.0), self.high
         )
@@ -133,8 +136,8 @@ class IntervalEstimate:
 
 @dataclass(frozen=True, slots=True)
 class Deviance:
-    """How far answers are from a curve: with so many degrees of freedom chi-squared is larger with
-    probability ``p``.
+    """The deviance of answers from a curve: with so many degrees of freedom chi-squared is larger
+    with probability ``p``.
 
     None where there are too few answers to tell. ``groups`` : of neighbouring levels, put together
     so that each has enough.
@@ -147,14 +150,15 @@ class Deviance:
 
     @property
     def fits(self) -> bool | None:
-        """Whether chance alone makes a larger one in at least one of twenty times."""
+        """Whether the curve fits: chance alone makes a larger deviance in at least one of twenty
+        times. None where there are too few answers."""
         return None if self.p is None else self.p >= 0.05
 
 
 @dataclass(frozen=True, slots=True)
 class CurveFit:
-    """The curve, the point of subjective equality (of a forced choice the middle of the curve), the
-    JND and the deviance."""
+    """A fitted curve, with the point of subjective equality (of a forced choice the middle of the
+    curve), the JND and the deviance."""
 
     curve: PsychometricCurve
     middle: IntervalEstimate
@@ -164,7 +168,7 @@ class CurveFit:
 
 
 def grouped_words(found: Deviance, levels: int) -> str:
-    """What was put together for the test of a fit; empty where nothing was."""
+    """Return words for what was put together for the test of a fit; empty where nothing was."""
     if found.groups == levels:
         return ""
     return (
@@ -174,15 +178,17 @@ def grouped_words(found: Deviance, levels: int) -> str:
 
 
 MOST_LAPSES = 0.1
-"""Where a free share of lapses ends."""
+"""Upper bound of a free share of lapses: without one a flat end of the curve could be all
+lapses."""
 _STEEP, _FLAT = 1e-3, 1e3
-"""The least sigma, of the smallest step between levels, and the largest, of the whole range."""
+"""The least sigma, as a share of the smallest step between levels, and the largest, as a multiple
+of the whole range: a step between two levels, and a curve that is flat over all of them."""
 _FAR = 40
-"""Sigmas beyond the bounds of mu where sigma is held."""
+"""Sigmas by which the bounds of mu are wider where sigma is held."""
 _MOST_SIGMAS = 1e5
-"""Between the middle of the levels and mu."""
+"""Bound of |m - mu|/sigma, m in the middle of the levels."""
 _NEWTON = 4
-"""Steps to the last digits."""
+"""Newton's steps after the descent, to the last digits."""
 _ROOT_2_PI = float(np.log(np.sqrt(2 * np.pi)))
 
 Held: TypeAlias = "tuple[int, float, float]"
@@ -203,8 +209,8 @@ class Best:
 
 @dataclass(frozen=True)
 class Likelihood:
-    """Of the answers, with a share of guesses; the share of lapses is a number, or free where it is
-    None."""
+    """The likelihood of curves, given the answers and a share of guesses; the share of lapses is a
+    number, or free where it is None."""
 
     rows: tuple[LevelAnswers, ...]
     guess: float
@@ -221,13 +227,14 @@ class Likelihood:
 
     @property
     def free(self) -> int:
-        """How many numbers are fitted."""
+        """Number of fitted parameters."""
         return 2 + (self.lapse is None)
 
     @cached_property
     def bounds(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Of mu, and of the logarithm of sigma."""
+        """Bounds of mu, and of the logarithm of sigma."""
         level = self.table[0]
+        # A middle that far outside the levels means that the answers do not reach the threshold.
         span = level[-1] - level[0]
         return (level[0] - 5 * span, level[-1] + 5 * span), (
             float(np.log(_STEEP * np.diff(level).min())),
@@ -235,75 +242,81 @@ class Likelihood:
         )
 
     def loss(self, mu: float, spread: float, lapse: float) -> tuple[float, Array]:
-        """Minus the log-likelihood without its constant, and its slopes by mu, log sigma and
-        lapse."""
+        """Return minus the log-likelihood, without the binomial coefficients, and its slopes by
+        mu, log sigma and lapse."""
         from scipy.special import log_ndtr, ndtr
 
         level, count, trials = self.table
+        # Logarithms of psi and 1 - psi, and quotients of density over these as differences of
+        # logarithms: far from mu, where psi is 1e-300, they still have all digits.
         with np.errstate(all="ignore"):
             sigma = np.exp(spread)
             z, width = (level - mu) / sigma, np.log(1 - self.guess - lapse)
+            # psi = guess + (1 - guess - lapse) Phi(z), 1 - psi = lapse + (1 - guess - lapse)
+            # Phi(-z).
             more = np.logaddexp(np.log(self.guess), width + log_ndtr(z))
             less = np.logaddexp(np.log(lapse), width + log_ndtr(-z))
             density = width - z * z / 2 - _ROOT_2_PI
-            pull = _times(count, np.exp(density - more)) - _times(
-                trials - count, np.exp(density - less)
-            )
-            by_lapse = _times(trials - count, ndtr(z) / np.exp(less)) - _times(
-                count, ndtr(z) / np.exp(more)
-            )
-            total = -(_times(count, more) + _times(trials - count, less)).sum()
+            rest = trials - count
+            by_more = _times(count, np.exp(density - more))
+            by_less = _times(rest, np.exp(density - less))
+            pull = by_more - by_less
+            lapse_less = _times(rest, ndtr(z) / np.exp(less))
+            lapse_more = _times(count, ndtr(z) / np.exp(more))
+            by_lapse = lapse_less - lapse_more
+            total = -(_times(count, more) + _times(rest, less)).sum()
             slopes = np.array([pull.sum() / sigma, (pull * z).sum(), -by_lapse.sum()])
-        return (
-            (float(total), slopes)
-            if np.isfinite(total) and np.isfinite(slopes).all()
-            else (1e300, np.zeros(3))
-        )
+        # An impossible curve is merely a very bad one, so that a search turns back from it.
+        if np.isfinite(total) and np.isfinite(slopes).all():
+            return float(total), slopes
+        return 1e300, np.zeros(3)
 
     def best(self, held: Held | None = None, begun: PsychometricCurve | None = None) -> Best:
-        """The best of all curves, or of those with a value of a mu + z sigma; ``begun`` : where to
-        look, else all over."""
+        """Return the best of all curves, or of those with a held value of a mu + z sigma.
+        ``begun`` : a curve at which the search begins, else many."""
         way = _Way(self, held)
-        found = [way.down(x) for x in ([way.numbers(begun)] if begun else way.starts())]
-        loss, numbers = way.refined(*min(found, key=lambda x: x[0]))
+        starts = [way.numbers(begun)] if begun else way.starts()
+        bottoms = [way.down(x) for x in starts]
+        loss, numbers = way.refined(*min(bottoms, key=lambda x: x[0]))
         mu, spread, lapse = way.parameters(numbers)
-        curve, (around, (_, high)) = (
-            PsychometricCurve(mu, float(np.exp(spread)), self.guess, lapse),
-            self.bounds,
-        )
-        inside = around[0] + 1e-9 < mu < around[1] - 1e-9
-        return Best(curve, loss, self._is_step(curve), spread > high - 0.1, not inside)
+        curve = PsychometricCurve(mu, float(np.exp(spread)), self.guess, lapse)
+        (lowest, highest), (_, flattest) = self.bounds
+        is_inside = lowest + 1e-9 < mu < highest - 1e-9
+        is_flat = spread > flattest - 0.1
+        return Best(curve, loss, self._is_step(curve), is_flat, not is_inside)
 
     def _is_step(self, curve: PsychometricCurve) -> bool:
-        """Whether fewer than two levels lie on the slope, so far that some answer could tell."""
+        """Whether fewer than two levels lie on the slope of a curve, so that steeper ones are as
+        likely."""
         from scipy.special import ndtr
 
         level, _, trials = self.table
+        # Expected answers of the rarer kind at a level: below a thousandth it lies on a flat end.
         z = (level - curve.mu) / curve.sigma
         return bool((trials * np.minimum(ndtr(z), ndtr(-z)) > 1e-3).sum() < 2)
 
     def deviance(self, curve: PsychometricCurve) -> float:
-        """Twice what the log-likelihood lacks from that of the shares themselves."""
+        """Return twice the difference of the largest possible log-likelihood, that of the
+        observed shares, and the curve's."""
         from scipy.special import xlogy
 
         _, count, trials = self.table
-        kept = xlogy(count, count / trials) + xlogy(trials - count, 1 - count / trials)
-        return max(
-            0.0,
-            2 * float(kept.sum() + self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)[0]),
-        )
+        observed = xlogy(count, count / trials) + xlogy(trials - count, 1 - count / trials)
+        loss, _ = self.loss(curve.mu, float(np.log(curve.sigma)), curve.lapse)
+        return max(0.0, 2 * float(observed.sum() + loss))
 
 
 def _times(weight: Array, value: Array) -> Array:
-    """Their product, 0 where the weight is."""
-    found: Array = np.where(weight > 0, weight * value, 0.0)
-    return found
+    """Return weight times value, 0 where the weight is 0, whatever the value: no answers, no
+    contribution."""
+    weighted: Array = np.where(weight > 0, weight * value, 0.0)
+    return weighted
 
 
 @dataclass(frozen=True)
 class _Way:
-    """Down the loss by what is free: log sigma, (m - mu)/sigma with m in the middle of the levels,
-    and perhaps the lapses.
+    """The way down the loss over the free numbers: log sigma, (m - mu)/sigma with m in the middle
+    of the levels, and perhaps the lapses.
 
     Over mu itself the valley of a flat curve bends, and a descent stops on its way. Where a
     quantity is held, mu or log sigma is left.
@@ -313,18 +326,21 @@ class _Way:
     held: Held | None
 
     def parameters(self, x: Sequence[float] | Array) -> tuple[float, float, float]:
-        """mu, log sigma and lapse."""
+        """Return mu, log sigma and lapse."""
         known = self.likelihood.lapse
         lapse = float(x[-1]) if known is None else known
         if self.held is None:
             return self._middle - float(x[0] * np.exp(x[1])), float(x[1]), lapse
+        # mu + z sigma is held: log sigma is left. Or z sigma alone is: mu is left.
         a, z, value = self.held
         if a:
             return value - z * float(np.exp(x[0])), float(x[0]), lapse
         return float(x[0]), float(np.log(value / z)), lapse
 
     def numbers(self, curve: PsychometricCurve) -> list[float]:
+        """Return the free numbers of a curve; what is held may be another value."""
         spread = float(np.log(curve.sigma))
+        # Along a flat valley mu and sigma grow together, and their quotient hardly changes.
         bent = (self._middle - curve.mu) / curve.sigma
         kept = [bent, spread] if self.held is None else [spread if self.held[0] else curve.mu]
         return [*kept, *([curve.lapse] if self.likelihood.lapse is None else [])]
@@ -335,6 +351,7 @@ class _Way:
         return float(level[0] + level[-1]) / 2
 
     def starts(self) -> list[list[float]]:
+        """Return starts all over the levels, with steep, middling and flat slopes."""
         level = self.likelihood.table[0]
         span, guess = level[-1] - level[0], self.likelihood.guess
         places = product(
@@ -346,10 +363,10 @@ class _Way:
         ]
 
     def down(self, start: Sequence[float]) -> tuple[float, Array]:
-        """The loss and the numbers at the bottom.
+        """Return the loss and the free numbers at the bottom.
 
-        The loss is that of a trial: how long the first step is follows from the slopes, and those
-        of many trials leap beyond everything, from where a descent does not return.
+        The loss is divided by the number of trials: the first step is as long as the slopes, and
+        those of many trials would leap so far that the descent does not return.
         """
         from scipy.optimize import minimize
 
@@ -360,25 +377,27 @@ class _Way:
             return total / trials, slopes / trials
 
         options = {"ftol": 1e-15, "maxiter": 500}
-        found: Any = minimize(
+        bottom: Any = minimize(
             of_a_trial, start, jac=True, method="SLSQP", bounds=self._bounds, options=options
         )
-        return float(found.fun) * trials, found.x
+        return float(bottom.fun) * trials, bottom.x
 
     def refined(self, loss: float, x: Array) -> tuple[float, Array]:
-        """The same to the last digits, where the bottom is inside the bounds."""
+        """Return loss and numbers to the last digits, where the bottom is inside the bounds;
+        else as they are."""
         from scipy.optimize import approx_fprime
 
         bottom = np.array(x, float)
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
-                slopes, bends = (
-                    self._loss(bottom)[1],
-                    np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1])),
-                )
+                # Slopes are exact, and second derivatives are their differences: errors of these
+                # slow the convergence and do not move the end.
+                slopes = self._loss(bottom)[1]
+                bends = np.atleast_2d(approx_fprime(bottom, lambda x: self._loss(x)[1]))
                 if not np.isfinite(bends).all() or np.linalg.matrix_rank(bends) < len(bottom):
                     return loss, x
                 bottom = bottom - np.linalg.solve(bends, slopes)
+        # Newton's steps may also go to a saddle, or out: the end counts only if it is no worse.
         inside = all(low < x < high for x, (low, high) in zip(bottom, self._bounds, strict=True))
         lower = self._loss(bottom)[0] if inside else np.inf
         return (lower, bottom) if lower <= loss * (1 + 1e-9) else (loss, x)
@@ -386,34 +405,39 @@ class _Way:
     @property
     def _bounds(self) -> list[tuple[float, float]]:
         mu, spread = self.likelihood.bounds
-        own = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
+        bounds = [(-_MOST_SIGMAS, _MOST_SIGMAS), spread]
         if self.held is not None:
+            # A flat curve has its middle far beyond the levels: mu may go some sigmas further.
             a, z, value = self.held
-            reach = (
-                _FAR * value / z if not a else 0.0
-            )  # a flat curve has its middle far beyond the levels
-            own = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
-        return [*own, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
+            reach = _FAR * value / z if not a else 0.0
+            bounds = [spread] if a else [(mu[0] - reach, mu[1] + reach)]
+        return [*bounds, *([(0.0, MOST_LAPSES)] if self.likelihood.lapse is None else [])]
 
     def _loss(self, x: Array) -> tuple[float, Array]:
+        """Return the loss and its slopes by the free numbers."""
         mu, spread, lapse = self.parameters(x)
         total, (by_mu, by_spread, by_lapse) = self.likelihood.loss(mu, spread, lapse)
+        # The chain rule: mu = m - u sigma for the free number u, or mu = value - z sigma.
         if self.held is None:
             sigma = float(np.exp(spread))
-            own = [-sigma * by_mu, by_spread - x[0] * sigma * by_mu]
+            slopes = [-sigma * by_mu, by_spread - x[0] * sigma * by_mu]
         else:
             a, z, _ = self.held
-            own = [by_spread - by_mu * z * np.exp(spread)] if a else [by_mu]
-        return total, np.array([*own, *([by_lapse] if self.likelihood.lapse is None else [])])
+            slopes = [by_spread - by_mu * z * np.exp(spread)] if a else [by_mu]
+        if self.likelihood.lapse is None:
+            slopes.append(by_lapse)
+        return total, np.array(slopes)
 
 
 def crossing(
     excess: Callable[[float], float], start: float, step: float, most: float
 ) -> float | None:
-    """Where a function that is negative at the start becomes positive in a direction; None within
-    ``most`` steps."""
+    """Return where a function that is negative at the start becomes positive in a direction;
+    None if it does not within ``most`` steps."""
     from scipy.optimize import brentq
 
+    # Steps grow, as an interval may be many standard errors wide; each still brackets one sign
+    # change of a likelihood with a single peak.
     low, reach = start, 1.0
     while reach < most:
         high = start + reach * step
@@ -424,17 +448,19 @@ def crossing(
 
 
 _FARTHEST = 1e4
-"""Standard deviations (about) within which the end of an interval is looked for."""
+"""Standard deviations (about) within which the end of an interval is searched."""
 
 
 def fitted(
     answers: Answers, asked: WantedJnd, guess: float, lapse: float | None, confidence: float
 ) -> CurveFit:
-    """The most likely curve. SceneError where the answers do not determine one."""
+    """Return the most likely curve with its JND and intervals. SceneError where the answers do
+    not determine one."""
     likelihood = Likelihood(answers.rows, guess, lapse)
     best = likelihood.best()
     _refuse(answers, best)
     middle = _profiled(likelihood, best, (1, 0.0), confidence)
+    # Halfway between chance and 1 the JND of a forced choice is mu itself.
     jnd = (
         middle
         if asked.weights == (1, 0.0)
@@ -450,6 +476,7 @@ def fitted(
 
 
 def _refuse(answers: Answers, best: Best) -> None:
+    """Raise SceneError where the best curve is flat, out of bounds, or a step."""
     level = [row.level for row in answers.rows]
     if best.flat or best.outside:
         why = (
@@ -472,6 +499,7 @@ def _refuse(answers: Answers, best: Best) -> None:
 
 
 def _falls(rows: Sequence[LevelAnswers]) -> bool:
+    """Whether answers count less often at high levels than at low ones."""
     half = len(rows) // 2
     low, high = rows[:half], rows[-half:]
     return sum(x.share for x in low) > sum(x.share for x in high)
@@ -480,8 +508,8 @@ def _falls(rows: Sequence[LevelAnswers]) -> bool:
 def _profiled(
     likelihood: Likelihood, best: Best, weights: tuple[int, float], confidence: float
 ) -> IntervalEstimate:
-    """a mu + z sigma and the values of it that the likelihood does not refuse: twice its fall is
-    chi-squared at most."""
+    """Return a mu + z sigma and the values of it that the likelihood does not refuse: those at
+    which twice its fall is at most the quantile of chi-squared."""
     from scipy.stats import chi2
 
     a, z = weights
@@ -489,30 +517,31 @@ def _profiled(
     value, most = a * curve.mu + z * curve.sigma, float(chi2.ppf(confidence, 1))
 
     def excess(x: float) -> float:
+        # z sigma > 0: at 0 the interval ends in any case.
         if a == 0 and x <= 0:
             return 1e300
         return 2 * (likelihood.best((a, z, x), curve).loss - best.loss) - most
 
+    # The standard error of mu is about sigma over the root of the number of trials.
     step = curve.sigma / max(1.0, sum(x.trials for x in likelihood.rows)) ** 0.5
     low, high = (crossing(excess, value, sign * step, _FARTHEST) for sign in (-1, 1))
     return IntervalEstimate(value, low, high)
 
 
 def deviance(rows: Sequence[LevelAnswers], curve: PsychometricCurve, free: int) -> Deviance:
-    """The deviance of answers from a curve with so many fitted numbers; levels with few answers are
-    put together."""
+    """Return the deviance of answers from a curve with so many fitted numbers; levels with few
+    answers are put together."""
     from scipy.stats import chi2
 
     groups = tuple(_grouped(rows))
-    found = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
+    value = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
     degrees = len(groups) - free
-    return Deviance(
-        found, degrees, float(chi2.sf(found, degrees)) if degrees > 0 else None, len(groups)
-    )
+    p = float(chi2.sf(value, degrees)) if degrees > 0 else None
+    return Deviance(value, degrees, p, len(groups))
 
 
 def _grouped(rows: Sequence[LevelAnswers]) -> list[LevelAnswers]:
-    """Neighbouring levels put together until each group has enough trials, at the mean of their
+    """Put neighbouring levels together until each group has enough trials, at the mean of their
     levels."""
     groups: list[LevelAnswers] = []
     for row in rows:
@@ -520,6 +549,7 @@ def _grouped(rows: Sequence[LevelAnswers]) -> list[LevelAnswers]:
             groups[-1] = _joined(groups[-1], row)
         else:
             groups.append(row)
+    # What is left at the end joins the last full group.
     if len(groups) > 1 and groups[-1].trials < LEAST_TRIALS:
         last = groups.pop()
         groups[-1] = _joined(groups[-1], last)
@@ -533,12 +563,12 @@ def _joined(one: LevelAnswers, other: LevelAnswers) -> LevelAnswers:
 
 
 _WIDTH = 2 * NormalDist().inv_cdf(0.95)
-"""What psignifit calls the width of a cumulative Gaussian, in sigma: from 5 % to 95 %."""
+"""The width of a cumulative Gaussian in sigma, as psignifit defines it: from 5 % to 95 %."""
 
 
 def fitted_by_psignifit(answers: Answers, asked: WantedJnd, confidence: float) -> CurveFit:
-    """The curve at the peak of the posterior. Guesses of a comparison are as many as lapses; both
-    are fitted.
+    """Return the curve at the peak of psignifit's posterior. Guesses of a comparison are as many as
+    lapses; both are fitted.
 
     The interval of a JND that depends on sigma alone is that of the width; of a forced choice, that
     of the threshold.
@@ -546,13 +576,16 @@ def fitted_by_psignifit(answers: Answers, asked: WantedJnd, confidence: float) -
     import psignifit  # another package: loaded where it is asked for
     from psignifit._utils import PsignifitException
 
+    # The threshold is asked for where the JND of a forced choice is: its interval is then the
+    # JND's.
     kind = f"{asked.alternatives}AFC" if asked.alternatives else "equal asymptote"
     middle = asked.weights[1] if asked.alternatives else 0.0
     data = np.array([(x.level, x.count, x.trials) for x in answers.rows], float)
     try:
-        with warnings.catch_warnings(record=True) as told:
+        # Its warnings become notes of the answer: a library does not print.
+        with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            found: Any = psignifit.psignifit(
+            result: Any = psignifit.psignifit(
                 data,
                 experiment_type=kind,
                 confP=(confidence,),
@@ -563,24 +596,30 @@ def fitted_by_psignifit(answers: Answers, asked: WantedJnd, confidence: float) -
         raise SceneError(
             f"{answers.name}: psignifit cannot fit this: {str(error) or 'no reason given'}"
         ) from None
-    words = (" ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in told)
+    words = (
+        " ".join(str(x.message).removeprefix("psignifit:boundWarning").split()) for x in caught
+    )
     sentences = (x.partition(". ")[0].rstrip(".") for x in words)
     notes = dict.fromkeys(f"psignifit warns: {x}" for x in sentences)
-    return replace(_read_psignifit(found, answers, asked, str(confidence)), notes=tuple(notes))
+    return replace(_read_psignifit(result, answers, asked, str(confidence)), notes=tuple(notes))
 
 
-def _read_psignifit(found: Any, answers: Answers, asked: WantedJnd, key: str) -> CurveFit:
-    values = {name: float(x) for name, x in found.parameter_estimate_MAP.items()}
+def _read_psignifit(result: Any, answers: Answers, asked: WantedJnd, key: str) -> CurveFit:
+    """Return psignifit's result as a curve, with its intervals at the confidence ``key``."""
+    values = {name: float(x) for name, x in result.parameter_estimate_MAP.items()}
     sigma = values["width"] / _WIDTH
     a, z = asked.weights
+    # The threshold of a forced choice was asked for at mu + z sigma, that of a comparison at mu.
     curve = PsychometricCurve(
         values["threshold"] - a * z * sigma, sigma, values["gamma"], values["lambda"]
     )
     threshold, width = (
-        IntervalEstimate(values[name], *map(float, found.confidence_intervals[name][key]))
+        IntervalEstimate(values[name], *map(float, result.confidence_intervals[name][key]))
         for name in ("threshold", "width")
     )
     jnd = threshold if a else width.scaled(z / _WIDTH)
+    # Of the middle of a forced choice's curve no interval is known, as the posterior was asked for
+    # the threshold at another proportion.
     middle = threshold if not a or z == 0 else IntervalEstimate(curve.mu, None, None)
     return CurveFit(curve, middle, jnd, deviance(answers.rows, curve, 3))
 
@@ -590,7 +629,7 @@ METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
 
 @dataclass(frozen=True)
 class File:
-    """What an answer is about where that is no scene."""
+    """The subject of an answer that is about no scene: a file of answers, or a list."""
 
     title: str
 
@@ -646,12 +685,13 @@ class Psychometric(Answer):
 
     @property
     def jnd(self) -> IntervalEstimate:
-        """In the unit of the levels."""
+        """The JND, in the unit of the levels."""
         return self.fit.jnd
 
     @property
     def middle(self) -> IntervalEstimate:
-        """Where the curve is halfway: of a comparison the point of subjective equality."""
+        """The level at which the curve is halfway; for a comparison the point of subjective
+        equality."""
         return self.fit.middle
 
     @property
@@ -661,7 +701,7 @@ class Psychometric(Answer):
 
     @property
     def deviance(self) -> Deviance:
-        """How well the curve fits."""
+        """The deviance of the answers from the curve."""
         return self.fit.deviance
 
     @cached_property
@@ -675,24 +715,21 @@ class Psychometric(Answer):
         """
         if self.fraction is None:
             return {}
-        own = dict.fromkeys(("real", "imag"), _written(self.fraction)) | {
-            "confidence": f"{self.confidence:g}"
-        }
-        return (
-            own
-            if self.asked.alternatives
-            else own | {"proportion": f"{self.asked.proportion:.15g}"}
-        )
+        table = dict.fromkeys(("real", "imag"), _written(self.fraction))
+        table["confidence"] = f"{self.confidence:g}"
+        if not self.asked.alternatives:
+            table["proportion"] = f"{self.asked.proportion:.15g}"
+        return table
 
     @property
     def line(self) -> str:
-        """The same as one line; empty without a fraction."""
-        told = ", ".join(f"{key} = {value}" for key, value in self.table.items())
-        return f"jnd = {{ {told} }}" if told else ""
+        """The table as one line of a scene file; empty without a fraction."""
+        entries = ", ".join(f"{key} = {value}" for key, value in self.table.items())
+        return f"jnd = {{ {entries} }}" if entries else ""
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was put together or left out."""
+        """Words for what was put together or left out."""
         grouped = grouped_words(self.deviance, len(self.answers.rows))
         tested = (
             (f"For the test of the fit: {grouped}",)
@@ -776,6 +813,7 @@ def jnd(
             data, columns or {}, where or {}, Coding(more, reference, alternatives is not None)
         )
     answers = condensed(data)
+    # A file of psignifit knows its forced choice: what the caller gives must not contradict it.
     choices = answers.alternatives if alternatives is None else alternatives
     if answers.alternatives not in (None, choices):
         raise SceneError(f"{answers.name} gives {answers.alternatives} alternatives, not {choices}")
@@ -789,7 +827,10 @@ def jnd(
         fit = fitted_by_psignifit(answers, asked, confidence)
     else:
         with ONE_THREAD:
+            # A person who feels nothing is right once in as many trials as there are alternatives.
             fit = fitted(answers, asked, 1 / choices if choices else guess, lapse, confidence)
+    # The profile of a forced choice may reach below 0, where a difference between levels has no
+    # sense.
     if choices:
         fit = replace(fit, jnd=fit.jnd.as_size)
     return Psychometric(answers, asked, fit, method, confidence, reference)
@@ -816,8 +857,8 @@ def _row(x: IntervalEstimate) -> dict[str, Any]:
 
 
 def _written(x: IntervalEstimate) -> str:
-    """A range with its nominal value; the interval is rounded outwards. The value alone where the
-    interval has no end."""
+    """Return a range with its nominal value as TOML, the interval rounded outwards; the value alone
+    where the interval has no end, or reaches 0, which no threshold may be."""
     nominal = _decimal(x.value, ROUND_HALF_EVEN)
     if x.low is None or x.high is None or x.low <= 0:
         return nominal

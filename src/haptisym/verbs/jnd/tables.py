@@ -26,7 +26,7 @@ from haptisym.model.quantities import is_number
 
 @dataclass(frozen=True, slots=True)
 class LevelAnswers:
-    """``count`` of ``trials`` answers at a level were "more" (or right)."""
+    """The answers at one level: ``count`` of ``trials`` were "more" (or right)."""
 
     level: float
     count: int
@@ -34,13 +34,13 @@ class LevelAnswers:
 
     @property
     def share(self) -> float:
-        """Counted answers over all of the level."""
+        """The share of answers that count."""
         return self.count / self.trials
 
 
 @dataclass(frozen=True)
 class Answers:
-    """What was answered, level by level in ascending order; valid by construction.
+    """The answers of a person, level by level in ascending order; valid by construction.
 
     ``name`` : where it comes from. ``alternatives`` : of a forced choice, where that is known.
     ``notes`` : what was left out or put together on the way. ``earlier`` : what another program
@@ -61,10 +61,14 @@ class Answers:
                 else f"all answers are at one level, {self.rows[0].level:g}"
             )
             raise SceneError(f"{what}; a curve needs at least two levels")
+        # Where all answers are of one kind the likelihood has no largest value: the curve runs
+        # away.
         count, trials = sum(x.count for x in self.rows), sum(x.trials for x in self.rows)
         if count in (0, trials):
-            told = "no answer counts" if count == 0 else "every answer counts"
-            raise SceneError(f"{told} (k = {count} of n = {trials} in all): no curve can be fitted")
+            which = "no answer counts" if count == 0 else "every answer counts"
+            raise SceneError(
+                f"{which} (k = {count} of n = {trials} in all): no curve can be fitted"
+            )
 
 
 def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[LevelAnswers, ...]:
@@ -88,14 +92,16 @@ def collected(rows: Iterable[tuple[float, int, int]]) -> tuple[LevelAnswers, ...
 
 
 MOST_LEVELS = 1000
-"""With which a curve is fitted; more are put together."""
+"""Levels with which a curve is fitted, at the most; more are put together."""
 
 
 def condensed(answers: Answers) -> Answers:
-    """The same with neighbouring levels put together at their means where there are very many."""
+    """Return the answers with neighbouring levels put together at their means where there are
+    very many."""
     rows = answers.rows
     if len(rows) <= MOST_LEVELS:
         return answers
+    # About as many trials in each group, so that each mean level is known equally well.
     each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
     groups: list[list[LevelAnswers]] = [[]]
     filled = 0
@@ -168,8 +174,8 @@ ALIASES = {
         "yes",
     ),
 }
-"""By what each is called, in small letters without anything between; a name with a point is known
-by its end (key_resp.corr).
+"""Names of each column, in small letters with nothing in between; a name with a point is known by
+its end (key_resp.corr).
 
 k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response,
 key_resp.corr: PsychoPy.
@@ -180,7 +186,7 @@ TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "h
 
 @dataclass(frozen=True)
 class AnswerColumns:
-    """Where a table has what, by position: ``count`` and ``trials``, or else ``answer``, one to a
+    """The columns of a table by position: ``count`` and ``trials``, or else ``answer``, one to a
     line.
 
     ``second`` : the level of the second interval, where ``level`` is that of the first and answers
@@ -210,20 +216,23 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> AnswerColum
     >>> find_columns(["trial", "k1", "k2", "answer"], {})
     AnswerColumns(level=1, count=None, trials=None, answer=3, second=2)
     """
+    # Two intervals have two columns of levels, of which none is called a level.
     if "level" not in named and (pair := _two_intervals(header)) is not None:
         answer = _named(header, "answer", named) if "answer" in named else _known(header, "answer")
         if answer is not None:
             return AnswerColumns(pair[0], None, None, answer, pair[1])
-    found = {
+    columns = {
         key: _named(header, key, named) if key in named else _known(header, key) for key in ALIASES
     }
-    level, count, trials, answer = (found[key] for key in ("level", "count", "trials", "answer"))
+    level, count, trials, answer = (columns[key] for key in ("level", "count", "trials", "answer"))
     if count is None and answer is None:
         count = next(
             (i for i, name in enumerate(header) if _is_per_cent(name) and i != level), None
         )
     if level is None:
         raise SceneError(_missing(header, "the levels", "level"))
+    # A name such as "correct" may be of counts or of single answers: with a column of trials next
+    # to it, it is of counts.
     if count is not None and trials is not None and "answer" not in named:
         return AnswerColumns(level, count, trials, None)
     if answer is not None and answer != level:
@@ -235,13 +244,15 @@ def find_columns(header: Sequence[str], named: Mapping[str, str]) -> AnswerColum
 def _two_intervals(header: Sequence[str]) -> tuple[int, int] | None:
     """Where the levels of two intervals are: the only two columns that differ in a last 1 and 2,
     and no other has levels."""
-    pairs = [
-        (i, header.index(f"{x[:-1]}2"))
-        for i, x in enumerate(header)
-        if x.endswith("1") and f"{x[:-1]}2" in header
-    ]
-    others = [x for i, x in enumerate(header) if pairs and i not in pairs[0]]
-    return pairs[0] if len(pairs) == 1 and _known(others, "level") is None else None
+    pairs = []
+    for i, x in enumerate(header):
+        second = f"{x[:-1]}2"
+        if x.endswith("1") and second in header:
+            pairs.append((i, header.index(second)))
+    if len(pairs) != 1:
+        return None
+    others = [x for i, x in enumerate(header) if i not in pairs[0]]
+    return pairs[0] if _known(others, "level") is None else None
 
 
 def _is_per_cent(name: str) -> bool:
@@ -263,6 +274,8 @@ def _named(header: Sequence[str], key: str, named: Mapping[str, str]) -> int:
 
 
 def _known(header: Sequence[str], key: str) -> int | None:
+    """Return where a column is whose name is known, the first alias first; SceneError where two
+    have one alias."""
     plain = [_plain(x) for x in header]
     for alias in ALIASES[key]:
         places = [i for i, x in enumerate(plain) if x == alias]
@@ -275,6 +288,7 @@ def _known(header: Sequence[str], key: str) -> int | None:
 
 
 def _plain(name: str) -> str:
+    """Return a name as ``ALIASES`` has it."""
     return re.sub(r"[^a-z]", "", name.lower().rpartition(".")[2])
 
 
@@ -288,8 +302,9 @@ def _listed(header: Sequence[str]) -> str:
 
 
 _MOST_CHARACTERS = 10_000_000
-"""Of a document of JSON."""
+"""Characters of a JSON document, at the most: bounds what is read into memory."""
 _MOST_TRIALS = 10**12
+# The bytes with which files begin that are often taken for tables.
 _NOT_TEXT = {
     b"PK": "a workbook: save its sheet as CSV",
     b"\x80": (
@@ -303,7 +318,7 @@ _NOT_TEXT = {
 
 @dataclass(frozen=True)
 class Coding:
-    """What answers mean: the word for "more", if one was named, and the level of the standard,
+    """The meaning of answers: the word for "more", if one was named, and the level of the standard,
     which two intervals need.
 
     ``is_forced`` : of a forced choice, where answers are right or wrong, and 1 or 2 would be a
@@ -324,6 +339,7 @@ def read_answers(
     path = Path(path)
     try:
         with path.open("rb") as raw:  # opened once, as it may be a pipe
+            # Looked at without being read: what comes through a pipe cannot be read twice.
             _refuse(path, raw.peek(8))
             with TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
                 return _read(path, file, named, where, coding)
@@ -344,21 +360,25 @@ def _unreadable(error: OSError | ValueError) -> str:
 
 
 def _refuse(path: Path, begins: bytes) -> None:
-    told = next((words for mark, words in _NOT_TEXT.items() if begins.startswith(mark)), "")
+    """Raise SceneError for a file that is no text, by its first bytes. An old pickle begins as text
+    does, and is known by its suffix."""
+    kind = next((words for mark, words in _NOT_TEXT.items() if begins.startswith(mark)), "")
     if path.suffix.lower() in (".psydat", ".pkl", ".pickle"):
-        told = _NOT_TEXT[b"\x80"]
-    if told:
-        raise SceneError(f"this is {told}")
+        kind = _NOT_TEXT[b"\x80"]
+    if kind:
+        raise SceneError(f"this is {kind}")
 
 
 def _read(
     path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding
 ) -> Answers:
+    """Return the answers in an open file: JSON if it begins so, else a table."""
     first = next((line for line in file if line.strip()), "")
     if not first.lstrip().startswith(("{", "[")):
         return _from_table(path.name, first, file, named, where, coding)
     if named or where or coding.more is not None:
         raise SceneError("JSON has no columns: leave their names out")
+    # No more is read than a document may have, whatever comes through a pipe.
     text = first + file.read(_MOST_CHARACTERS)
     if len(text) >= _MOST_CHARACTERS:
         raise SceneError(f"a document of JSON may have {_MOST_CHARACTERS} characters at most")
@@ -373,6 +393,8 @@ def _from_table(
     where: Mapping[str, str],
     coding: Coding,
 ) -> Answers:
+    """Return the answers in a table, whose first line, the header, has been read."""
+    # The header decides, which has no numbers: with tabs or semicolons commas may be decimal ones.
     delimiter = max("\t;,", key=first.count)
     try:
         header, *lines = [
@@ -382,36 +404,33 @@ def _from_table(
     except csv.Error as error:
         raise SceneError(f"not a table: {error}") from None
     _refuse_numbers(header)
-    columns, wanted = (
-        find_columns(header, named),
-        {position(header, x): y for x, y in where.items()},
-    )
+    columns = find_columns(header, named)
+    wanted = {position(header, x): y for x, y in where.items()}
     others = {i: set[str]() for i, x in enumerate(header) if x.lower() in TOLD and i not in wanted}
     kept: list[tuple[int, list[str]]] = []
     half, count = 0, 0
+    # Spreadsheets leave out empty cells at the end of a line. A line without level and answer is
+    # skipped; one with half of them is counted as left out.
     for number, short in enumerate(lines, 2):
         cells = short + [""] * (len(header) - len(short))
         if not any(short) or any(cells[i] != value for i, value in wanted.items()):
             continue
-        used, count = (
-            ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used],
-            count + 1,
-        )
-        for i in others if used[-1] else ():
-            others[i] |= {cells[i]} - {""}
+        count += 1
+        used = ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used]
+        if used[-1]:
+            for i in others:
+                others[i] |= {cells[i]} - {""}
         if all(used):
             kept.append((number, used))
         else:
             half += any(used)
-    rows, told = _rows(header, columns, kept, coding, has_commas=delimiter != ",")
+    rows, which = _rows(header, columns, kept, coding, has_commas=delimiter != ",")
     if wanted and not count:
-        raise SceneError(
-            f"no line has "
-            f"{' and '.join(f'{header[i]} = {value[:40]}' for i, value in wanted.items())}"
-        )
+        conditions = [f"{header[i]} = {value[:40]}" for i, value in wanted.items()]
+        raise SceneError(f"no line has {' and '.join(conditions)}")
     if half == count > 0:
         raise SceneError("no line has both a level and a response")
-    notes = [told] if told else []
+    notes = [which] if which else []
     notes += [f"{counted(half, 'line')} without a level or an answer left out"] if half else []
     notes += [
         (
@@ -432,11 +451,11 @@ def _rows(
     *,
     has_commas: bool,
 ) -> tuple[list[tuple[float, int, int]], str]:
-    """Level, answers that count and of how many, of each line; and which answers counted, where
-    that was understood."""
+    """Return level, answers that count and of how many for each line; and words for which answers
+    counted, where that followed from the answers themselves."""
     read: Callable[[Sequence[str]], tuple[float, int, int]]
     number = partial(_number, has_commas=has_commas)
-    told = ""
+    which = ""
     if columns.count is not None:
         if coding.more is not None:
             raise SceneError("more: the table has counts, not single answers: leave it out")
@@ -449,15 +468,15 @@ def _rows(
         read = partial(_of_two_intervals, number, coding.reference)
     else:
         more, less = _meaning([cells[-1] for _, cells in kept], coding)
-        told = "" if "1" in more and "0" in less else f'"{next(iter(more))}" counted as more'
+        which = "" if "1" in more and "0" in less else f'"{next(iter(more))}" counted as more'
         read = partial(_of_one, number, more, less)
-    found = []
+    rows = []
     for line, cells in kept:
         try:
-            found.append(read(cells))
+            rows.append(read(cells))
         except SceneError as error:
             raise error.within(f"line {line}") from None
-    return found, told
+    return rows, which
 
 
 def _of_one(
@@ -466,7 +485,7 @@ def _of_one(
     less: Collection[str],
     cells: Sequence[str],
 ) -> tuple[float, int, int]:
-    """Of a level and one answer."""
+    """Read a level and one answer."""
     answer = cells[1].lower()
     if answer not in (*more, *less):
         words = (
@@ -480,8 +499,8 @@ def _of_one(
 def _of_two_intervals(
     number: Callable[[str, str], float], reference: float, cells: Sequence[str]
 ) -> tuple[float, int, int]:
-    """Of the levels of two intervals, one of which is the standard, and which was answered; no
-    trial where both are."""
+    """Read the levels of two intervals, one of which is the standard, and which was answered; no
+    trial where both are the standard."""
     levels = [number("level", x) for x in cells[:2]]
     if cells[2] not in ("1", "2"):
         raise SceneError(
@@ -491,6 +510,7 @@ def _of_two_intervals(
         raise SceneError(
             f"neither {cells[0]} nor {cells[1]} is the level of the standard, {reference:g}"
         )
+    # The answer counts where the interval that is no standard was called the one that is more.
     other = 1 if levels[0] == reference else 0
     return levels[other], int(cells[2] == str(other + 1)), int(levels[0] != levels[1])
 
@@ -498,11 +518,13 @@ def _of_two_intervals(
 def _of_counts(
     number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool
 ) -> tuple[float, int, int]:
-    """Of a level, k and n, or the percentage that k is of n."""
-    level, k, n = (number(key, x) for key, x in zip(("level", "k", "n"), cells, strict=True))
+    """Read a level, k and n, where k may be given as a percentage of n."""
+    keys = "level", "k", "n"
+    level, k, n = (number(key, x) for key, x in zip(keys, cells, strict=True))
+    # A percentage that was rounded to a whole number is off by half at the most.
     if is_per_cent:
         share, k = k, round(k * n / 100)
-        if abs(100 * k - share * n) > n / 2:  # rounded to a whole percentage, or less
+        if abs(100 * k - share * n) > n / 2:
             raise SceneError(f"{quoted(cells[1])} % of {n:g} is no whole number of responses")
     for key, x, text in zip("kn", (k, n), cells[1:], strict=True):
         if x < 0 or x != int(x) or x > _MOST_TRIALS:
@@ -514,15 +536,16 @@ def _of_counts(
 
 def _number(key: str, text: str, *, has_commas: bool = False) -> float:
     try:
-        found = float(text.replace(",", ".") if has_commas else text)
+        value = float(text.replace(",", ".") if has_commas else text)
     except ValueError:
         raise SceneError(f"{key}: {quoted(text)} is not a number") from None
-    if not isfinite(found):
+    if not isfinite(value):
         raise SceneError(f"{key}: {quoted(text)} is not a finite number")
-    return found
+    return value
 
 
 def _refuse_numbers(header: Sequence[str]) -> None:
+    """Raise SceneError where a table has no header."""
     if any(header) and all(map(is_number, filter(None, header))):
         raise SceneError("the first line has numbers: name the columns in it, as level,k,n")
 
@@ -575,9 +598,9 @@ def _meaning(answers: Iterable[str], coding: Coding) -> tuple[Collection[str], C
                 f"with --where"
             )
         return [more.lower()], others
-    if (
-        "2" in given and set(given) <= {"1", "2"} and not coding.is_forced
-    ):  # the second interval, or the larger number
+    # 1 and 2 alone: the second interval, or the larger number, is more. Of a forced choice they
+    # would be the choice, and not whether it was right.
+    if "2" in given and set(given) <= {"1", "2"} and not coding.is_forced:
         return ["2"], ["1"]
     return _MORE, _LESS
 
@@ -595,30 +618,35 @@ def _from_psignifit(name: str, text: str) -> Answers:
         raise SceneError(
             "this JSON is no result of psignifit 4: give data, a list of [level, k, n]"
         )
-    found = Answers(name, collected(map(_block, data)))
-    return replace(found, **_configured(table)) if isinstance(table, dict) else found
+    answers = Answers(name, collected(map(_block, data)))
+    return replace(answers, **_configured(table)) if isinstance(table, dict) else answers
 
 
 def _block(row: Sequence[Any]) -> tuple[float, int, int]:
-    if not all(isinstance(x, int | float) and not isinstance(x, bool) and isfinite(x) for x in row):
-        raise SceneError(f"data: {quoted(row)} must be three numbers, level, k and n")
+    """Return level, k and n of a row of data; SceneError where they are impossible."""
+    for x in row:
+        # In JSON true and false are no numbers, in Python they are.
+        if not isinstance(x, int | float) or isinstance(x, bool) or not isfinite(x):
+            raise SceneError(f"data: {quoted(row)} must be three numbers, level, k and n")
     level, count, trials = row
-    if count != int(count) or trials != int(trials) or not 0 <= count <= trials:
+    is_whole = count == int(count) and trials == int(trials)
+    if not is_whole or not 0 <= count <= trials:
         raise SceneError(f"data: {quoted(row)}: k and n must be whole numbers, and k at most n")
     return float(level), int(count), int(trials)
 
 
 def _configured(table: Mapping[str, Any]) -> dict[str, Any]:
-    """The forced choice that psignifit was told of, and the threshold and width that it found."""
-    told, found = table.get("configuration"), table.get("parameter_estimate_MAP")
-    settings = told if isinstance(told, dict) else {}
+    """Return the forced choice that psignifit was told of, and words for the threshold and width
+    that it found."""
+    configuration = table.get("configuration")
+    settings = configuration if isinstance(configuration, dict) else {}
     choices = settings.get("experiment_choices")
     is_forced = (
         settings.get("experiment_type") == "nAFC" and isinstance(choices, int) and choices > 1
     )
-    numbers = [
-        found.get(key) if isinstance(found, dict) else None for key in ("threshold", "width")
-    ]
+    estimates = table.get("parameter_estimate_MAP")
+    values = estimates if isinstance(estimates, dict) else {}
+    numbers = [values.get(key) for key in ("threshold", "width")]
     known = [x for x in numbers if isinstance(x, int | float) and isfinite(x)]
     is_told = settings.get("sigmoid") == "norm" and len(known) == 2
     earlier = "psignifit found threshold {:.6g} and width {:.6g}".format(*known) if is_told else ""

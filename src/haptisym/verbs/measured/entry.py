@@ -1,17 +1,17 @@
-"""The two-step evaluation of a measured scene, at the measured frequencies alone. Measured, never
-certified.
+"""The two-step evaluation of a measured scene, at its frequency points alone. Measured, not proven.
 
-Each line is judged by its disc (``judging``), and what would resolve the open ones is told: the
-coherence, the number of averages or the radius at which their discs decide.
+Each point is judged by its uncertainty disc (``judging``). Of the unresolved ones it is computed
+what would resolve them: the coherence, the number of averages or the radius at which their discs
+decide (``needed``).
 
-Between the lines something is told where a bound on the slope is stated: stretches that exceed, lie
-below or stay unresolved. A cell of frequency lies between two neighbouring lines. Over all of it
-the truth lies in the disc of the left line as grown at the cell's right end, in the disc of the
-right line as grown at its left end, and so in the smallest disc around what both have in common;
-H_env is a disc over a cell as well, and the border of a region moves by no more than ``spread``
-where its numbers are formulas in omega. Cells are halved until each is told or no wider than
-rounding: an end of a stretch that is told lies within that of where the swept discs cease to tell,
-always on the safe side.
+Between the points something follows only where a bound on the slope of the response is stated:
+intervals that exceed, lie below or stay unresolved (``between``). A cell of frequency lies between
+two neighbouring points. Over all of it the true response lies in the disc of the left point as
+grown at the cell's right end, in the disc of the right point as grown at its left end, and so in
+the smallest disc around what both have in common. H_env is a disc over a cell as well, and the
+border of a region moves by no more than ``spread`` where its numbers are formulas in omega. Cells
+are halved until each is decided or no wider than rounding: an end of a decided interval lies within
+that of where the swept discs cease to decide, always on the safe side. Read from ``judge``.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ from haptisym.verbs.measured.judging import (
 
 
 def spread(c: Threshold, low: Reals, high: Reals, least: Reals) -> Reals:
-    """At most how far the border is anywhere in a cell from where it is at its middle, relative to
-    ``|H_env|``.
+    """Bound how far the border is anywhere in a cell from where it is at its middle, relative to
+    ``|H_env|``; infinite where no bound is known.
 
     ``least`` : the least ``|H_env|`` in the cell, with which a floor is compared.
     """
@@ -70,19 +70,21 @@ def spread(c: Threshold, low: Reals, high: Reals, least: Reals) -> Reals:
     moves = _Moves(low, high)
     with np.errstate(all="ignore"):
         if c.region.corners:
-            found = _of_polygon(c, moves)
+            bound = _of_polygon(c, moves)
         else:
+            # A rectangle whose sides move: each point of its border by no more than all together.
             sides = [c.real, c.imag, *(x for x in c.region.lower if x is not None)]
-            found = sum((moves(x) for x in sides), np.zeros(len(low)))
+            bound = sum((moves(x) for x in sides), np.zeros(len(low)))
         if c.region.shape is Shape.ELLIPSE:
-            found = _of_ellipse(c, moves, found)
+            bound = _of_ellipse(c, moves, bound)
         if c.region.floor is not None and c.region.floor.has(omega):
-            found = found + moves(c.region.floor) / least
-    return np.where(np.isfinite(found), found, np.inf)
+            bound = bound + moves(c.region.floor) / least
+    return np.where(np.isfinite(bound), bound, np.inf)
 
 
 class _Moves:
-    """By how much a formula differs at most from what it is at the middle of each cell."""
+    """A bound, for each cell, on how much a formula differs from its value at the middle of the
+    cell."""
 
     def __init__(self, low: Reals, high: Reals) -> None:
         self.middle = (low + high) / 2
@@ -91,65 +93,74 @@ class _Moves:
     def __call__(self, formula: Expr) -> Reals:
         if not formula.has(omega):
             return np.zeros(len(self.middle))
-        found = _modelled(formula).run([self._at])[""]
-        assert isinstance(found, TaylorModel)
-        here, (least, most) = values_of(formula, self.middle), (x[:, 0] for x in found.bounds())
-        moved: Reals = np.maximum(most - here, here - least)
+        # A Taylor model bounds the formula over the whole cell, all cells at once.
+        model = _modelled(formula).run([self._at])[""]
+        assert isinstance(model, TaylorModel)
+        middle = values_of(formula, self.middle)
+        lower, upper = (x[:, 0] for x in model.bounds())
+        moved: Reals = np.maximum(upper - middle, middle - lower)
         return moved
 
 
 @lru_cache(maxsize=64)
 def _modelled(formula: Expr) -> Modelled:
+    """Return a formula as a program that runs on Taylor models."""
     write = Writer((omega,))
     return Modelled(write.program({"": write.expression(formula)}))
 
 
 def _of_ellipse(c: Threshold, moves: _Moves, sides: Reals) -> Reals:
-    """Its support function is the length of M u with M = [[a, t b], [0, b sqrt(1 - t^2)]]: M moves
-    by no more than this."""
-    tilt, turned = np.abs(values_of(c.region.tilt, moves.middle)), moves(c.region.tilt)
+    """Bound how far the border of an ellipse moves, its limits a and b together by ``sides``.
+
+    Its support function is the length of M u with M = [[a, t b], [0, b sqrt(1 - t^2)]], |u| = 1,
+    and changes by no more than the sum of the changes of the entries.
+    """
+    tilt = np.abs(values_of(c.region.tilt, moves.middle))
+    turned = moves(c.region.tilt)
+    # sqrt(1 - t^2) falls with |t|: it is furthest from its middle at one of the two ends.
     root = upright(tilt)
-    roots = [np.abs(root - upright(np.clip(x, 0, 1))) for x in (tilt - turned, tilt + turned)]
-    size = values_of(c.real, moves.middle) + values_of(c.imag, moves.middle) + sides
-    found: Reals = 2 * sides + size * (turned + np.maximum(*roots))
-    return found
+    ends = tilt - turned, tilt + turned
+    roots = [np.abs(root - upright(np.clip(x, 0, 1))) for x in ends]
+    size = values_of(c.real, moves.middle) + values_of(c.imag, moves.middle)
+    size = size + sides
+    bound: Reals = 2 * sides + size * (turned + np.maximum(*roots))
+    return bound
 
 
 def _of_polygon(c: Threshold, moves: _Moves) -> Reals:
-    """Corners that move by d change where the border meets an axis by at most d times its farthest
-    over its nearest point."""
+    """Bound how far the border of a polygon moves: corners that move by d change where it meets an
+    axis by at most d times its farthest over its nearest point."""
     corners = c.region.corners
-    d = sum(
-        (np.hypot(*(moves(x) for x in corner)) for corner in corners), np.zeros(len(moves.middle))
-    )
-    farthest = (
-        np.max(
-            [np.hypot(*(values_of(x, moves.middle) for x in corner)) for corner in corners], axis=0
-        )
-        + d
-    )
+    zero = np.zeros(len(moves.middle))
+    d = sum((np.hypot(moves(x), moves(y)) for x, y in corners), zero)
+    distances = [
+        np.hypot(values_of(x, moves.middle), values_of(y, moves.middle)) for x, y in corners
+    ]
+    farthest = np.max(distances, axis=0) + d
     nearest = depth_of(c, moves.middle) - d
     return np.where(nearest > 0, d * farthest / nearest, np.inf)
 
 
 _ROUNDING = 1e-13
-"""Of what is computed around the discs, relative to 1, to the change and to its radius."""
+"""Relative error of what is computed with discs, as a share of 1, of the change and of its radius:
+far above the few roundings of each."""
 
 
 @dataclass(frozen=True, eq=False)
 class BetweenLines:
-    """``gap`` : after which line each lies; ``low``, ``high`` : its ends, rad/s."""
+    """Cells of frequency between neighbouring points. ``gap`` : the index of the point before each;
+    ``low``, ``high`` : its ends, rad/s."""
 
     gap: Any
     low: Reals
     high: Reals
 
     def at(self, chosen: Any) -> BetweenLines:
-        """Some of them."""
+        """Return some of the cells."""
         return BetweenLines(self.gap[chosen], self.low[chosen], self.high[chosen])
 
     def halves(self) -> BetweenLines:
-        """Each as its two halves, in order."""
+        """Return the two halves of each cell, in order."""
         middle = (self.low + self.high) / 2
         ends = (np.stack(x, 1).ravel() for x in ((self.low, middle), (middle, self.high)))
         return BetweenLines(np.repeat(self.gap, 2), *ends)
@@ -157,16 +168,17 @@ class BetweenLines:
 
 @dataclass(frozen=True, eq=False)
 class Discs:
-    """``centre``, ``radius`` : one for each cell."""
+    """Discs in the complex plane, one for each cell: ``centre`` and ``radius`` in the unit of H."""
 
     centre: Complexes
     radius: Reals
 
 
 class BoundedLines:
-    """The lines of a scene of which the discs are bounded, and what lies between them."""
+    """The points of a scene whose discs are bounded, and the discs between them."""
 
     def __init__(self, scene: MeasuredScene, x: Lines) -> None:
+        # A point whose disc is the whole plane says nothing: its neighbours reach across it.
         kept = np.isfinite(x.perc_radius) & np.isfinite(x.env_radius)
         self.scene, self.omega = scene, x.omega[kept]
         self._felt = _Response(x.felt, self.omega, x.perceived[kept], x.perc_radius[kept])
@@ -178,28 +190,37 @@ class BoundedLines:
 
     @property
     def contradicted(self) -> Any:
-        """For each gap, whether discs and bound contradict each other there: no response keeps to
+        """For each gap, whether discs and bound contradict each other there: no response satisfies
         both."""
-        found = self._felt.contradicted
-        return found if self._own is None else found | self._own.contradicted
+        felt = self._felt.contradicted
+        return felt if self._own is None else felt | self._own.contradicted
 
     def lines(self, cells: BetweenLines) -> Iterator[Lines]:
-        """Each cell as a line, in three ways; what is said of one of them is true wherever the
-        discs hold the truth."""
+        """Yield all cells as points, in three ways (``_Response.discs``); a verdict on any of
+        them holds over the whole cell wherever the discs contain the true response."""
         env = self._environment(cells) if self._own is None else self._own.discs(cells)[-1]
         middle = (cells.low + cells.high) / 2
         size = np.abs(env.centre)
         more = spread(self.scene.threshold, cells.low, cells.high, np.maximum(size - env.radius, 0))
         for felt in self._felt.discs(cells):
             with np.errstate(all="ignore"):
+                # The disc of a quotient, as in ``lines_of``, and larger by how far the border
+                # moves: the region at the cell's middle then stands for that of the whole cell.
                 change, share = (felt.centre - env.centre) / size, env.radius / size
                 radius = ((env.radius + felt.radius) / size + np.abs(change) * share) / (1 - share)
-                radius = np.where(
-                    share < 1, radius + more + _ROUNDING * (1 + np.abs(change) + radius), np.inf
-                )
-            own = self._felt.measurement
+                slack = _ROUNDING * (1 + np.abs(change) + radius)
+                radius = np.where(share < 1, radius + more + slack, np.inf)
+            source = self._felt.measurement
             yield Lines(
-                middle, env.centre, felt.centre, env.radius, felt.radius, change, radius, own, None
+                middle,
+                env.centre,
+                felt.centre,
+                env.radius,
+                felt.radius,
+                change,
+                radius,
+                source,
+                None,
             )
 
     @cached_property
@@ -207,43 +228,45 @@ class BoundedLines:
         return self.scene.frame.distortion().chain.program(["environment_real", "environment_imag"])
 
     def _environment(self, cells: BetweenLines) -> Discs:
-        """Around all that the model is over each cell: proven, but for the roundings of the last
-        square root."""
+        """Return discs around all values of the environment's model over each cell: proven, but
+        for the roundings of the last square root."""
         program = self._program
-        at = variable(
-            (cells.low + cells.high) / 2,
-            (cells.high - cells.low) / 2,
-            float(cells.high.max()),
-            0,
-            1,
-        )._value
-        found = Modelled(program).run([at] if program.inputs else [])
+        middle, half = (cells.low + cells.high) / 2, (cells.high - cells.low) / 2
+        at = variable(middle, half, float(cells.high.max()), 0, 1)._value
+        parts = Modelled(program).run([at] if program.inputs else [])
         with np.errstate(all="ignore"):
-            models = (x if isinstance(x, TaylorModel) else at.number(x) for x in found.values())
-            (a, b), (c, d) = ((low[:, 0], high[:, 0]) for low, high in (x.bounds() for x in models))
+            # A part that does not depend on omega comes back as a number.
+            models = (x if isinstance(x, TaylorModel) else at.number(x) for x in parts.values())
+            bounds = (x.bounds() for x in models)
+            (a, b), (c, d) = ((low[:, 0], high[:, 0]) for low, high in bounds)
+            # The rectangle of both parts lies in the disc around its centre, over its corners.
             centre = (a + b) / 2 + 0.5j * (c + d)
             known = np.isfinite(centre)
-            radius = np.where(known, np.hypot(b - a, d - c) / 2 * (1 + _ROUNDING), np.inf)
+            to_corner = np.hypot(b - a, d - c) / 2 * (1 + _ROUNDING)
+            radius = np.where(known, to_corner, np.inf)
         return Discs(np.where(known, centre, 0), radius)
 
 
 @dataclass(frozen=True, eq=False)
 class _Response:
+    """A measured response with discs that grow away from their points as the slope allows."""
+
     measurement: Measurement
     omega: Reals
     H: Complexes
     radius: Reals
 
     def discs(self, cells: BetweenLines) -> list[Discs]:
-        """Of the left line, of the right one, and around what they have in common."""
+        """Return the discs of the left point, of the right one, and around what both have in
+        common."""
         left, right = self._of(cells.gap, cells.high), self._of(cells.gap + 1, cells.low)
         return [left, right, _common(left, right)]
 
     def _of(self, line: Any, at: Reals) -> Discs:
+        """Return the discs of points, given by index, as grown at other frequencies, rad/s."""
         H = self.H[line]
-        return Discs(
-            H, self._slope.grown(np.abs(H), self.radius[line], np.abs(at - self.omega[line]))
-        )
+        apart = np.abs(at - self.omega[line])
+        return Discs(H, self._slope.grown(np.abs(H), self.radius[line], apart))
 
     @property
     def _slope(self) -> Any:
@@ -251,50 +274,59 @@ class _Response:
 
     @property
     def contradicted(self) -> Any:
-        sizes, apart = np.abs(self.H) + self.radius, np.diff(self.omega)
+        """For each gap, whether the grown discs of its two points do not meet at some frequency."""
+        sizes = np.abs(self.H) + self.radius
+        apart = np.diff(self.omega)
         lines = np.arange(len(apart))
-        at = self.omega[:-1] + self._slope.nearest((sizes[:-1], sizes[1:]), apart)
-        left, right = self._of(lines, at), self._of(lines + 1, at)
-        reach = (left.radius + right.radius) * (1 + 1e-12) + 1e-14 * (sizes[:-1] + sizes[1:])
+        # Where both radii together are least: if the discs meet there, they meet all over the gap.
+        nearest = self._slope.nearest((sizes[:-1], sizes[1:]), apart)
+        meeting = self.omega[:-1] + nearest
+        left, right = self._of(lines, meeting), self._of(lines + 1, meeting)
+        # With an allowance for rounding: discs that touch do not contradict each other.
+        rounding = 1e-14 * (sizes[:-1] + sizes[1:])
+        reach = (left.radius + right.radius) * (1 + 1e-12) + rounding
         return np.abs(left.centre - right.centre) > reach
 
 
 def _common(x: Discs, y: Discs) -> Discs:
-    """A disc around what two discs have in common, hardly larger than the smallest: that over their
-    common chord, or one of them.
+    """Return a disc around what two discs have in common, hardly larger than the smallest: that
+    over their common chord, or one of the two.
 
-    From the smaller one's centre the chord is no further than that of the other, and so its place
-    known to roundings of that:
-    with them the chord is made longer, and its disc larger.
+    The foot of the chord is measured from the centre of the smaller disc, to which it is nearer:
+    its error is then some roundings of that distance. The chord is made longer by as much.
     """
     first = x.radius <= y.radius
-    own, other = np.where(first, x.centre, y.centre), np.where(first, y.centre, x.centre)
+    begin, other = np.where(first, x.centre, y.centre), np.where(first, y.centre, x.centre)
     small, large = np.minimum(x.radius, y.radius), np.maximum(x.radius, y.radius)
-    step = other - own
+    step = other - begin
     apart = np.abs(step)
     with np.errstate(all="ignore"):
+        # (d^2 + r^2 - R^2)/(2 d) and half the chord sqrt(r^2 - foot^2), as products: squares of
+        # nearly equal radii would cancel.
         foot = (apart - (large - small) * (large + small) / apart) / 2
-        centre = own + step * (foot / apart)
-        chord = np.sqrt(
-            np.maximum((small - foot) * (small + foot), 0) + 1e-14 * small * (small + apart)
-        )
+        centre = begin + step * (foot / apart)
+        square = np.maximum((small - foot) * (small + foot), 0)
+        chord = np.sqrt(square + 1e-14 * small * (small + apart))
         chord += 1e-14 * (apart + np.abs(centre))
+        # With the foot on the far side of its centre, or concentric discs (apart 0, no number),
+        # what they have in common is no smaller than the small disc.
         between = (foot > 0) & (chord < small)
-    return Discs(np.where(between, centre, own), np.where(between, chord, small))
+    return Discs(np.where(between, centre, begin), np.where(between, chord, small))
 
 
 _NARROW = 1e-12
-"""Of its frequency: a cell that is not halved any more."""
+"""Share of its frequency at which a cell is not halved any more: floats have little more."""
 _MOST = 200
-"""Cells of one gap at one time: more are open only where a disc follows the border, and stay so."""
+"""Undecided cells of one gap at a time: more only come where a disc follows the border, and stay
+undecided however often they are halved."""
 _TOGETHER = 100_000
-"""Gaps."""
+"""Gaps that are examined together: bounds the memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stretches:
-    """From ``low`` to ``high``, rad/s, without gaps; ``code`` : 1 exceeds, -1 below, 0
-    unresolved."""
+    """Neighbouring intervals of frequency from ``low`` to ``high``, rad/s; ``code`` : 1 exceeds,
+    -1 below, 0 unresolved."""
 
     low: Reals
     high: Reals
@@ -304,29 +336,29 @@ class Stretches:
         return len(self.code)
 
     def rows(self) -> list[dict[str, Any]]:
-        """As documents have it."""
+        """Return the intervals as documents have them."""
         ends = zip(self.low.tolist(), self.high.tolist(), self.code.tolist(), strict=True)
         return [{"band": [low, high], "verdict": CODES[code].value} for low, high, code in ends]
 
     def length(self, code: int) -> float:
-        """Of all of one kind together, rad/s."""
-        own = self.code == code
-        return float((self.high[own] - self.low[own]).sum())
+        """Return the total length of all intervals with a code, rad/s."""
+        chosen = self.code == code
+        return float((self.high[chosen] - self.low[chosen]).sum())
 
 
 @dataclass(frozen=True, eq=False)
 class Between:
-    """``told`` : of each part, and of None where the region judges both together. ``contradicted``
-    : from where to where lines differ by more than discs and bound allow, so that nothing is said.
-    ``grown`` : the radius that discs have at most between the lines, relative to ``|H_env|``; of a
-    stretch of none, 0."""
+    """The verdicts between the points. ``told`` : intervals of each part, and of None where the
+    region judges both together. ``contradicted`` : from where to where lines differ by more than
+    discs and bound allow, so that nothing is said. ``grown`` : the radius that discs have at most
+    between the lines, relative to ``|H_env|``; of a stretch of none, 0."""
 
     told: Mapping[Part | None, Stretches]
     contradicted: tuple[tuple[float, float], ...]
     grown: float
 
     def row(self, slopes: Mapping[str, SlopeBound]) -> dict[str, Any]:
-        """As documents have it. ``slopes`` : of which response each bound is."""
+        """Return the verdicts as documents have them. ``slopes`` : each bound by its response."""
         bounds = {
             key: {"bound": x.bound, "unit": x.unit, "relative": x.relative}
             for key, x in slopes.items()
@@ -342,7 +374,7 @@ class Between:
 
 
 def between(scene: MeasuredScene, x: Lines) -> Between | None:
-    """Of all gaps between the lines that a scene judges; None without a bound on the slope."""
+    """Judge all gaps between the points of a scene; None without a bound on the slope."""
     if scene.perceived.slope is None:
         return None
     swept = BoundedLines(scene, x)
@@ -357,101 +389,100 @@ def between(scene: MeasuredScene, x: Lines) -> Between | None:
 
 
 def _grown(swept: BoundedLines) -> float:
-    """At the places half-way, where grown discs have most."""
+    """Return the largest radius, relative to ``|H_env|``, that a disc has halfway between two
+    points, where the smaller of both is largest."""
     gaps = np.arange(len(swept.omega) - 1)
     if not len(gaps):
         return 0.0
     middle = (swept.omega[:-1] + swept.omega[1:]) / 2
-    radii = [
-        x.radius for x in swept.lines(BetweenLines(gaps, middle, middle)) if x.radius is not None
-    ]
+    cells = BetweenLines(gaps, middle, middle)
+    radii = [x.radius for x in swept.lines(cells) if x.radius is not None]
     return float(np.min(radii[:2], axis=0).max())
 
 
 def _joined(swept: BoundedLines, wrong: Any, part: Part | None) -> Stretches:
-    """Neighbouring cells that are told alike as one stretch."""
+    """Join neighbouring cells that have the same verdict; gaps that are contradicted are
+    unresolved."""
     gaps = np.flatnonzero(~wrong)
-    found = [
-        (
-            BetweenLines(lost := np.flatnonzero(wrong), swept.omega[lost], swept.omega[lost + 1]),
-            np.zeros(len(lost), int),
-        )
-    ]
+    lost = np.flatnonzero(wrong)
+    contradicted = BetweenLines(lost, swept.omega[lost], swept.omega[lost + 1])
+    settled = [(contradicted, np.zeros(len(lost), int))]
     for start in range(0, len(gaps), _TOGETHER):
-        found += _settled(swept, gaps[start : start + _TOGETHER], part)
-    low, high = (
-        np.concatenate([getattr(cells, key) for cells, _ in found]) for key in ("low", "high")
-    )
-    code, order = np.concatenate([x for _, x in found]), np.argsort(low, kind="stable")
+        settled += _settled(swept, gaps[start : start + _TOGETHER], part)
+    low = np.concatenate([cells.low for cells, _ in settled])
+    high = np.concatenate([cells.high for cells, _ in settled])
+    code = np.concatenate([codes for _, codes in settled])
+    order = np.argsort(low, kind="stable")
     low, high, code = low[order], high[order], code[order]
     if not len(code):
         return Stretches(low, high, code)
+    # 2 is no code: the first cell begins an interval.
     starts = np.flatnonzero(np.diff(code, prepend=2))
     return Stretches(low[starts], high[np.append(starts[1:], len(code)) - 1], code[starts])
 
 
 def _settled(swept: BoundedLines, gaps: Any, part: Part | None) -> list[tuple[BetweenLines, Any]]:
-    """Cells of gaps, each with what is told of it."""
-    found = []
+    """Return cells that cover gaps, each with its code."""
+    settled = []
     cells = BetweenLines(gaps, swept.omega[gaps], swept.omega[gaps + 1])
     while len(cells.gap):
         code, is_open = _code(swept, cells, part)
-        crowd = np.bincount(cells.gap[~is_open & (code == 0)], minlength=len(swept.omega)) > _MOST
-        done = (
-            (code != 0)
-            | is_open
-            | (cells.high - cells.low <= _NARROW * cells.high)
-            | crowd[cells.gap]
-        )
-        found.append((cells.at(done), code[done]))
+        undecided = cells.gap[~is_open & (code == 0)]
+        crowd = np.bincount(undecided, minlength=len(swept.omega)) > _MOST
+        is_narrow = cells.high - cells.low <= _NARROW * cells.high
+        done = (code != 0) | is_open | is_narrow | crowd[cells.gap]
+        settled.append((cells.at(done), code[done]))
         cells = cells.at(~done).halves()
-    return found
+    return settled
 
 
 def _code(swept: BoundedLines, cells: BetweenLines, part: Part | None) -> tuple[Any, Any]:
-    """Of each cell what one of its discs tells, and whether it lies too far within what none tells
-    to be halved."""
+    """Return for each cell the code that one of its discs decides, and whether it lies so deep
+    inside an unresolved interval that halving cannot decide it."""
     middle = (cells.low + cells.high) / 2
     codes, is_open = np.zeros(len(middle), int), np.ones(len(middle), bool)
-    for whole, point in zip(
-        swept.lines(cells), swept.lines(BetweenLines(cells.gap, middle, middle)), strict=True
-    ):
-        told, here = judged(swept.scene, whole, part), judged(swept.scene, point, part)
-        assert told
-        assert here
+    middles = BetweenLines(cells.gap, middle, middle)
+    for whole, point in zip(swept.lines(cells), swept.lines(middles), strict=True):
+        over_cell, at_middle = (judged(swept.scene, x, part) for x in (whole, point))
+        assert over_cell
+        assert at_middle
         assert whole.radius is not None
         assert point.radius is not None
-        codes = np.where(codes == 0, told.verdict, codes)
+        codes = np.where(codes == 0, over_cell.verdict, codes)
+        # A disc straddles the border by radius - |distance|. At the middle alone, the cell's width
+        # adds nothing: if it straddles by twice what the width makes, halves will straddle, too.
         with np.errstate(invalid="ignore"):
-            moved = whole.radius - point.radius + np.abs(told.distance - here.distance)
-            is_open &= point.radius - np.abs(here.distance) > 2 * moved
+            difference = np.abs(over_cell.distance - at_middle.distance)
+            moved = whole.radius - point.radius + difference
+            is_open &= point.radius - np.abs(at_middle.distance) > 2 * moved
     return codes, is_open & (codes == 0)
 
 
 MOST_AVERAGES = 1e6
-"""More than anyone takes: a line that would need more lies at its threshold, as far as measuring
-goes."""
+"""More averages than anyone takes: a point that would need more lies at its threshold, for any
+practical measurement."""
 
 MOST_COHERENCE = 1 - 1e-6
-"""More than any bench gives."""
+"""A coherence above that of any bench."""
 
 
 @dataclass(frozen=True)
 class Remedy:
-    """What resolves half of the open lines, and all of them; None where nothing sensible does."""
+    """The value that resolves half of the unresolved points, and all of them; None where no
+    practical one does."""
 
     half: float | None
     all: float | None
 
     def row(self) -> dict[str, Any]:
-        """As a document has it."""
+        """Return the values as a document has them."""
         return {"half": self.half, "all": self.all}
 
 
 @dataclass(frozen=True)
 class Needed:
-    """What would resolve open lines if the estimates stay where they are, each quantity alone, the
-    others as they are.
+    """What would resolve the unresolved points if the estimates stay where they are, each quantity
+    alone, the others as they are.
 
     ``radius`` : at most, relative to ``|H_env|``. ``coherence``, ``averages`` : at least; None
     where the discs do not come from them, or not from them alone.
@@ -464,20 +495,25 @@ class Needed:
 
 
 def needed(x: Lines, found: Sequence[JudgedLine]) -> Needed | None:
-    """Of the lines that are open in some judgement; None if none is."""
+    """Return what would resolve the points that are unresolved in some judgement; None if all
+    are resolved."""
     open_lines = np.any([one.verdict == 0 for one in found], axis=0)
     if not open_lines.any():
         return None
+    # A disc decides as soon as its radius is below the distance of the change from the border; of
+    # several judgements the smallest counts.
     margins = [np.where(one.verdict == 0, np.abs(one.distance), np.inf) for one in found]
     margin = np.min(margins, axis=0)[open_lines]
-    felt, own = x.felt, x.own
+    felt, env = x.felt, x.own
     coherence = averages = None
-    if felt.coherence is not None and (own is None or own.discs is None):
+    if felt.coherence is not None and (env is None or env.discs is None):
         coherence, averages = _of_coherence(felt, x, margin, open_lines)
     return Needed(int(open_lines.sum()), _shares(-margin, negated=True), coherence, averages)
 
 
 def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[Remedy, Remedy]:
+    """Return coherence and number of averages that would be enough, each with the other as it
+    is."""
     assert felt.averages is not None
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = margin * np.abs(x.environment[at]) / np.abs(x.perceived[at])
@@ -487,22 +523,22 @@ def _of_coherence(felt: Measurement, x: Lines, margin: Reals, at: Any) -> tuple[
 
 
 def _shares(values: Reals, *, most: float = np.inf, negated: bool = False) -> Remedy:
-    """The value that is enough for at least half of the lines, and for all; None for one above
-    ``most``."""
+    """Return the value that is enough for at least half of the points, and for all; None for one
+    above ``most``. ``negated`` : the values are, so that the smallest is asked for."""
     row, middle = np.nan_to_num(values, nan=np.inf), (len(values) - 1) // 2
-    found = (
-        float(np.partition(row, middle)[middle]),
-        float(row.max()),
-    )  # as sorting all would give, in a fourth of the time
-    half, every = (
-        None if value > most or not np.isfinite(value) else -value if negated else value
-        for value in found
-    )
-    return Remedy(half, every)
+    # A partition gives what sorting would, in a fourth of the time.
+    enough = float(np.partition(row, middle)[middle]), float(row.max())
+    remedies: list[float | None] = []
+    for value in enough:
+        if value > most or not np.isfinite(value):
+            remedies.append(None)
+        else:
+            remedies.append(-value if negated else value)
+    return Remedy(*remedies)
 
 
 class LineResult(NamedTuple):
-    """What is said of one line. ``radius`` : of the disc around the change, relative to
+    """The result at one frequency point. ``radius`` : of the disc around the change, relative to
     ``|H_env|``; None where none is known."""
 
     omega: float
@@ -515,7 +551,7 @@ class LineResult(NamedTuple):
 
 
 class MeasuredPercept(NamedTuple):
-    """What is felt of a part at one line, as far as the discs decide it.
+    """What is felt of a part at one frequency point, as far as the discs decide it.
 
     ``part`` : None where both are noticed together, neither by itself; ``property`` and ``change``
     are then of the part that lies nearer its own limit, and ``other`` is how the other one has
@@ -566,15 +602,15 @@ class MeasuredEvaluation(Answer):
     needed: Needed | None
 
     def _line(self) -> str:
-        told = [
+        counts = [
             f"{int((self.verdict[part] == code).sum())} {x.value}"
             for part in Part
             for code, x in CODES.items()
         ]
         lines = counted(len(self), "line")
         return (
-            f"{titled(self.scene.title)}: {lines}, real {', '.join(told[:3])}, imaginary "
-            f"{', '.join(told[3:])}"
+            f"{titled(self.scene.title)}: {lines}, real {', '.join(counts[:3])}, imaginary "
+            f"{', '.join(counts[3:])}"
         )
 
     def __len__(self) -> int:
@@ -582,7 +618,7 @@ class MeasuredEvaluation(Answer):
 
     @cached_property
     def between(self) -> Between | None:
-        """What is told between the lines; None without a bound on the slope."""
+        """The verdicts between the points; None without a bound on the slope."""
         return between(self.scene, self.lines)
 
     @property
@@ -598,47 +634,50 @@ class MeasuredEvaluation(Answer):
 
     @property
     def is_turned_round(self) -> bool:
-        """Whether the response is nearer to -H_env than to H_env at every line: the reaction to the
-        force may be measured."""
+        """Whether the response is nearer to -H_env than to H_env at every point: the reaction to
+        the force may have been measured."""
         felt, wanted = self.lines.perceived, self.lines.environment
         return len(self) > 1 and bool((np.abs(felt + wanted) < np.abs(felt - wanted)).all())
 
     @cached_property
     def rows(self) -> tuple[LineResult, ...]:
-        """Every line that is judged."""
+        """The result at every point that is judged."""
         return tuple(self._rows())
 
     def _rows(self) -> Iterator[LineResult]:
+        """Yield the result at each point: column by column from arrays, as files may have many."""
         x = self.lines
         radius = [None] * len(self) if x.radius is None else x.radius.tolist()
         ratios = np.abs(x.change.real).tolist(), np.abs(x.change.imag).tolist()
-        codes = [self.verdict[part] for part in Part] + ([self.joint.verdict] if self.joint else [])
-        told = ((CODES[code] for code in row.tolist()) for row in codes)
-        yield from map(LineResult, x.omega.tolist(), *ratios, radius, *told)
+        codes = [self.verdict[part] for part in Part]
+        if self.joint:
+            codes.append(self.joint.verdict)
+        verdicts = ((CODES[code] for code in row.tolist()) for row in codes)
+        yield from map(LineResult, x.omega.tolist(), *ratios, radius, *verdicts)
 
     def noticed(self, part: Part | None) -> Any:
-        """Where step 2 asks how a part is felt, or None for both together, which neither is by
-        itself."""
+        """Return at which points step 2 asks how a part is felt; for None, where both are
+        noticed together and neither by itself."""
         if self.joint is None:
             return self.verdict[part] == 1 if part else np.zeros(len(self), dtype=bool)
         alone = [self.verdict[x] for x in Part]
-        own = self.verdict[part] == 1 if part else (alone[0] == -1) & (alone[1] == -1)
-        return (self.joint.verdict == 1) & own
+        chosen = self.verdict[part] == 1 if part else (alone[0] == -1) & (alone[1] == -1)
+        return (self.joint.verdict == 1) & chosen
 
     def named(self, part: Part | None) -> Any:
-        """Where a property is named: the part is noticed, and its disc tells what it is felt as."""
+        """Return at which points a property is named: the part is noticed, and the signs that
+        name it are known."""
         asked = Part if part is None else (part,)
         known = np.all([self.signs[x].known for x in asked], axis=0)
-        found = self.noticed(part) & known
+        named = self.noticed(part) & known
         if part is Part.REAL:
-            return found
-        return found & ~(
-            self.signs[Part.IMAG].perceived < 0
-        )  # what is active has no name in the model
+            return named
+        # A negative imaginary part is no damping: what is active has no name in the model.
+        return named & ~(self.signs[Part.IMAG].perceived < 0)
 
     @cached_property
     def percepts(self) -> tuple[MeasuredPercept, ...]:
-        """What is felt, at each line where the discs decide it."""
+        """What is felt, at each point where the discs decide it."""
         wanted = (*Part, None)
         return tuple(
             self._percept(part, i)
@@ -652,8 +691,8 @@ class MeasuredEvaluation(Answer):
 
     @cached_property
     def real_nearer(self) -> Any:
-        """At which lines the real part's change is a larger share of its own limit than the
-        imaginary part's."""
+        """Where, over the points, the real part's change is a larger share of its own limit than
+        the imaginary part's."""
         x = self.lines
         sides = {Part.REAL: x.change.real, Part.IMAG: x.change.imag}
         ends = {part: ends_of(self.scene.threshold, part, x.omega) for part in Part}
@@ -673,7 +712,7 @@ class MeasuredEvaluation(Answer):
 
     @property
     def _understood(self) -> dict[str, str]:
-        """What was understood of each file."""
+        """How each file was understood: its units and columns, in words."""
         both = {"environment": self.scene.environment, "perceived": self.scene.perceived}
         return {
             key: x.understood
@@ -699,7 +738,7 @@ class MeasuredEvaluation(Answer):
         }
 
     def to_json(self) -> str:
-        """As text, one line for each measured line."""
+        """Return the document as text, with one line for each frequency point."""
 
         def told(key: str, value: Any) -> str:
             if key in ("rows", "percepts") and value:
@@ -710,13 +749,16 @@ class MeasuredEvaluation(Answer):
         return "{\n  " + ",\n  ".join(parts) + "\n}"
 
     def kinds(self, part: Part | None) -> Any:
-        """A number for each line: the same where a part, or None for both together, is felt
-        alike."""
-        found = np.zeros(len(self), dtype=int)
+        """Return a number for each point: the same where a part, or None for both together, is
+        felt in the same way."""
+        # Signs are -1 to 2: in base 3 with an offset different signs have different numbers, unless
+        # one is open, and then nothing is named.
+        kind = np.zeros(len(self), dtype=int)
         for x in Part if part is None else (part,):
-            own = self.signs[x]
-            found = 1000 * found + 27 + 9 * own.environment + 3 * own.perceived + own.compared
-        return found if part else 2 * found + self.real_nearer
+            signs_of = self.signs[x]
+            code = 27 + 9 * signs_of.environment + 3 * signs_of.perceived + signs_of.compared
+            kind = 1000 * kind + code
+        return kind if part else 2 * kind + self.real_nearer
 
 
 def _percept(p: MeasuredPercept) -> dict[str, Any]:
@@ -768,16 +810,14 @@ def judge(scene: MeasuredScene) -> MeasuredEvaluation:
     x = lines_of(scene)
     alone = {part: one for part in Part if (one := judged(scene, x, part))}
     joint = judged(scene, x, None)
-    distance, found = (
-        {part: getattr(one, key) for part, one in alone.items()} for key in ("distance", "verdict")
-    )
-    told = {part: signs(x, part) for part in Part}
+    distance = {part: one.distance for part, one in alone.items()}
+    verdict = {part: one.verdict for part, one in alone.items()}
     return MeasuredEvaluation(
         scene,
         x,
         distance,
-        found,
+        verdict,
         joint,
-        told,
+        {part: signs(x, part) for part in Part},
         needed(x, [joint] if joint else list(alone.values())),
     )

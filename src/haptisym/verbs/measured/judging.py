@@ -1,9 +1,10 @@
-"""Three-valued judgements of measured lines: where the disc of a change lies against the region of
-what is not noticed.
+"""Three-valued judgements of measured frequency points: where the uncertainty disc of a change lies
+against the region of changes that are not noticed.
 
-How far a change lies from the border of the region is exact, for regions of every shape, at all
-lines at once: positive outside, negative inside. A disc of radius r lies outside where the distance
-is above r, inside where it is at most -r.
+The change is dH/|H_env| = x + j y. How far it lies from the border of the region is computed for
+regions of every shape, at all points at once: positive outside, negative inside. A disc of radius r
+lies outside where the distance is above r, inside where it is at most -r; else nothing is decided.
+Read from ``lines_of`` (the discs) and ``judged``.
 """
 
 from __future__ import annotations
@@ -30,14 +31,17 @@ from haptisym.model.measuredscene import MeasuredScene
 
 Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
 _LOST, _BITS = 1e-14, 400
-"""Of a value that may be lost in floats; and with how many bits it is computed where more is."""
+"""Relative error of a value that is accepted in floats; and bits with which it is computed again
+where more may be lost."""
 _HALVINGS = 60
-_NEAR = 1e-30  # of its half axis: beside an axis of an ellipse in place of on it
+# Of its half axis: a point on an axis of an ellipse is moved beside it by so much, as the equation
+# for the foot of the perpendicular divides by 0 there.
+_NEAR = 1e-30
 
 
 def values_of(formula: Expr, at: Reals) -> Reals:
-    """A number, or a rational formula in omega, at frequencies, to within some roundings of the
-    values themselves."""
+    """Return a number, or a rational formula in omega, at given frequencies, to within some
+    roundings of the values themselves."""
     if not formula.has(omega):
         return np.full(len(at), float(formula))
     above, below = (_polynomial(x, at) for x in _coefficients(formula))
@@ -45,55 +49,61 @@ def values_of(formula: Expr, at: Reals) -> Reals:
 
 
 def _polynomial(row: tuple[Expr, ...], at: Reals) -> Reals:
-    """In floats; where these lose digits, as terms cancel, in balls."""
+    """Return a polynomial's values in floats; where these lose digits, as terms cancel, in
+    balls."""
     floats = np.array(row, float)
-    found, terms = np.polyval(floats, at), np.polyval(np.abs(floats), np.abs(at))
-    lost = np.flatnonzero(len(row) * 2.3e-16 * terms > _LOST * np.abs(found))
+    # Horner's rule has an error of at most about n eps times the sum of the terms' moduli.
+    values = np.polyval(floats, at)
+    terms = np.polyval(np.abs(floats), np.abs(at))
+    error = len(row) * 2.3e-16 * terms
+    lost = np.flatnonzero(error > _LOST * np.abs(values))
     if len(lost):
         with flint.ctx.workprec(_BITS):
             exact = arb_poly([expression_ball(x) for x in row[::-1]])
-            found[lost] = [float(exact(arb(x)).mid()) for x in at[lost].tolist()]
-    return np.asarray(found)
+            values[lost] = [float(exact(arb(x)).mid()) for x in at[lost].tolist()]
+    return np.asarray(values)
 
 
 @lru_cache(maxsize=64)
 def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
+    """Return the coefficients of numerator and denominator, descending."""
     return tuple(tuple(Poly(x, omega).all_coeffs()) for x in fraction(together(formula)))
 
 
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
-    """From where to where a change of one part alone is not noticed, as a share of ``|H_env|``:
-    changes that make it larger."""
-    own, i = c.region, 0 if part is Part.REAL else 1
-    if own.corners:
-        return _axis(_corners(c, at), i)
+    """Return the ends between which a change of one part alone is not noticed, as shares of
+    ``|H_env|``; the limit is that for changes that make the part larger."""
+    region, axis = c.region, 0 if part is Part.REAL else 1
+    if region.corners:
+        return _axis(_corners(c, at), axis)
     limit = values_of(c[part], at)
-    if own.shape is Shape.ELLIPSE:
-        limit = limit * upright(values_of(own.tilt, at))
+    # A tilted ellipse meets an axis nearer than its largest extent along it: at a sqrt(1 - t^2).
+    if region.shape is Shape.ELLIPSE:
+        limit = limit * upright(values_of(region.tilt, at))
     return -limit, limit
 
 
 def joint_distance(c: Threshold, at: Reals, x: Reals, y: Reals) -> Reals | None:
-    """Of a change x + j y from an ellipse, a diamond or a polygon; None where each part is judged
-    by itself."""
-    own = c.region
-    if own.shape is Shape.SQUARE:
+    """Return the distance of a change x + j y from an ellipse, a diamond or a polygon; None
+    where each part is judged by itself."""
+    region = c.region
+    if region.shape is Shape.SQUARE:
         return None
-    if own.shape is Shape.ELLIPSE:
+    if region.shape is Shape.ELLIPSE:
         a, b = (values_of(c[part], at) for part in Part)
-        return _from_ellipse(a, b, values_of(own.tilt, at), x, y)
+        return _from_ellipse(a, b, values_of(region.tilt, at), x, y)
     return _from_polygon(_corners(c, at), x, y)
 
 
 def part_distance(
     c: Threshold, part: Part, at: Reals, x: Reals, env: Reals, size: tuple[Reals, Reals]
 ) -> Reals:
-    """Of a change of one part alone. ``x`` : that part's; ``env`` : the environment's part, both as
-    shares of ``|H_env|``.
+    """Return the distance of a change of one part alone from what is not noticed. ``x`` : the
+    change of that part; ``env`` : the environment's part, both as shares of ``|H_env|``.
 
-    ``size`` : the least and the largest ``|H_env|`` in the environment's disc; where they differ, a
-    limit for changes that make the part larger is that only as far as the part does become larger,
-    and a floor is taken at its worst.
+    ``size`` : the least and the largest ``|H_env|`` in the environment's disc. Where they differ,
+    the limit for changes that make the part larger holds only by how much the part does become
+    larger, and a floor is taken at its worst.
     """
     low, high = ends_of(c, part, at)
     lower = c.lower(part)
@@ -104,6 +114,8 @@ def part_distance(
     uncertain = size[0] < size[1]
     exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
     grown, moved = np.abs(env + x) - np.abs(env), np.abs(x)
+    # The floor over the least |H_env| is the largest limit: noticed with it is noticed for certain.
+    # The other way round for what is not noticed; in between nothing is decided, which 0 says.
     outer, inner = (
         _either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest)
     )
@@ -112,58 +124,73 @@ def part_distance(
 
 
 def is_of_change_alone(c: Threshold, part: Part) -> bool:
-    """Whether it does not matter which environment a change is of: no floor, and limits that are
-    the same for both ways."""
+    """Whether the judgement of a part depends on the change alone and not on the environment: no
+    floor, and limits that are the same for both ways."""
     return c.lower(part) is None and c.region.floor is None
 
 
 def upright(tilt: Reals) -> Reals:
-    """sqrt(1 - t^2), to its last digits where t is close to 1, too."""
-    found: Reals = np.sqrt((1 - tilt) * (1 + tilt))
-    return found
+    """Return sqrt(1 - t^2), to its last digits also where t is close to 1."""
+    # 1 - t is exact near 1, while t^2 is rounded before it cancels.
+    root: Reals = np.sqrt((1 - tilt) * (1 + tilt))
+    return root
 
 
 def depth_of(c: Threshold, at: Reals) -> Reals:
-    """How far no change at all lies inside a diamond or a polygon."""
+    """Return how deep the origin, no change at all, lies inside a diamond or a polygon."""
     zero = np.zeros(len(at))
     return -_from_polygon(_corners(c, at), zero, zero)
 
 
 def floor_of(c: Threshold, at: Reals) -> Reals:
-    """The least change that is noticed, in the unit of H; 0 without a floor."""
+    """Return the least change that is noticed, in the unit of H; 0 without a floor."""
     return np.zeros(len(at)) if c.region.floor is None else values_of(c.region.floor, at)
 
 
 def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
+    """Return the floor as a share of ``|H_env|``, infinite where that is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.nan_to_num(floor_of(c, at) / size, nan=0.0, posinf=np.inf)
 
 
 def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
-    """How far a change is noticed, or not noticed where negative, whatever the disc makes of how
-    the part has ``grown``."""
-    beyond = np.maximum(np.minimum(grown, moved - up), np.minimum(-grown, moved - down))
-    within = np.maximum(np.minimum(grown, up - moved), np.minimum(-grown, down - moved))
+    """Return how far a change is noticed, or not noticed where negative, whichever of the two
+    limits holds.
+
+    ``moved`` : the size of the change; ``grown`` : by how much the part became larger in magnitude.
+    That decides the limit, but only if the error of the environment is smaller than ``grown``.
+    """
+    # Beyond one limit while it is clear which one holds, or beyond both.
+    beyond_up = np.minimum(grown, moved - up)
+    beyond_down = np.minimum(-grown, moved - down)
+    beyond = np.maximum(beyond_up, beyond_down)
     outer = np.maximum(moved - np.maximum(up, down), beyond)
+    within_up = np.minimum(grown, up - moved)
+    within_down = np.minimum(-grown, down - moved)
+    within = np.maximum(within_up, within_down)
     inner = np.maximum(np.minimum(up, down) - moved, within)
-    found: Reals = np.where(outer > 0, outer, -np.maximum(inner, 0))
-    return found
+    distance: Reals = np.where(outer > 0, outer, -np.maximum(inner, 0))
+    return distance
 
 
 def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
-    """One limit for changes that make a part larger in magnitude, another for those that make it
-    smaller.
+    """Return the distance with one limit for changes that make a part larger in magnitude, another
+    for those that make it smaller.
 
-    With env = e > 0 what is smaller lies between -2 e and 0: not noticed is [-min(down, 2 e), up],
-    and [-up, -2 e] if there is one.
+    With env = e > 0 the part is smaller in magnitude for changes between -2 e and 0: not noticed is
+    [-min(down, 2 e), up], and [-up, -2 e] where that is not empty.
     """
-    x, turn = np.where(env < 0, -x, x), -2 * np.abs(env)
-    first, beyond = np.maximum(-down, turn), -up <= turn
+    # Mirrored where the environment's part is negative.
+    x = np.where(env < 0, -x, x)
+    turn = -2 * np.abs(env)
+    first = np.maximum(-down, turn)
+    beyond = -up <= turn
+    # Where both intervals touch they are one, and its border is not in the middle.
     first = np.where(beyond & (first <= turn), -up, first)
     near = np.minimum(x - first, up - x)
     far = np.where(beyond, np.minimum(x + up, turn - x), -np.inf)
-    found: Reals = -np.maximum(near, far)
-    return found
+    distance: Reals = -np.maximum(near, far)
+    return distance
 
 
 # The plane.
@@ -174,15 +201,20 @@ def _corners(c: Threshold, at: Reals) -> Corners:
 
 
 def _edges(corners: Corners) -> Iterable[tuple[Reals, Reals, Reals, Reals]]:
+    """Yield each edge of a polygon: the corner where it begins, and its direction."""
     for (px, py), (qx, qy) in zip(corners, [*corners[1:], corners[0]], strict=True):
         yield px, py, qx - px, qy - py
 
 
 def _axis(corners: Corners, i: int) -> tuple[Reals, Reals]:
-    """Where a polygon cuts an axis."""
-    low, high = np.full(len(corners[0][0]), -np.inf), np.full(len(corners[0][0]), np.inf)
+    """Return where a convex polygon that holds the origin cuts an axis: x (0) or y (1)."""
+    count = len(corners[0][0])
+    low, high = np.full(count, -np.inf), np.full(count, np.inf)
+    # A point is inside where dy (x - px) - dx (y - py) <= 0 for all edges, counterclockwise. On an
+    # axis that is a bound from above or from below, by the sign of its coefficient.
     for px, py, dx, dy in _edges(corners):
-        slope, reach = (dy, -dx)[i], dy * px - dx * py
+        slope = (dy, -dx)[i]
+        reach = dy * px - dx * py
         with np.errstate(divide="ignore", invalid="ignore"):
             end = reach / slope
         high = np.where(slope > 0, np.minimum(high, end), high)
@@ -191,49 +223,65 @@ def _axis(corners: Corners, i: int) -> tuple[Reals, Reals]:
 
 
 def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
-    """Of a convex polygon, corners counterclockwise."""
-    depth, away = np.full(len(x), np.inf), np.full(len(x), np.inf)
+    """Return the distance from a convex polygon, corners counterclockwise."""
+    depth = np.full(len(x), np.inf)
+    away = np.full(len(x), np.inf)
+    # Inside, the least distance from the lines through the edges; outside, from the edges
+    # themselves.
     for px, py, dx, dy in _edges(corners):
         length = np.hypot(dx, dy)
-        depth = np.minimum(depth, (dx * (y - py) - dy * (x - px)) / length)
-        share = np.clip(((x - px) * dx + (y - py) * dy) / length**2, 0, 1)
-        away = np.minimum(away, np.hypot(x - px - share * dx, y - py - share * dy))
-    found: Reals = np.where(depth >= 0, -depth, away)
-    return found
+        off_x, off_y = x - px, y - py
+        depth = np.minimum(depth, (dx * off_y - dy * off_x) / length)
+        share = np.clip((off_x * dx + off_y * dy) / length**2, 0, 1)
+        away = np.minimum(away, np.hypot(off_x - share * dx, off_y - share * dy))
+    distance: Reals = np.where(depth >= 0, -depth, away)
+    return distance
 
 
 def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
-    """Of (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: the foot of the perpendicular, by bisection
-    in the principal axes.
+    """Return the distance from (x/a)^2 - 2 t (x/a)(y/b) + (y/b)^2 <= 1 - t^2: by the foot of the
+    perpendicular, found by bisection in the principal axes.
 
-    It is (long^2 u/(t + long^2 - short^2), short^2 v/t); t may be close to 0, and is found to its
-    last digits.
+    In these, with half axes long and short, the point is (u, v) and the foot (long^2 u/(m + long^2
+    - short^2), short^2 v/m); the multiplier m may be close to 0, and is found to its last digits.
     """
-    mixed, apart = tilt * a * b, (a - b) * (a + b) / 2
-    spread, turned = np.hypot(apart, mixed), 0.5 * np.arctan2(mixed, apart)
+    # The matrix [[a^2, t a b], [t a b, b^2]] has the squares of the half axes as eigenvalues: their
+    # mean plus and minus ``spread``. The small one follows from the determinant, without
+    # cancelling.
+    mixed = tilt * a * b
+    apart = (a - b) * (a + b) / 2
+    spread = np.hypot(apart, mixed)
+    turned = 0.5 * np.arctan2(mixed, apart)
     long = np.sqrt((a**2 + b**2) / 2 + spread)
     short = a * b * upright(tilt) / long
     cos, sin = np.cos(turned), np.sin(turned)
+    # By symmetry the first quadrant is enough.
     u = np.maximum(np.abs(x * cos + y * sin), _NEAR * long)
     v = np.maximum(np.abs(y * cos - x * sin), _NEAR * short)
-    low, high = short * v, np.hypot(long * u, short * v)
+    # The foot is on the ellipse for one multiplier, between these two. Halved on its logarithm, as
+    # it may be many powers of ten below its upper end.
+    low = short * v
+    high = np.hypot(long * u, short * v)
     for _ in range(_HALVINGS):
-        t = np.sqrt(low) * np.sqrt(high)
-        beyond = (long * u / (t + 2 * spread)) ** 2 + (short * v / t) ** 2 > 1
-        low, high = np.where(beyond, t, low), np.where(beyond, high, t)
-    t = np.sqrt(low) * np.sqrt(high)
-    found: Any = np.abs(t - short**2) * np.hypot(u / (t + 2 * spread), v / t)
+        m = np.sqrt(low) * np.sqrt(high)
+        foot_u = long * u / (m + 2 * spread)
+        beyond = foot_u**2 + (short * v / m) ** 2 > 1
+        low, high = np.where(beyond, m, low), np.where(beyond, high, m)
+    m = np.sqrt(low) * np.sqrt(high)
+    # Point minus foot is (m - short^2) (u/(m + long^2 - short^2), v/m): no difference of near
+    # numbers.
+    distance: Any = np.abs(m - short**2) * np.hypot(u / (m + 2 * spread), v / m)
     inside = (u / long) ** 2 + (v / short) ** 2 <= 1
-    signed: Reals = np.where(inside, -found, found)
+    signed: Reals = np.where(inside, -distance, distance)
     return signed
 
 
 OPEN = 2
-"""A sign that a disc does not tell."""
+"""Stands for a sign that a disc does not determine."""
 
 
 class PartVerdict(Enum):
-    """Of a part at a line."""
+    """The verdict on a part at a frequency point."""
 
     EXCEEDS = "exceeds"
     BELOW = "below"
@@ -274,6 +322,7 @@ def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
         felt = felt.on_band(*map(float, scene.band))
     if isinstance(own, Environment):
         return felt, None
+    # Two files of one bench round their frequencies differently.
     nearest = _nearest(own.omega, felt.omega)
     common = np.abs(own.omega[nearest] - felt.omega) <= _SAME * felt.omega
     if not common.any():
@@ -289,14 +338,15 @@ _SAME = 1e-9
 
 
 def _nearest(among: Reals, wanted: Reals) -> Any:
-    """For each wanted frequency the index of the nearest one among rising others."""
+    """Return for each wanted frequency the index of the nearest one among ascending others."""
     right = np.searchsorted(among, wanted).clip(0, len(among) - 1)
     left = np.maximum(right - 1, 0)
     return np.where(wanted - among[left] <= among[right] - wanted, left, right)
 
 
 def lines_of(scene: MeasuredScene) -> Lines:
-    """The lines that a scene judges. SceneError where H_env is infinite at one of them."""
+    """Return the frequency points that a scene judges. SceneError where H_env is infinite at one
+    of them."""
     felt, own = matched(scene)
     env = _exact(scene, felt.omega) if own is None else own.H
     none = np.broadcast_to(0.0, len(felt))
@@ -305,6 +355,9 @@ def lines_of(scene: MeasuredScene) -> Lines:
     size = np.abs(env)
     with np.errstate(divide="ignore", invalid="ignore"):
         change = (felt.H - env) / size
+        # True values H_e + e and H_p + p, |e| <= inner, |p| <= outer: the true change differs from
+        # this one, relative to the true |H_e| >= size - inner, by at most this. No bound is known
+        # where the disc of H_env holds 0.
         share = inner / size
         radius = np.where(
             share < 1, ((inner + outer) / size + np.abs(change) * share) / (1 - share), np.inf
@@ -329,24 +382,25 @@ def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
 
 
 def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
-    """Of both parts the lesser of the two limits within which a change of that part alone is not
-    noticed."""
+    """Return for each part the smaller of the two limits within which a change of that part alone
+    is not noticed."""
     ends = {part: ends_of(scene.threshold, part, at) for part in Part}
     return {part: np.minimum(-low, high) for part, (low, high) in ends.items()}
 
 
 @dataclass(frozen=True, eq=False)
 class JudgedLine:
-    """``distance`` : how far, relative to ``|H_env|``, a line's change lies outside the region,
-    negative inside; ``verdict`` : 1 where the whole disc lies outside, -1 where it lies inside, 0
-    where it does not tell."""
+    """The judgement of frequency points. ``distance`` : how far, relative to ``|H_env|``, a line's
+    change lies outside the region, negative inside; ``verdict`` : 1 where the whole disc lies
+    outside, -1 where it lies inside, 0 where it does not tell."""
 
     distance: Reals
     verdict: Any
 
 
 def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> JudgedLine | None:
-    """Of a part by itself, or of both together: None where the region judges each by itself."""
+    """Judge a part by itself, or both together (``part`` None); None where the region has no joint
+    judgement."""
     c = scene.threshold
     with np.errstate(divide="ignore", invalid="ignore"):
         if part is None:
@@ -354,11 +408,13 @@ def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> JudgedLine | No
             if distance is None:
                 return None
         else:
-            own = _side(x.change, part)
+            change = _side(x.change, part)
+            # Where the change alone decides, the environment is not used: anything may stand for
+            # it.
             env, reach = (
-                (own, (own, own)) if is_of_change_alone(c, part) else _environment(x, part)
-            )  # or not looked at
-            distance = part_distance(c, part, x.omega, own, env, reach)
+                (change, (change, change)) if is_of_change_alone(c, part) else _environment(x, part)
+            )
+            distance = part_distance(c, part, x.omega, change, env, reach)
     return _told(x, distance, part, c)
 
 
@@ -367,7 +423,8 @@ def _side(z: Complexes, part: Part) -> Reals:
 
 
 def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
-    """Its part as a share of ``|H_env|``, and the least and the largest ``|H_env|`` in its disc."""
+    """Return a part of H_env as a share of ``|H_env|``, and the least and the largest ``|H_env|``
+    in its disc."""
     size = np.abs(x.environment)
     return _side(x.environment, part) / size, (
         np.maximum(size - x.env_radius, 0),
@@ -376,7 +433,10 @@ def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
 
 
 def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedLine:
-    """Where H_env is 0, what of dH is judged is compared with the floor."""
+    """Return the verdicts that follow from distances and discs.
+
+    Where H_env is 0, there is no ratio: dH, or its part, is compared with the floor.
+    """
     zero = (x.environment == 0) & (x.env_radius == 0)
     is_any = bool(zero.any())
     if is_any:
@@ -385,6 +445,7 @@ def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedL
         distance = np.where(zero, np.where(moved <= floor, -np.inf, np.inf), distance)
     with np.errstate(invalid="ignore"):
         radius = 0.0 if x.radius is None else x.radius
+        # The region is closed: a change on its border is not noticed.
         outside, inside = distance > radius, distance <= -radius
     if is_any:
         outside = np.where(zero, moved > x.perc_radius + floor, outside)
@@ -397,8 +458,8 @@ def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedL
 
 @dataclass(frozen=True, eq=False)
 class Signs:
-    """What discs tell of a part: its signs in H_env and H_perc, and whether it is felt larger; OPEN
-    where they do not."""
+    """The signs of a part in H_env and H_perc, and whether it is felt larger (1), smaller (-1)
+    or equal (0); OPEN where the discs do not decide."""
 
     environment: Any
     perceived: Any
@@ -406,11 +467,11 @@ class Signs:
 
     @property
     def known(self) -> Any:
-        """Where all are told."""
+        """Where all three signs are determined."""
         return (self.environment != OPEN) & (self.perceived != OPEN) & (self.compared != OPEN)
 
     def label(self, part: Part, line: int) -> tuple[Property, Change]:
-        """How the change is felt at a line where all signs are known."""
+        """Return how the change is felt at a point where all signs are known."""
         env, perc, compared = (
             int(self.environment[line]),
             int(self.perceived[line]),
@@ -421,19 +482,22 @@ class Signs:
 
 
 def signs(x: Lines, part: Part) -> Signs:
-    """Of one part, at all lines."""
+    """Return the signs of one part at all points."""
     env, perc = (h.real if part is Part.REAL else h.imag for h in (x.environment, x.perceived))
+    # ||a| - |b|| changes by no more than both radii together.
     compared = _sign(np.abs(perc) - np.abs(env), x.env_radius + x.perc_radius)
     return Signs(_sign(env, x.env_radius), _sign(perc, x.perc_radius), compared)
 
 
 def _sign(value: Reals, radius: Reals) -> Any:
-    told: Any = np.where((np.abs(value) > radius) | (radius == 0), np.sign(value), OPEN)
-    return told.astype(np.int8)
+    """Return the signs of values; OPEN where the radius reaches 0. An exact 0 has the sign 0."""
+    is_known = (np.abs(value) > radius) | (radius == 0)
+    sign: Any = np.where(is_known, np.sign(value), OPEN)
+    return sign.astype(np.int8)
 
 
 def certainty(m: Measurement) -> str:
-    """What the discs of a response come from."""
+    """Return words for what the discs of a response come from."""
     if m.coherence is not None:
         return f"coherence, {m.averages:g} averages"
     return "no disc is known" if m.radius is None else "radius in the file"

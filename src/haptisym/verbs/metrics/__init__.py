@@ -1,1 +1,1 @@
-"""The field's measures of transparency beside the JND verdict."""
+"""The field's measures of transparency compared with the JND verdict."""

@@ -57,8 +57,8 @@ POUND = quantity("1 lbf", Dimension.FORCE).value
 
 @dataclass(frozen=True)
 class Control:
-    """A control of a table: its entries for static force and dynamics, and its tolerances of
-    breakout and force, lb."""
+    """A control of a table: the numbers of its entries for static force and dynamics (empty where
+    the table has none), and its tolerances of breakout and force, lb."""
 
     static: str
     dynamic: str
@@ -80,7 +80,7 @@ CONTROLS: dict[FlightRule, dict[str, Control]] = {
         "pedals": Control("2.a.2", "2.a.5", _HALF, Integer(1)),
     },
 }
-"""The controls of each table; the first is taken where none is named."""
+"""The controls of each table; the first is the default."""
 
 
 @dataclass(frozen=True)
@@ -113,6 +113,8 @@ class Increment(RealNumber):
     omega: RealNumber
 
     def ball(self, bits: int) -> Ball:
+        # The static part is taken off in balls: at a slow sweep both are nearly equal, and what
+        # floats would lose is had by asking for more bits.
         with flint.ctx.workprec(bits + 32):
             real, imag = (
                 ValueAt(f, self.omega).ball(bits + 32)
@@ -151,12 +153,13 @@ class ControlLoading(Answer):
 
     @property
     def scene(self) -> Scene:
-        """That of the evaluation."""
+        """The scene that was evaluated."""
         return self.evaluation.scene
 
     @property
     def distortion(self) -> Distortion:
-        """What is let go: of a helicopter with its friction off."""
+        """The distortion of which the free response is judged: of a helicopter with its friction
+        off."""
         return (
             _without_friction(self.scene)
             if self.rule is FlightRule.HELICOPTER
@@ -253,6 +256,7 @@ def control_loading(
         raise SceneError(
             "travel: this control turns, and the rule is in pounds at the grip: leave it out"
         )
+    # The limit holds for the evaluation and all tests together: they are computed inside.
     with limited(limit):
         asked = _Asked(
             evaluate(scene),
@@ -267,6 +271,7 @@ def control_loading(
 
 
 def _positive(key: str, given: Number, dimension: Dimension) -> Any:
+    """Return a quantity in SI, exact; SceneError where it is not positive."""
     with within(key):
         value = quantity(given, dimension).value
     if not value.is_positive:
@@ -275,14 +280,15 @@ def _positive(key: str, given: Number, dimension: Dimension) -> Any:
 
 
 def _without_friction(scene: Scene) -> Distortion:
-    return replace(
-        scene, effects=tuple(x for x in scene.effects if x.model != "coulomb-friction")
-    ).distortion()
+    """Return the distortion of a scene whose dry friction is taken out."""
+    effects = tuple(x for x in scene.effects if x.model != "coulomb-friction")
+    return replace(scene, effects=effects).distortion()
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """A question to the table: a travel in m and durations in s, where they are known."""
+    """The question that a table answers: a control, with its travel, m, and the durations of its
+    sweeps, s, where they are known. ``friction`` : the display's dry friction, N or N m."""
 
     evaluation: Evaluation
     rule: FlightRule
@@ -292,13 +298,9 @@ class _Asked:
     friction: Any = field(init=False)
 
     def __post_init__(self) -> None:
-        forces = [
-            p.value
-            for x in self.evaluation.scene.effects
-            if x.model == "coulomb-friction"
-            for p in x.parameters
-            if p.key == "force"
-        ]
+        # Several frictions act on one hand: their breakout forces add up.
+        frictions = [x for x in self.evaluation.scene.effects if x.model == "coulomb-friction"]
+        forces = [p.value for x in frictions for p in x.parameters if p.key == "force"]
         object.__setattr__(self, "friction", sum(forces, Integer(0)))
 
     @cached_property
@@ -308,7 +310,7 @@ class _Asked:
 
     @cached_property
     def d(self) -> Distortion:
-        """What is felt, of a helicopter with its friction off."""
+        """The distortion that is judged; of a helicopter with its friction off."""
         scene = self.evaluation.scene
         return (
             _without_friction(scene)
@@ -329,29 +331,39 @@ class _Asked:
             )
 
     def at_rest(self, f: RealFunction) -> RealNumber | None:
-        """A real part at 0 rad/s, exact where it is rational; None where it is infinite."""
-        found = value_at(f, chart({"": f}, Integer(0), Integer(1)).points[0], "")
+        """Return a real part at 0 rad/s, exact where it is rational; None where it is infinite."""
+        # A pole at 0 is known from the chart. A rational value is kept exact, so that a change of
+        # exactly 10 % can be decided.
+        value = value_at(f, chart({"": f}, Integer(0), Integer(1)).points[0], "")
         exact = f.expression().subs(omega, 0)
-        return ExactNumber(exact) if found is not None and exact.is_Rational else found
+        return ExactNumber(exact) if value is not None and exact.is_Rational else value
 
     def noticed(self, omega: Any) -> bool | None:
-        """What the JND says at a frequency; None outside the band."""
+        """Whether the distortion is noticed at a frequency, by the JND; None outside the band."""
         e, at = self.evaluation, float(omega)
         if not float(e.scene.band[0]) <= at <= float(e.scene.band[1]):
             return None
         return not any(float(x.low.omega) <= at <= float(x.high.omega) for x in e.transparent)
 
     def near(self, off: RealNumber, own: RealNumber, pounds: Rational) -> dict[str, Any]:
-        """Whether a change of force is within 10 % of the environment's, or within pounds at full
-        travel; and the margin."""
+        """Return whether a change of force is within 10 % of the environment's, or within pounds at
+        full travel, with the margin; or why that is not decided. ``off``, ``own`` : the change and
+        the environment's number, per displacement.
+
+        The verdict is decided in exact numbers or balls; margins are floats.
+        """
         size = abs(float(own.ball(64).mid()))
         share = float(off.ball(64).mid()) / size if size else None
+        # A change of exactly 10 % passes. Balls could not tell it from a larger one, rational
+        # numbers can.
         if isinstance(off, ExactNumber) and isinstance(own, ExactNumber):
             keeps = bool(10 * off.value <= abs(own.value))
         else:
             keeps = at_most(lambda bits: off.ball(bits) - abs(own.ball(bits)) / 10, Rational(0))
         left = [] if share is None else [1 - 10 * share]
         most = None if self.turns else pounds * POUND
+        # The wider of two tolerances counts: pounds are asked where they help, and are needed only
+        # where 10 % is exceeded.
         if most is not None and self.travel is not None:
             left.append(1 - float(off) * float(self.travel) / float(most))
             keeps = keeps or at_most(lambda bits: Scaled(off, 1 / self.travel).ball(bits), most)
@@ -369,7 +381,8 @@ class _Asked:
         return {"passes": keeps, "margin": max(left, default=None)}
 
     def static_force(self) -> Trial:
-        """Stiffness at rest, as force at full travel is proportional to it."""
+        """Return the test of static force, by the stiffness at rest, to which force at full
+        travel is proportional."""
         own, felt = (self.at_rest(x.real) for x in (self.d.env_response, self.d.perc_response))
         pounds = self.control.force
         trial = Trial(
@@ -385,16 +398,17 @@ class _Asked:
         off: RealNumber = _Off(felt, own)
         if isinstance(own, ExactNumber) and isinstance(felt, ExactNumber):
             off = ExactNumber(abs(felt.value - own.value))
-        found = self.near(off, own, pounds)
-        return replace(trial, **found, noticed=self.noticed(0))
+        verdict = self.near(off, own, pounds)
+        return replace(trial, **verdict, noticed=self.noticed(0))
 
     def breakout(self) -> Trial:
-        """The display's dry friction: the environment has none."""
+        """Return the test of breakout, by the display's dry friction: the environment has none."""
         most, pounds = self.control.breakout * POUND, float(self.control.breakout)
         tolerance = f"{pounds:g} lb" + (" or 25 %" if self.rule is FlightRule.HELICOPTER else "")
         trial = Trial(
             self.control.static, "breakout", tolerance, 0, ExactNumber(self.friction), "N"
         )
+        # A friction torque is no force at the grip without the lever's length.
         if self.turns:
             return replace(
                 trial,
@@ -416,18 +430,19 @@ class _Asked:
         )
 
     def free(self) -> Iterator[Trial]:
-        """The free response of the table."""
+        """Yield the tests of the free response; none where the table has no entry for the
+        control."""
         entry = self.control.dynamic
         if not entry:
             return
-        found = free_response(self.d, self.rule)
-        if not found.checks:
-            yield Trial(
-                entry, "free response", "10 %", why=found.refused.removeprefix("not offered: ")
-            )
+        response = free_response(self.d, self.rule)
+        if not response.checks:
+            why = response.refused.removeprefix("not offered: ")
+            yield Trial(entry, "free response", "10 %", why=why)
         e = self.evaluation
+        # The bandwidth is the band's end itself, the same object, where nothing is noticed.
         noticed = e.bandwidth is not e.chart.points[-1].omega
-        for x in found.checks:
+        for x in response.checks:
             yield Trial(
                 entry,
                 x.name,
@@ -442,7 +457,7 @@ class _Asked:
             )
 
     def swept(self) -> Iterator[Trial]:
-        """Moderate and rapid sweeps: what they need more than the slow one."""
+        """Yield the tests of moderate and rapid sweeps: the force above that of the slow one."""
         entry, tolerance = self.control.dynamic, "10 % or 2 lb above static"
         if not self.sweeps:
             why = (
@@ -460,6 +475,8 @@ class _Asked:
             if any(x is None for x in rests):
                 yield replace(trial, why="the stiffness at rest is infinite")
                 continue
+            # The change of the increment is |dH(j w) - dH(0)|, of dH itself: the difference of two
+            # moduli would be smaller where the phase changes.
             responses = self.d.env_response, self.d.perc_response, self.d.difference_response
             own, felt, off = (
                 Increment(x, rest, w)
@@ -479,7 +496,7 @@ class _Asked:
 
 @dataclass(frozen=True, repr=False)
 class _Off(RealNumber):
-    """The distance of two numbers."""
+    """The distance |one - other| of two numbers."""
 
     one: RealNumber
     other: RealNumber

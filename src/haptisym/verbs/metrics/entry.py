@@ -1,8 +1,8 @@
 """The measures of transparency that the field uses, side by side with the JND verdict, and where
-they disagree with it.
+the two disagree.
 
-Each with its closed form, proven numbers, its source and how well that is known. Derivation:
-15_metrics.
+Each measure (``_MEASURES``) has its closed form, proven numbers, its source and how well that is
+known. The functions that they are read off are in ``metric``. Derivation: 15_metrics.
 """
 
 from __future__ import annotations
@@ -64,7 +64,8 @@ _ACTIVE = (
 
 
 def disagreements(m: Measured) -> Iterable[str]:
-    """What one measure says and another does not, in sentences."""
+    """Yield sentences on where a measure and the JND verdict differ."""
+    # The bandwidth is the band's end itself, the same object, where nothing is noticed.
     e = m.evaluation
     noticed = e.bandwidth is not e.chart.points[-1].omega
     if noticed and m.free.blind:
@@ -75,6 +76,7 @@ def disagreements(m: Measured) -> Iterable[str]:
         yield _STRICT
     if noticed and covers(m.inside, e.chart):
         yield _COARSE
+    # All intervals are single points: the conditions hold only where one of their functions is 0.
     if e.transparent and m.llewellyn is not None and all(x.low is x.high for x in m.llewellyn):
         yield _ACTIVE
 
@@ -101,36 +103,40 @@ def metrics(
     with limited(limit):
         m = Measured(evaluate(scene))
         left = Left()
-        found = tuple(
+        # A measure that the limit cuts short is undecided by itself; the others that were found
+        # stand.
+        measures = tuple(
             in_time(partial(measure, m), name, left)
             or Metric(name, (), (), "", "", f"undecided: {left[name]}")
             for name, measure in _MEASURES.items()
         )
         notes = in_time(lambda: tuple(disagreements(m)), "notes", left) or ()
-        return Metrics(m.evaluation, found, notes, m, absolute_stability)
+        return Metrics(m.evaluation, measures, notes, m, absolute_stability)
 
 
 def _modulus_at_ends(function: RationalFunction, m: Measured, what: str) -> list[MetricValue]:
-    """|f| at both ends of the band."""
+    """Return |f| at both ends of the band."""
+    # From the square, which is rational: zeros and poles are exact, and the root is taken of balls.
     square = squared_modulus(function)
     points = chart({"": square}, *m.band).points
-    found = {end: value_at(square, points[i], "") for end, i in (("low", 0), ("high", -1))}
-    roots = {end: x if x is None or x == ZERO else SquareRoot(x) for end, x in found.items()}
+    squares = {end: value_at(square, points[i], "") for end, i in (("low", 0), ("high", -1))}
+    roots = {end: x if x is None or x == ZERO else SquareRoot(x) for end, x in squares.items()}
     return [MetricValue(f"{what} at {end} end", x, m.unit) for end, x in roots.items()]
 
 
 def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
-    """The largest of a modulus on the band, None where unbounded."""
+    """Return the largest value of a modulus on the band, given its square; None where unbounded."""
     if square.is_zero:
         return ZERO
-    found = largest(square, *m.band)
-    return None if found is None else SquareRoot(found)
+    peak = largest(square, *m.band)
+    return None if peak is None else SquareRoot(peak)
 
 
 # The measures
 
 
 def _ratio(m: Measured) -> Metric:
+    """Transmitted impedance ratio |H_perc/H_env|: its 3 dB edges and where it is between them."""
     edges = [p for p in m.edges.points if any(_passes(p, x) for x in WITHIN_3_DB)]
     values = [MetricValue(_edge(p), p.omega, "rad/s") for p in edges]
     inside = kept(m.edges)
@@ -150,20 +156,25 @@ def _ratio(m: Measured) -> Metric:
 
 
 def _beside_bandwidth(m: Measured, edges: list[Point]) -> str:
-    """The first edge against the JND's."""
-    first, bandwidth = f"first 3 dB edge at {short(edges[0].omega)} rad/s", m.evaluation.bandwidth
+    """Return words that compare the first 3 dB edge with the bandwidth by the JND."""
+    edge, bandwidth = edges[0].omega, m.evaluation.bandwidth
+    first = f"first 3 dB edge at {short(edge)} rad/s"
     if bandwidth is None or float(bandwidth) == 0:
         return f"{first}; the JND test finds no transparent band that begins at the band's low end"
     if bandwidth is m.evaluation.chart.points[-1].omega:
         return f"{first}; the JND is nowhere exceeded on the band"
-    return f"{first}, {float(edges[0].omega) / float(bandwidth):.3g} times the bandwidth by the JND"
+    share = float(edge) / float(bandwidth)
+    return f"{first}, {share:.3g} times the bandwidth by the JND"
 
 
 def _passes(p: Point, x: Criterion) -> bool:
+    """Whether a measure passes its limit at a point; one that only touches it does not."""
     return p.before[x] != p.after[x]
 
 
 def _edge(p: Point) -> str:
+    """Return the name of an edge with the way the ratio goes there: for "too small" it rises where
+    the criterion's function falls."""
     x = next(x for x in WITHIN_3_DB if _passes(p, x))
     return f"{x.name} edge, {'rising' if (p.after[x] > 0) == (x is TOO_LARGE) else 'falling'}"
 
@@ -212,6 +223,7 @@ def _range(m: Measured) -> Metric:
             else _modulus_at_ends(function, m, name)
         )
         values += shown
+    # Z_min = 0: in free space the display is not felt at all.
     empty = "nothing" if least is not None and least.is_zero else "Z_min"
     verdict = (
         f"where there is nothing, {empty} is felt; a rigid environment is felt as "
@@ -275,6 +287,7 @@ def _free(found: FreeResponse, m: Measured, of: str, table: str) -> Metric:
         )
         for x in found.checks
     ]
+    # Without effects H_perc is H_env, and that its zeros are the same says nothing.
     blind = found.blind and found.checks and m.evaluation.scene.effects
     passed = {True: "passes", False: "fails", None: found.refused}[found.passes]
     how = (

@@ -48,7 +48,9 @@ from haptisym.model.distortion import Distortion
 _BITS = 256  # of all signs; what they do not tell stays open
 _FINEST = Fraction(1, 1 << 60)  # of the time looked at
 _SIGNIFICANT = Rational(1, 20)
-_MOST_SWINGS = 60  # above 5 % of A_d; no control that is judged by these tables is damped so little
+# Overshoots above 5 % of A_d: more mean a damping ratio below some 2 %. No control that is judged
+# by these tables is damped so little, and each overshoot takes time.
+_MOST_SWINGS = 60
 
 Numbers = tuple[Expr, ...]
 
@@ -62,11 +64,11 @@ class FlightRule(Enum):
 
 @dataclass(frozen=True)
 class Motion:
-    """x(t)/A_d after a release: its transform is ``above`` over the ``factors``, each as often as
-    it counts; ascending rows.
+    """The motion x(t)/A_d after a release: its transform is ``above`` over the product of the
+    ``factors``, each to its power; coefficients ascending.
 
-    ``order`` : of the first derivative that is not 0 just after t = 0; of 0 x itself leaps, as a
-    part of the force ends at once.
+    ``order`` : of the first derivative that is not 0 just after t = 0. With order 0 x itself leaps,
+    as a part of the force ends at once.
     """
 
     above: Numbers = field(repr=False)
@@ -74,7 +76,7 @@ class Motion:
     order: int
 
     def value(self, t: Ball, order: int = 0) -> Ball:
-        """A derivative at a time."""
+        """Return a derivative at a time, s; the motion itself for order 0."""
         terms = (
             q * _derived(k, order, acb(t), p) * (p * acb(t)).exp()
             for p, row in self._terms
@@ -83,7 +85,9 @@ class Motion:
         return sum(terms, acb(0)).real
 
     def most(self, low: Ball, high: Ball, order: int = 0) -> Ball:
-        """A bound on the size of a derivative between two times."""
+        """Bound the modulus of a derivative between two times, s."""
+        # Of each term the polynomial in t grows and the exponential decays: the one is taken at the
+        # end, the other at the beginning.
         return sum(
             (
                 abs(q) * _derived(k, order, high, abs(p)) * (p.real * low).exp()
@@ -95,24 +99,27 @@ class Motion:
 
     @cached_property
     def _terms(self) -> list[tuple[Any, list[Any]]]:
-        """Each zero p with the coefficients of exp(p t), t exp(p t), ..."""
-        found = []
+        """Each zero p with the coefficients of exp(p t), t exp(p t), ...: the partial fractions
+        of the transform."""
+        terms = []
         with flint.ctx.workprec(2 * _BITS):
             above = acb_poly([acb(expression_ball(x)) for x in self.above])
             rows = [
                 (acb_poly([acb(expression_ball(x)) for x in row]), n) for row, n in self.factors
             ]
-            for i, (own, times) in enumerate(rows):
+            for i, (factor, times) in enumerate(rows):
                 for p in zeros(self.factors[i][0], 2 * _BITS):
+                    # In s = p + u: the factor is u times what is left without its constant, which
+                    # is exactly 0. The coefficient of u^j in all the rest is that of
+                    # 1/(s - p)^(times - j), which is t^(times - 1 - j) exp(p t)/(times - 1 - j)!.
                     moved = acb_poly([p, 1])
-                    rest = acb_poly(own(moved).coeffs()[1:]) ** times
+                    rest = acb_poly(factor(moved).coeffs()[1:]) ** times
                     for j, (other, n) in enumerate(rows):
                         rest = rest * other(moved) ** n if j != i else rest
                     series = _quotient(above(moved).coeffs(), rest.coeffs(), times)
-                    found.append(
-                        (p, [q / factorial(times - 1 - j) for j, q in enumerate(series)][::-1])
-                    )
-        return found
+                    row = [q / factorial(times - 1 - j) for j, q in enumerate(series)]
+                    terms.append((p, row[::-1]))
+        return terms
 
     @cached_property
     def slowest(self) -> Any:
@@ -122,6 +129,8 @@ class Motion:
     @cached_property
     def end(self) -> Fraction:
         """A time after which the motion never leaves 5 % of A_d."""
+        # t^k exp(Re p t) falls for t > k/|Re p|. From the sum of all multiplicities over the
+        # slowest rate on all terms fall, so that a bound at one time holds ever after.
         time = Fraction(sum(n for _, n in self.factors)) / Fraction(float(-self.slowest.real.mid()))
         with flint.ctx.workprec(_BITS):
             while not self.most(_arb(time), _arb(time)) < expression_ball(_SIGNIFICANT):
@@ -131,6 +140,8 @@ class Motion:
     @cached_property
     def _begun(self) -> Fraction:
         """A time up to which all derivatives that are 0 at first keep the sign that they get."""
+        # The first derivative that is not 0 keeps its sign as long as it is larger at the middle
+        # than the next one can change it: those before it, 0 at t = 0, are then monotonic.
         order, time = max(self.order, 1), self.end
         while True:
             with flint.ctx.workprec(_BITS):
@@ -143,14 +154,16 @@ class Motion:
     def passages(
         self, level: Rational, order: int = 0, until: Fraction | None = None
     ) -> list[LevelPassage]:
-        """Where a derivative (0: x itself) passes a level after the release, all of them up to a
-        time, in order; certified."""
+        """Return all passages of a level by a derivative (0: x itself) after the release, up to
+        a time, s, in order; proven."""
         start, last = self._begun, until or self.end
-        found: list[LevelPassage] = []
-        if order == 0:  # monotonic at first
+        passages: list[LevelPassage] = []
+        # Monotonic up to there, x passes a level once if it is on different sides at both ends. Its
+        # derivatives keep their sign and pass 0 not at all.
+        if order == 0:
             low = sign_of(self.begin - expression_ball(level))
             if low and _sign(self._at(start) - expression_ball(level)) == -low:
-                found.append(LevelPassage(self, level, 0, Fraction(0), start))
+                passages.append(LevelPassage(self, level, 0, Fraction(0), start))
         cells = Waiting([(start, max(last, start))])
         for low_end, high_end in cells:
             if self._is_apart(low_end, high_end, level, order):
@@ -160,13 +173,13 @@ class Motion:
                     _sign(self._at(t, order) - expression_ball(level)) for t in (low_end, high_end)
                 ]
                 if signs[0] != signs[1]:
-                    found.append(LevelPassage(self, level, order, low_end, high_end))
+                    passages.append(LevelPassage(self, level, order, low_end, high_end))
                 continue
             if high_end - low_end < _FINEST * last:
                 raise UndecidedError("whether a free response is tangent to a level or crosses it")
             middle = (low_end + high_end) / 2
             cells.add((low_end, middle), (middle, high_end))
-        return found
+        return passages
 
     @property
     def begin(self) -> Any:
@@ -174,17 +187,20 @@ class Motion:
         return arb(1) if self.order else self.value(arb(0))
 
     def _at(self, t: Fraction, order: int = 0) -> Ball:
+        """Return a derivative at an exact time."""
         with flint.ctx.workprec(_BITS):
             return self.value(_arb(t), order)
 
     def _is_apart(self, low: Fraction, high: Fraction, level: Rational, order: int) -> bool:
+        """Whether a derivative is shown not to meet a level between two times."""
+        # By the mean value theorem: |f(t) - f(middle)| <= max |f'| times half the width.
         with flint.ctx.workprec(_BITS):
             off = abs(self.value(_arb((low + high) / 2), order) - expression_ball(level))
             return bool(off > self.most(_arb(low), _arb(high), order + 1) * _arb((high - low) / 2))
 
 
 def _derived(k: int, order: int, t: Any, p: Any) -> Any:
-    """A derivative of t^k exp(p t), over exp(p t)."""
+    """Return a derivative of t^k exp(p t), divided by exp(p t)."""
     return sum(
         comb(order, n) * perm(k, n) * t ** (k - n) * p ** (order - n)
         for n in range(min(k, order) + 1)
@@ -196,20 +212,22 @@ def _arb(x: Fraction) -> Ball:
 
 
 def _sign(x: Ball) -> int:
-    found = sign_of(x)
-    if not found:
+    """Return the sign of a ball; UndecidedError where it contains 0."""
+    sign = sign_of(x)
+    if not sign:
         raise UndecidedError("on which side of a level a free response is")
-    return found
+    return sign
 
 
 def _quotient(above: list[Any], below: list[Any], count: int) -> list[Any]:
-    """The first coefficients of a quotient of two series."""
-    found: list[Any] = []
+    """Return the first coefficients of a quotient of two power series, constant first."""
+    quotient: list[Any] = []
     for n in range(count):
-        own = above[n] if n < len(above) else acb(0)
-        own -= sum((below[n - i] * x for i, x in enumerate(found) if n - i < len(below)), acb(0))
-        found.append(own / below[0])
-    return found
+        rest = above[n] if n < len(above) else acb(0)
+        known = [(n - i, x) for i, x in enumerate(quotient) if n - i < len(below)]
+        rest -= sum((below[k] * x for k, x in known), acb(0))
+        quotient.append(rest / below[0])
+    return quotient
 
 
 @lru_cache(maxsize=64)
@@ -218,20 +236,22 @@ def zeros(coefficients: Numbers, bits: int) -> tuple[Any, ...]:
     apart."""
 
     def apart(working: int) -> tuple[Any, ...] | None:
+        # Coefficients are balls, so the zeros cannot be closer than these are wide: half the
+        # working precision is asked for. ValueError where the zeros are not isolated yet.
         polynomial = acb_poly([acb(expression_ball(c)) for c in coefficients])
         try:
-            found = polynomial.roots(tol=arb(2) ** (32 - working // 2), maxprec=2 * working + 128)
+            roots = polynomial.roots(tol=arb(2) ** (32 - working // 2), maxprec=2 * working + 128)
         except ValueError:
             return None
-        return tuple(found) if len(found) == len(coefficients) - 1 else None
+        return tuple(roots) if len(roots) == len(coefficients) - 1 else None
 
     return at_rising_precision(apart, 2 * bits + 64, SURE_BITS) or ()
 
 
 @dataclass(frozen=True, repr=False)
 class LevelPassage(RealNumber):
-    """The one time between two others at which a motion, or a derivative of it, passes a level;
-    s."""
+    """The only time, s, between two others at which a motion, or a derivative of it, passes a
+    level."""
 
     motion: Motion
     level: Rational
@@ -240,25 +260,29 @@ class LevelPassage(RealNumber):
     high: Fraction
 
     def ball(self, bits: int) -> Ball:
-        """By Newton's steps with intervals: f(t) = f'(u) (t - x) for a u between, and f' is known
-        up to f'' times the width."""
+        """Return an enclosure by interval Newton: f(t) = f'(u) (t - x) for a u between t and the
+        passage x, and f' is known up to f'' times the width."""
         with flint.ctx.workprec(2 * bits + 64):
-            above, here = self._off(_arb(self.high)), _arb(self.low).union(_arb(self.high))
-            least = here.rad() * arb(2) ** -(bits + 8)
-            while here.rad() > least:
-                middle, half = here.mid(), here.rad()
+            above = self._off(_arb(self.high))
+            cell = _arb(self.low).union(_arb(self.high))
+            least = cell.rad() * arb(2) ** -(bits + 8)
+            while cell.rad() > least:
+                middle, half = cell.mid(), cell.rad()
                 ends = middle - half, middle + half
-                off, bend = self._off(middle), self.motion.most(*ends, self.order + 2)
+                off = self._off(middle)
+                bend = self.motion.most(*ends, self.order + 2)
                 slope = self.motion.value(middle, self.order + 1) + arb(0, (bend * half).upper())
                 inner = middle if slope.contains(0) else middle - off / slope
+                # A step that does not halve the cell, or leaves it, is replaced by a bisection: the
+                # passage is on the side where the sign differs from that at the middle.
                 if slope.contains(0) or not (
                     inner.rad() < half / 2 and inner > ends[0] and inner < ends[1]
                 ):
                     if not sign_of(off):
                         break  # as near as the digits of the zeros allow
                     inner = middle.union(ends[0] if sign_of(off) == _sign(above) else ends[1])
-                here = inner
-            return here
+                cell = inner
+            return cell
 
     def _off(self, t: Ball) -> Ball:
         return self.motion.value(t, self.order) - expression_ball(self.level)
@@ -266,7 +290,7 @@ class LevelPassage(RealNumber):
 
 @dataclass(frozen=True, repr=False)
 class Span(RealNumber):
-    """The time between two passages, s; or, of a ``height``, |x|/A_d at one."""
+    """The time between two passages, s; or, where it is a ``height``, |x|/A_d at the last one."""
 
     first: RealNumber
     last: LevelPassage
@@ -284,21 +308,24 @@ _AT_ONCE = ExactNumber(Rational(0))
 
 @dataclass(frozen=True)
 class Swings:
-    """What the tables read off a motion: the passages of 90 % and 10 %, the zero crossings, and the
-    overshoots after each."""
+    """The quantities that the tables read off a motion: the passages of 90 % and 10 %, the zero
+    crossings, and the overshoots after each."""
 
     motion: Motion
 
     def first(self, level: Rational) -> RealNumber | None:
-        """The first time at a level, from above."""
+        """Return the first time at which the motion is at a level, coming from above; 0 where it
+        begins at or below it, None where it never is."""
         if not self.motion.begin > expression_ball(level):
             return _AT_ONCE
         return next(iter(self.motion.passages(level)), None)
 
     @cached_property
     def crossings(self) -> list[LevelPassage]:
-        """Of zero: all while the motion is larger than 5 %, and at least three where the slowest
-        motion swings for ever."""
+        """The zero crossings: all while the motion is larger than 5 % of A_d, and at least three
+        where the slowest mode oscillates."""
+        # A complex slowest pair crosses zero for ever: the search goes on until P_1 has both its
+        # ends.
         motion, until = self.motion, self.motion.end
         while len(
             found := motion.passages(Rational(0), 0, until)
@@ -308,20 +335,18 @@ class Swings:
 
     @cached_property
     def overshoots(self) -> list[Span]:
-        """After each zero crossing the largest |x|/A_d before the next one, while that may exceed 5
-        %."""
+        """After each zero crossing the largest |x|/A_d before the next one, while it may exceed
+        5 %."""
         ends = [*(x.high for x in self.crossings[1:]), None]
-        turns = self.motion.passages(Rational(0), 1)
-        found = []
+        extrema = self.motion.passages(Rational(0), 1)
+        overshoots = []
         for crossing, end in zip(self.crossings, ends, strict=False):
-            own = [
-                Span(x, x, height=True)
-                for x in turns
-                if x.low >= crossing.low and (end is None or x.high <= end)
-            ]
-            if own:
-                found.append(max(own, key=lambda x: float(x.ball(64).mid())))
-        return found
+            between = [x for x in extrema if x.low >= crossing.low]
+            heights = [Span(x, x, height=True) for x in between if end is None or x.high <= end]
+            # Of several modes there may be more than one extremum between two crossings.
+            if heights:
+                overshoots.append(max(heights, key=lambda x: float(x.ball(64).mid())))
+        return overshoots
 
     @cached_property
     def significant(self) -> int:
@@ -329,12 +354,15 @@ class Swings:
         return sum(_exceeds(x, _SIGNIFICANT) for x in self.overshoots)
 
     def period(self, n: int) -> Span | None:
-        """P_n, the n-th full cycle after the first zero crossing."""
-        own = self.crossings[2 * n - 2 : 2 * n + 1]
-        return Span(own[0], own[2]) if len(own) == 3 else None
+        """Return P_n, the n-th full cycle after the first zero crossing; None where it is not
+        completed."""
+        cycle = self.crossings[2 * n - 2 : 2 * n + 1]
+        return Span(cycle[0], cycle[2]) if len(cycle) == 3 else None
 
 
 def _exceeds(x: RealNumber, limit: Rational) -> bool:
+    """Whether a number exceeds a limit; one that is not distinguished from it at the last precision
+    does not."""
     return (
         at_rising_precision(
             lambda bits: sign_of(x.ball(bits) - expression_ball(limit)) or None, 64, _BITS
@@ -345,8 +373,8 @@ def _exceeds(x: RealNumber, limit: Rational) -> bool:
 
 @dataclass(frozen=True)
 class Check:
-    """One tolerance: what the environment does, what is felt instead (None: nothing such), and
-    whether that is close enough.
+    """The check of one tolerance: the environment's number, the perceived one (None: there is
+    none), and whether that is close enough.
 
     ``margin`` : the share of the tolerance that is left, in floats: 1 with no change, 0 at the
     limit, negative beyond it.
@@ -363,8 +391,8 @@ class Check:
 
 @dataclass(frozen=True)
 class FreeResponse:
-    """The test's checks; or why there are none (``refused``). ``blind``: H_perc has the very zeros
-    of H_env."""
+    """The result of a free-response test: its checks, or why there are none (``refused``).
+    ``blind``: H_perc has the same zeros as H_env, and so the same periods and rates of decay."""
 
     checks: tuple[Check, ...]
     refused: str
@@ -372,7 +400,8 @@ class FreeResponse:
 
     @property
     def passes(self) -> bool | None:
-        """Whether every tolerance is kept; None where the test is not offered."""
+        """Whether every tolerance is satisfied; None where the test is not offered or not
+        decided."""
         return all(check.passes for check in self.checks) if self.checks else None
 
 
@@ -396,6 +425,7 @@ def free_response(d: Distortion, rule: FlightRule = FlightRule.AEROPLANE) -> Fre
         motion = motion_of(dynamics)
         if isinstance(motion, str):
             return FreeResponse((), f"not offered: {motion} (in the {name})", blind)
+        # Half turns of the slowest pair while the motion may exceed 5 % of A_d, before any search.
         if (many := float(motion.end) * abs(float(motion.slowest.imag.mid())) / pi) > _MOST_SWINGS:
             return FreeResponse(
                 (),
@@ -410,17 +440,18 @@ def free_response(d: Distortion, rule: FlightRule = FlightRule.AEROPLANE) -> Fre
 
 
 def _same_zeros(one: RationalFunction, other: RationalFunction) -> bool:
+    """Whether two functions have the same zeros: numerators that differ by a constant factor."""
     a, b = (_own(x.reduced().numerator, x) for x in (one, other))
     return bool((a / a.leading_coefficient()) == (b / b.leading_coefficient()))
 
 
 def _own(polynomial: Polynomial, dynamics: RationalFunction) -> Polynomial:
-    """Without the delays that all its terms share, which have no zeros."""
+    """Return a polynomial without the delays that all its terms share, which have no zeros."""
     return dynamics.ring.without_common_functions(polynomial)[1]
 
 
 def motion_of(dynamics: RationalFunction) -> Motion | str:
-    """The motion after a release, or why there is none."""
+    """Return the motion after a release, or words for why there is none."""
     ring, reduced = dynamics.ring, dynamics.reduced()
     above, below = (_own(x, dynamics) for x in (reduced.numerator, reduced.denominator))
     if any(degree_in([above, below], i) for i in range(ring.size, len(ring.meanings))):
@@ -435,14 +466,17 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
         return "without zeros there is no motion: the handle returns at once"
     if len(bottom) > len(top):
         return "without a mass at the handle the motion would begin with an impulse"
+    # Zeros can be enclosed apart from each other only where they are simple.
     factors = tuple((tuple(ring.coefficients(f)), n) for f, n in _squarefree(above))
-    slow = [p.real for row, _ in factors for p in zeros(row, 128)]
-    if not all(x < 0 for x in slow):
+    rates = [p.real for row, _ in factors for p in zeros(row, 128)]
+    if not all(x < 0 for x in rates):
         return "the free response does not die out"
+    # (N - H(0) D)/s: the constant coefficient is 0 exactly, and left out.
     static = top[0] / bottom[0]
     rest = [x - static * (bottom[n] if n < len(bottom) else 0) for n, x in enumerate(top)][1:]
     while len(rest) > 1 and rest[-1].expand() == 0:
         rest.pop()
+    # N is its leading coefficient times the product of monic factors; these here are not monic.
     lead = top[-1]
     for row, n in factors:
         lead = lead / row[-1] ** n
@@ -451,7 +485,9 @@ def motion_of(dynamics: RationalFunction) -> Motion | str:
 
 
 def _squarefree(polynomial: Polynomial) -> Iterator[tuple[Polynomial, int]]:
-    """Factors without repeated zeros in s, and how often each counts."""
+    """Yield factors without repeated zeros in s, each with its multiplicity."""
+    # gcd(N, N') has each zero once less often than N: dividing it out again and again leaves, round
+    # by round, the zeros of at least that multiplicity.
     times, rest = 1, polynomial
     shared = rest.gcd(rest.derivative(0))
     left = rest / shared
@@ -463,6 +499,8 @@ def _squarefree(polynomial: Polynomial) -> Iterator[tuple[Polynomial, int]]:
 
 
 def _checks(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
+    """Yield the checks of a table, in its order; the environment decides whether it is
+    underdamped."""
     if not env.crossings:
         pair = _fall(env), _fall(perc)
         yield _ratio_check("time from 90 % to 10 % of A_d", *pair, 10)
@@ -473,6 +511,7 @@ def _checks(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
             else "first zero crossing"
         )
         yield _ratio_check(f"P_0, {first}", _start(env, rule), _start(perc, rule), 10)
+        # Two overshoots to a period: as many periods as have a significant one.
         for n in range(1, max(1, (env.significant + 1) // 2) + 1):
             if (own := env.period(n)) is not None and env.significant:
                 yield _ratio_check(f"P_{n}, period", own, perc.period(n), 10 * (n + 1))
@@ -491,12 +530,13 @@ def _checks(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
 
 
 def _fall(x: Swings) -> RealNumber | None:
-    """From 90 % to 10 % of A_d; no time where it leaps below both at once."""
+    """Return the time from 90 % to 10 % of A_d; 0 where the motion leaps below both at once."""
     first, last = x.first(Rational(9, 10)), x.first(Rational(1, 10))
     return last if first is None or not isinstance(last, LevelPassage) else Span(first, last)
 
 
 def _start(x: Swings, rule: FlightRule) -> RealNumber | None:
+    """Return P_0: from 90 % of A_d, or from the release, to the first zero crossing."""
     if not x.crossings:
         return None
     first = x.first(Rational(9, 10)) if rule is FlightRule.AEROPLANE else _AT_ONCE
@@ -504,6 +544,7 @@ def _start(x: Swings, rule: FlightRule) -> RealNumber | None:
 
 
 def _ratio_check(name: str, env: RealNumber | None, perc: RealNumber | None, percent: int) -> Check:
+    """Return the check of a time: within so many per cent of the environment's."""
     assert env is not None
     share = expression_ball(Rational(percent, 100))
     passes = perc is env or (
@@ -512,8 +553,10 @@ def _ratio_check(name: str, env: RealNumber | None, perc: RealNumber | None, per
             lambda bits: abs(perc.ball(bits) - env.ball(bits)) - share * env.ball(bits), Rational(0)
         )
     )
-    own = _float(env)
-    margin = None if perc is None or not own else 1 - 100 * abs(_float(perc) / own - 1) / percent
+    known = _float(env)
+    margin = None
+    if perc is not None and known:
+        margin = 1 - 100 * abs(_float(perc) / known - 1) / percent
     return Check(name, env, perc, "s", f"{percent} %", passes, margin)
 
 
@@ -522,35 +565,40 @@ def _float(x: RealNumber) -> float:
 
 
 def _amplitudes(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
-    """Of each overshoot that is above 5 % of A_d on either side; from the fourth on in one row,
-    with the numbers of that one."""
+    """Yield the checks of each overshoot that is above 5 % of A_d in either motion; from the
+    fourth on one check, with the numbers of that overshoot and the smallest margin."""
     count = min(max(env.significant, perc.significant), len(env.overshoots))
     if not count:
         return
     rows = [_overshoot(n, env, perc, rule) for n in range(1, count + 1)]
     yield from rows[:3]
-    if len(rows) > 3:
-        fourth = rows[3]
+    later = rows[3:]
+    if later:
+        fourth = later[0]
         name = f"A_4/A_d to A_{count}/A_d" if count > 4 else fourth.name
-        least = min(x.margin for x in rows[3:] if x.margin is not None)
-        passes = all(x.passes for x in rows[3:])
+        least = min(x.margin for x in later if x.margin is not None)
+        passes = all(x.passes for x in later)
         yield Check(name, fourth.environment, fourth.perceived, "", fourth.tolerance, passes, least)
 
 
 def _overshoot(n: int, env: Swings, perc: Swings, rule: FlightRule) -> Check:
-    own = perc.overshoots[n - 1] if n <= len(perc.overshoots) else None
+    """Return the check of the n-th overshoot: within 10 % of the first, or for helicopters, from
+    the second on, within 20 % of itself. One that is missing counts as 0."""
+    felt = perc.overshoots[n - 1] if n <= len(perc.overshoots) else None
     later = rule is FlightRule.HELICOPTER and n > 1
     known, of = env.overshoots[n - 1], env.overshoots[n - 1 if later else 0]
     limit = Rational(1, 5) if later else Rational(1, 10)
 
     def off(bits: int) -> Ball:
-        return abs((arb(0) if own is None else own.ball(bits)) - known.ball(bits)) / of.ball(bits)
+        size = arb(0) if felt is None else felt.ball(bits)
+        return abs(size - known.ball(bits)) / of.ball(bits)
 
+    # The margin is for reading; the verdict beside it is decided at rising precision.
     margin = 1 - float(off(64).mid()) / float(limit)
     return Check(
         f"A_{n}/A_d",
         known,
-        own,
+        felt,
         "",
         f"{100 * limit} % of A_{n if later else 1}",
         at_most(off, limit),
@@ -559,8 +607,8 @@ def _overshoot(n: int, env: Swings, perc: Swings, rule: FlightRule) -> Check:
 
 
 def at_most(value: Callable[[int], Ball], limit: Rational) -> bool:
-    """Whether a number is at most a limit; one that cannot be told from it at the last precision is
-    not."""
+    """Whether a number is at most a limit; one that is not distinguished from it at the last
+    precision counts as larger, so that no tolerance passes unproven."""
     return (
         at_rising_precision(
             lambda bits: -sign_of(value(bits) - expression_ball(limit)) or None, 64, _BITS

@@ -1,10 +1,12 @@
 """The measures of transparency: the exact functions that they are read off, their closed forms,
 charts and rows.
 
-A chain of effects is one two-port: what it does to every environment, and to none in particular.
-Beside it stand the criteria of the field: the 3 dB edges, relative distortion, and Llewellyn's
-criterion, whose conditions on the axis are asked at all frequencies, with those on the poles.
-Passivity of a display is in ``haptisym.judge.passivity``.
+A chain of effects is one two-port [F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]: what a display does to
+any environment (``TwoPort``). From its entries follow what is felt of nothing and of a rigid
+environment, sensitivity, and Llewellyn's criterion of absolute stability, whose conditions on the
+axis and on the poles are tested at all frequencies (``Unconditional``). The other criteria of the
+field compare H_perc with H_env: the 3 dB edges and relative distortion. Passivity of a display is
+in ``haptisym.judge.passivity``. What is shown is collected in ``Measured``.
 Derivation: 15_metrics.
 """
 
@@ -39,8 +41,8 @@ from haptisym.verbs.metrics.freeresponse import FlightRule, FreeResponse, free_r
 
 @dataclass(frozen=True)
 class TwoPort:
-    """What a display does to any environment: the chain matrix ``[F_h; X_h] = [[A, B], [C, D]]
-    [F_e; X_e]`` up to a factor.
+    """A display as a two-port: the chain matrix ``[F_h; X_h] = [[A, B], [C, D]] [F_e; X_e]``, known
+    up to a factor.
 
     What is read off it does not see that factor: quotients of entries, and det over a product of
     two entries.
@@ -50,7 +52,7 @@ class TwoPort:
 
     @property
     def ring(self) -> Ring:
-        """That of all its functions."""
+        """The ring that all its functions are of."""
         ring = self.d.env.ring
         assert isinstance(ring, Ring)
         return ring
@@ -58,6 +60,8 @@ class TwoPort:
     @cached_property
     def _entries(self) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial]:
         """The product of the chain's matrices, the one nearest the environment applied first."""
+        # Each matrix is multiplied by its common denominator: entries stay polynomials, and the
+        # factor cancels in all that is read off.
         a, b, c, d = (self.ring.constant(n) for n in (1, 0, 0, 1))
         for matrix in self.d.chain.matrices:
             p, q, r, t = cleared([self.ring.convert(entry) for entry in matrix])
@@ -70,6 +74,7 @@ class TwoPort:
         return a * d - b * c
 
     def _over(self, top: Polynomial, bottom: Polynomial) -> RationalFunction | None:
+        """Return a quotient in lowest terms; None where it is infinite everywhere."""
         return None if bottom.is_zero() else self.ring.function(top, bottom).reduced()
 
     @property
@@ -104,6 +109,8 @@ class TwoPort:
         """dH_perc/dH_env = det/(C H + D)^2 of the Moebius map, H being the environment (or what is
         rendered)."""
         H = self.ring.convert(self.d.chain.rendered).reduced()
+        # H = N/D_H: numerator and denominator are both taken times D_H^2, so that all stay
+        # polynomials.
         below = self._entries[2] * H.numerator + self._entries[3] * H.denominator
         return self._over(self._det * H.denominator**2, below**2)
 
@@ -116,7 +123,7 @@ Function: TypeAlias = RationalFunction | RealFunction
 
 @dataclass(frozen=True, repr=False)
 class Form(Shown):
-    """A closed form by its name, of s or of omega."""
+    """A closed form with its name, a function of s or of omega."""
 
     name: str
     numbers: TwoPort
@@ -127,28 +134,30 @@ class Form(Shown):
 
     @cached_property
     def symbolic(self) -> Function | None:
-        """In the scene's symbols; None with too many of them, and where there is none (a division
-        by 0)."""
+        """The form in the scene's symbols; None with too many of them, and where there is none
+        (a division by 0)."""
         return None if self.symbols is None else _FORMS[self.name](self.symbols)
 
     @cached_property
     def numeric(self) -> Function | None:
-        """In the scene's numbers; None where there is none."""
+        """The form in the scene's numbers; None where there is none."""
         return _FORMS[self.name](self.numbers)
 
     @property
     def value(self) -> Expr | None:
-        """In symbols if it can be, else in numbers."""
+        """The form as an expression: in symbols if there is one, else in numbers."""
         found = self.symbolic or self.numeric
         return None if found is None else found.factored()
 
 
 def _mass(x: TwoPort) -> RealFunction:
+    """Return the effective mass -Re H_perc/omega^2."""
     real = on_axis(x.d.perc).real
     return RealFunction((-real.function / real.axis.convert(omega**2)).reduced())
 
 
 def _damping(x: TwoPort) -> RealFunction:
+    """Return the effective damping Im H_perc/omega."""
     imag = on_axis(x.d.perc).imag
     return RealFunction((imag.function / imag.axis.convert(omega)).reduced())
 
@@ -161,6 +170,7 @@ _FORMS: dict[str, Callable[[TwoPort], Function | None]] = {
     "Z_width": lambda x: x.width,
     "dH_perc/dH_env": lambda x: x.sensitivity,
     "g": lambda x: x.gain,
+    # Effective stiffness, mass and damping: H_perc as if it were of one of them alone.
     "k_perc": lambda x: on_axis(x.d.perc).real,
     "m_perc": _mass,
     "b_perc": _damping,
@@ -168,11 +178,13 @@ _FORMS: dict[str, Callable[[TwoPort], Function | None]] = {
 
 
 def ratio_square(d: Distortion) -> RealFunction:
-    """|H_perc/H_env|^2."""
+    """Return |H_perc/H_env|^2."""
     return squared_modulus((d.perc / d.env).reduced())
 
 
 def _below(d: Distortion) -> RealFunction:
+    """Return 1/2 - |H_perc/H_env|^2, which is positive where the ratio is more than 3 dB below
+    1."""
     square = ratio_square(d)
     return RealFunction(square.axis.convert(Rational(1, 2))) - square
 
@@ -190,12 +202,12 @@ WITHIN_3_DB = (TOO_SMALL, TOO_LARGE)
 
 
 def relative_square(d: Distortion) -> RealFunction:
-    """|dH/H_env|^2."""
+    """Return |dH/H_env|^2."""
     return squared_modulus((d.difference / d.env).reduced())
 
 
 def relative(c: Expr) -> Criterion:
-    """|dH/H_env| <= c."""
+    """Return the criterion |dH/H_env| <= c."""
     return Criterion(
         "relative",
         "relative distortion",
@@ -209,10 +221,12 @@ def relative(c: Expr) -> Criterion:
 _Hybrid: TypeAlias = Callable[
     [RealFunction, RealFunction, RealFunction, RealFunction], RealFunction
 ]
-"""Of Im h11, Im h22, Re g and |g|^2, with g = -h12 h21."""
+"""A condition as a function of Im h11, Im h22, Re g and |g|^2, with g = -h12 h21; positive where it
+fails."""
 
 
 def _read(rule: str, d: Distortion) -> RealFunction:
+    """Return the function of a condition of Llewellyn's for a display; SceneError where D = 0."""
     port = TwoPort(d)
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
@@ -225,10 +239,14 @@ def _read(rule: str, d: Distortion) -> RealFunction:
 def _lack(
     own: RealFunction, other: RealFunction, real: RealFunction, _: RealFunction
 ) -> RealFunction:
-    """-(Re g - 2 Im h11 Im h22)."""
+    """Return -(Re g - 2 Im h11 Im h22), which is positive where the third condition fails."""
     return RealFunction((own * other).function + (own * other).function) - real
 
 
+# Llewellyn: Re h11 >= 0, Re h22 >= 0 and 2 Re h11 Re h22 >= |h12 h21| + Re(h12 h21), h of velocity.
+# With displacement, h11 is over j omega and h22 times j omega: real parts become imaginary ones,
+# and Re h11 Re h22 = -Im h11 Im h22. The last condition is |g| <= Re g - 2 Im h11 Im h22: squared,
+# so that it is rational, with the sign of the right side as a condition of its own.
 _CONDITIONS: Mapping[str, _Hybrid] = {
     "Im h11 >= 0": lambda own, *_: RealFunction(-own.function),
     "Im h22 <= 0": lambda _own, other, *_: other,
@@ -243,9 +261,9 @@ LLEWELLYN = tuple(
 
 @dataclass(frozen=True)
 class Unconditional:
-    """``axis`` : whether the conditions hold at every frequency. ``poles`` : whether h11, h22 and
-    h12 h21 have none in Re s > 0, and h11 and h22 on the axis simple ones with positive residues
-    alone. None where not decided."""
+    """Llewellyn's criterion at all frequencies. ``axis`` : whether the conditions hold at every
+    frequency. ``poles`` : whether h11, h22 and h12 h21 have none in Re s > 0, and h11 and h22 on
+    the axis simple ones with positive residues alone. None where not decided."""
 
     axis: bool | None
     poles: bool | None
@@ -259,6 +277,8 @@ class Unconditional:
 
 
 def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
+    """Whether Llewellyn's conditions on the axis hold at every frequency; None where not
+    decided."""
     if port.least is None:
         return None
     functions = {x: x.function(d) for x in LLEWELLYN}
@@ -266,7 +286,10 @@ def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
     try:
         for f in functions.values():
             assert isinstance(f, RealFunction)  # none is about a threshold
-            beyond = asymptotic_sign(f.axis.function(f.function.numerator * f.function.denominator))
+            # N D has the sign of N/D. Beyond a radius that sign is known; up to the largest of
+            # these radii a chart has all changes of sign.
+            product = f.function.numerator * f.function.denominator
+            beyond = asymptotic_sign(f.axis.function(product))
             if beyond.sense is Sense.BOTH or (beyond.sense is Sense.POSITIVE and not f.is_zero):
                 return False
             if beyond.sense is Sense.UNKNOWN:
@@ -278,38 +301,44 @@ def _on_axis(d: Distortion, port: TwoPort) -> bool | None:
         return None
     if any(sign > 0 for p in points for sign in p.after.values()):
         return False
+    # Long delays turn so often that only a part is charted: then nothing is known of the rest.
     return None if seen != high or any(p.undecided for p in points) else True
 
 
 def _poles(port: TwoPort) -> bool | None:
-    """Of h11 = B/(D s), of h22 = s C/D, and of their product's partner g."""
+    """Whether h11 = B/(D s), h22 = s C/D and g = -h12 h21 have the poles that absolute stability
+    allows; None where not decided."""
     least, leak, gain = port.least, port.leak, port.gain
     if least is None or leak is None or gain is None:
         return None
     s = port.ring.function(port.ring.variable)
-    found = (poles_allow(least), poles_allow((leak * s * s).reduced()), has_no_pole_right(gain))
-    return False if False in found else None if None in found else True
+    # ``poles_allow`` asks for the poles of F/s: F = B/D for h11, and F = s^2 C/D for h22.
+    allowed = (poles_allow(least), poles_allow((leak * s * s).reduced()), has_no_pole_right(gain))
+    if False in allowed:
+        return False
+    return None if None in allowed else True
 
 
 Bands: TypeAlias = tuple[Interval, ...]
 FAR = 100
-"""Times the band: how far edges at 3 dB are looked for where no delay makes them endless."""
+"""Multiple of the band's end up to which 3 dB edges are searched, where no delay makes infinitely
+many."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """What the measures are read off: exact functions and their charts."""
+    """The exact functions that the measures are read off, and their charts."""
 
     evaluation: Evaluation
 
     @property
     def d(self) -> Distortion:
-        """What is felt instead of the environment."""
+        """The distortion: what is felt instead of the environment."""
         return self.evaluation.distortion
 
     @property
     def band(self) -> tuple[Expr, Expr]:
-        """Its ends, rad/s."""
+        """The ends of the band, rad/s."""
         low, high = self.evaluation.scene.band
         return low, high
 
@@ -326,7 +355,7 @@ class Measured:
         )
 
     def forms(self, *names: str) -> tuple[Form, ...]:
-        """Some of the closed forms, by their names."""
+        """Return some of the closed forms, by their names."""
         return tuple(Form(name, self.port, self._symbolic) for name in names)
 
     @cached_property
@@ -344,7 +373,7 @@ class Measured:
 
     @cached_property
     def reach(self) -> Expr:
-        """How far edges are looked for, rad/s."""
+        """The frequency up to which 3 dB edges are searched, rad/s."""
         return self.band[1] * (1 if self.d.env.ring.functions else FAR)
 
     @cached_property
@@ -366,6 +395,7 @@ class Measured:
 
     @cached_property
     def _within(self) -> Chart:
+        # Where the JND is a region, the modulus is compared with the largest circle inside it.
         if self.relative:
             return self._chart([self.relative], self.band[1])
         return chart(
@@ -394,6 +424,7 @@ class Measured:
     @cached_property
     def unconditional(self) -> Unconditional:
         """What Llewellyn's criterion says at all frequencies, poles included."""
+        # The criterion is for linear elements that do not change with time: a clock is none.
         if clocks(self.evaluation.scene):
             return Unconditional(None, None)
         return Unconditional(_on_axis(self.d, self.port), _poles(self.port))
@@ -414,16 +445,22 @@ class Measured:
     def effective(self) -> tuple[tuple[RealNumber, dict[str, RealNumber | None]], ...]:
         """Effective stiffness, mass and damping of H_perc at the band's ends and at the crossings;
         None where infinite."""
-        axis = self.d.perc_response.real.axis
+        response = self.d.perc_response
+        axis = response.real.axis
         w = RealFunction(axis.convert(omega))
-        real, imag = self.d.perc_response.real, self.d.perc_response.imag
         minus = RealFunction(axis.convert(Integer(-1)))
-        own = {"k": real, "m": minus * real / (w * w), "b": imag / w}
+        mass = minus * response.real / (w * w)
+        properties = {"k": response.real, "m": mass, "b": response.imag / w}
+        # On one chart with the excesses, so that at a crossing their zeros and poles are exact.
         excesses = {x: x.function(self.d) for x in self.evaluation.criteria}
-        points = chart({**own, **excesses}, *self.band).points
+        points = chart({**properties, **excesses}, *self.band).points
         ends = (points[0], points[-1])
-        shown = [p for p in points if p in ends or any(p.orders.get(x, 0) > 0 for x in excesses)]
-        return tuple((p.omega, {key: value_at(f, p, key) for key, f in own.items()}) for p in shown)
+        rows = []
+        for p in points:
+            if p in ends or any(p.orders.get(x, 0) > 0 for x in excesses):
+                values = {key: value_at(f, p, key) for key, f in properties.items()}
+                rows.append((p.omega, values))
+        return tuple(rows)
 
     @cached_property
     def free(self) -> FreeResponse:
@@ -437,12 +474,12 @@ class Measured:
 
     @property
     def unit(self) -> str:
-        """Of a dynamic stiffness."""
+        """The unit of a dynamic stiffness."""
         return "N m/rad" if self.evaluation.scene.motion is MotionKind.ROTATION else "N/m"
 
     @property
     def units(self) -> dict[str, str]:
-        """Of stiffness, mass and damping."""
+        """The units of stiffness, mass and damping."""
         if self.evaluation.scene.motion is MotionKind.ROTATION:
             return {"k": "N m/rad", "m": "kg m^2", "b": "N m s/rad"}
         return {"k": "N/m", "m": "kg", "b": "N s/m"}
@@ -460,15 +497,15 @@ ZERO = ExactNumber(Integer(0))
 
 
 def covers(bands: Bands, table: Chart) -> bool:
-    """Whether a set is the whole band."""
+    """Whether a set of bands is the whole band of a chart."""
     ends = [table.points[i].omega for i in (0, -1)]
     return len(bands) == 1 and [bands[0].low.omega, bands[0].high.omega] == ends
 
 
 @dataclass(frozen=True)
 class MetricValue:
-    """One number of a measure, or bands, or a word; None where it is infinite. ``unit`` is empty
-    for a ratio.
+    """A value of a measure: a number, bands, or a word; None where it is infinite. ``unit`` is
+    empty for a ratio.
 
     Where there is a tolerance: ``reference`` is the environment's own number, ``kept`` whether the
     value is near enough.
@@ -528,8 +565,8 @@ class Metrics(Answer):
 
     @property
     def told(self) -> tuple[Metric, ...]:
-        """Those of the page: absolute stability, which most displays lack, where it holds or is
-        asked for."""
+        """The measures that the text output shows: absolute stability, which most displays lack,
+        only where it holds or is requested."""
         is_absolute = self["absolute stability"].verdict.startswith("absolutely stable")
         return tuple(
             x
@@ -542,7 +579,7 @@ class Metrics(Answer):
 
     @property
     def scene(self) -> Scene:
-        """That of the evaluation."""
+        """The scene that was evaluated."""
         return self.evaluation.scene
 
     @property
@@ -581,7 +618,8 @@ class Metrics(Answer):
 
 
 _FORMULAS = "haptisym.pages.metrics:formulas"
-"""What writes the formulas of a measure; loaded when they are wanted."""
+"""The function that writes the formulas of a measure; loaded when they are needed, as pages are of
+a higher rank."""
 
 
 def _metric_row(x: Metric) -> dict[str, Any]:
@@ -604,7 +642,8 @@ def _value_row(x: MetricValue) -> dict[str, Any]:
 
 
 def _plain(value: RealNumber | int | str | Bands | None) -> Any:
-    """A number, a list of bands, a word, or null for what is infinite."""
+    """Return a number, a list of bands, a word, or None for what is infinite, as documents have
+    it."""
     if isinstance(value, tuple):
         return _pairs(value)
     return float(value) if isinstance(value, RealNumber) else value
@@ -619,8 +658,8 @@ _ANSWERS = {True: "holds", False: "does not hold", None: "not decided"}
 
 
 def passivity_measure(m: Measured) -> Metric:
-    """Im H_perc >= 0 on the band and beside it; the damping of a hand that makes up for what is
-    given away."""
+    """Return the measure of passivity: Im H_perc >= 0 on the band and above it, and the damping
+    of a hand that compensates what is generated."""
     found = m.evaluation.passivity
     return Metric(
         "passivity",
@@ -639,6 +678,7 @@ def passivity_measure(m: Measured) -> Metric:
 
 
 def _values(m: Measured, found: Passivity) -> list[MetricValue]:
+    """Return the rows of passivity beyond the band: where, how much, and what compensates it."""
     high = ExactNumber(found.high)
     rows = [
         MetricValue(
@@ -683,6 +723,8 @@ def _values(m: Measured, found: Passivity) -> list[MetricValue]:
 
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
+    """Return the verdict in words: the band first, then all frequencies as far as they are
+    decided."""
     kept = covers(m.passive, m.evaluation.chart)
     band = (
         "Im H_perc >= 0 on the whole band"
@@ -739,6 +781,7 @@ def absolute_stability_measure(m: Measured) -> Metric:
 
 
 def _absolutely(m: Measured, kept: bool) -> str:  # noqa: FBT001
+    """Return the verdict on absolute stability in words; ``kept`` : on the whole band."""
     whole = m.unconditional
     if whole.holds:
         return "absolutely stable: with any passive operator and environment"

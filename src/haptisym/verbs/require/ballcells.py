@@ -1,18 +1,19 @@
-"""Values of one parameter in balls, over cells of its values: what ``floatcells`` tells of
-conditions, without NumPy.
+"""What balls show of conditions for all values of a parameter in an interval at once: the work of
+``floatcells`` where there is no NumPy.
 
-A condition N/D <= 0 is looked at over a piece of the band for all values of a cell. Balls enclose N
-and D there, and the slope of N along the values. Of a cell
+A condition is a set of functions N/D, of which at no frequency of the band all may be positive.
+Over a piece of the band and a cell of values, balls enclose N and D, and the slope of N along the
+values. All that is told of a cell is proven:
 
-- all conditions are *kept* if on every piece one of the functions that must not all be positive is
-  negative,
+- all conditions are *kept* if on every piece one function of each is negative,
 - one is *broken* if at one frequency all its functions are positive for all values of the cell,
-- the verdicts on its two ends tell all if on every piece that is left what may be positive grows
-  with the values, or falls:
-  what is broken at a frequency then stays broken on one side of any value.
+- the verdicts on its two ends decide if on every piece that is left what may be positive grows
+  with the values, or falls on every one: what is broken for a value is then broken at the same
+  frequency for all values on one side of it.
 
 Other cells are cut, the widest first: at once where a condition is broken in the middle of a cell
-but not shown to be so on all of it.
+but not shown to be so on all of it. What is left after many cells stays open. Begin with
+``BallCells.told``; ``Sheet`` and ``Alone`` are how a function is enclosed.
 """
 
 from __future__ import annotations
@@ -37,28 +38,26 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 from haptisym.verbs.require.freeparameter import Conditions, JudgedValues, ladder, pieces
 
 _BITS = 128
+# Frequencies at which the middle of a cell is tried.
 _SAMPLES = 32
-"""Frequencies at which the middle of a cell is tried."""
+# How many pieces of the band may be left, fewer in wide cells, which are mostly to be cut; and how
+# often they are halved.
 _MOST_PIECES, _MOST_LEVELS = (400, 40), 60
-"""How many pieces of the band may be left, fewer in wide cells, which are mostly to be cut; and how
-often they are halved."""
+# Frequencies that a cell hands on to its halves, and how often an open end is halved.
 _MOST_HINTS, _MOST_HALVES = 4, 40
 _MOST_CELLS = 3000
+# Relative width of cells that are cut no further.
 _NARROW = Fraction(1, 2**31)
-"""Relative width of cells that are cut no further."""
+# Cells are cut widest first down to this relative width, and narrower ones in order.
 _COARSE = Fraction(1, 32)
-"""Relative width up to which cells are cut widest first; narrower ones in order."""
 
 Span: TypeAlias = tuple[Fraction, Fraction]
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """What is known of a function on a piece of the band for all values of a cell, 0 where nothing
-    is: its sign, and its trend.
-
-    ``trend`` : the sign of its slope along the values.
-    """
+    """What is known of a function on a piece of the band for all values of a cell: its ``sign``,
+    and its ``trend``, the sign of its slope along the values; 0 where that is not known."""
 
     sign: int
     trend: int
@@ -69,8 +68,9 @@ class Sheet:
     """A polynomial of a ring as a function of the frequency and one parameter: a sum of a_i(omega)
     m_i.
 
-    Of the products m_i each factor depends on the parameter: its powers, or those of cos(omega
-    tau/2), say.
+    m_i is a product of what depends on the parameter: of its powers, or of cos(omega tau/2), say.
+    The a_i, which do not, are enclosed once for each piece of the band and serve all cells of
+    values.
     """
 
     polynomial: Polynomial
@@ -78,11 +78,10 @@ class Sheet:
     free: Symbol
 
     def over(self, piece: Span, values: Span) -> Iterator[tuple[Ball, Ball]]:
-        """Balls around it and around its slope along the values, for frequencies and values between
-        two each, ever narrower.
+        """Balls around the function and around its slope along the values, over a piece and a cell:
+        three pairs, each narrower than the one before and dearer.
 
-        By its terms; by the middle value and its slope; by the middle frequency and its slope along
-        the band.
+        By its terms; by the mean value theorem along the values; by that along the band too.
         """
         own, slope, tilt = self._at(piece, values)
         yield own, slope
@@ -98,16 +97,16 @@ class Sheet:
             yield _both(own, along + tilt * (place - place.mid())), slope
 
     def _at(self, piece: Span, values: Span) -> tuple[Ball, Ball, Ball]:
-        """Balls around it and around its slopes along the values and along the band, by its
-        terms."""
+        """Balls around the function and around its slopes along the values and along the band, by
+        its terms."""
         products = self._products(piece if self._is_mixed else None, values)
         found = self._column(piece) * products
         return found[0, 0], found[0, 1], found[1, 0] + found[0, 2]
 
     @cached_property
     def _factors(self) -> list[tuple[int, Expr]]:
-        """The variables of the ring that depend on the parameter, and stand in the polynomial, with
-        their places."""
+        """The variables of the ring that depend on the parameter and are in the polynomial, each
+        with its index."""
         degrees = self.polynomial.degrees()
         return [
             (i, x) for i, x in enumerate(self.ring.meanings) if x.has(self.free) and degrees[i] > 0
@@ -115,12 +114,12 @@ class Sheet:
 
     @cached_property
     def _is_mixed(self) -> bool:
-        """Whether one of them depends on the frequency too."""
+        """Whether one of the factors depends on the frequency too."""
         return any(x.has(omega) for _, x in self._factors)
 
     @cached_property
     def _terms(self) -> dict[tuple[int, ...], Alone]:
-        """For the exponents of the factors what they are multiplied with."""
+        """The a_i, by the exponents of the factors in m_i."""
         places = [i for i, _ in self._factors]
         rows = dict[tuple[int, ...], dict[tuple[int, ...], fmpq]]()
         for exponents, coefficient in monomials(self.polynomial):
@@ -133,7 +132,8 @@ class Sheet:
 
     @cached_property
     def _column(self) -> Callable[[Span], arb_mat]:
-        """On a piece of the band the rows of all a_i and of their slopes."""
+        """A function that encloses, on a piece of the band, all a_i in one row and their slopes in
+        another."""
 
         @cache
         def column(piece: Span) -> arb_mat:
@@ -144,20 +144,23 @@ class Sheet:
 
     @cached_property
     def _products(self) -> Callable[[Span | None, Span], arb_mat]:
-        """For frequencies and values between two each the m_i with their slopes along the values
-        and along the band."""
+        """A function that encloses, over a piece (None: they do not depend on it) and a cell, each
+        m_i with its slopes along the values and along the band, as a row."""
 
         @lru_cache(64)
         def products(piece: Span | None, values: Span) -> arb_mat:
-            known = {self.free: _ball(values)} | ({} if piece is None else {omega: _ball(piece)})
-            along = [self.free] if piece is None else [self.free, omega]
+            known: dict[Expr, Ball] = {self.free: _ball(values)}
+            if piece is not None:
+                known[omega] = _ball(piece)
             factors = [_value(x, known) for _, x in self._factors]
-            changes = [[_change(x, by, known) for _, x in self._factors] for by in along]
-            rows = [
-                [_product(factors, n), *(_product_rule(factors, x, n) for x in changes)]
-                for n in self._terms
-            ]
-            return arb_mat([[*row, *[arb(0)] * (3 - len(row))] for row in rows])
+            changes = [[_change(x, by, known) for _, x in self._factors] for by in [*known]]
+            rows = list[list[Ball]]()
+            for n in self._terms:
+                row = [_product(factors, n), *(_product_rule(factors, x, n) for x in changes)]
+                # What does not depend on the frequency has the slope 0 along the band.
+                missing = [arb(0)] * (3 - len(row))
+                rows.append([*row, *missing])
+            return arb_mat(rows)
 
         return products
 
@@ -170,7 +173,8 @@ class Alone:
     ring: PolynomialRing
 
     def over(self, place: Ball) -> tuple[Ball, Ball]:
-        """Balls around it, by its terms and by the middle and the slope, and around its slope."""
+        """Balls around the function, by its terms and by the mean value theorem, and around its
+        slope."""
         known = self._known(place)
         slope = sum(
             (_sum(p, self.ring, known) * _change(x, omega, known) for x, p in self._partial), arb(0)
@@ -194,7 +198,7 @@ class Alone:
         return [(x, self.polynomial.derivative(i)) for i, x in self._used if x.has(omega)]
 
     def _known(self, place: Ball) -> dict[Expr, Ball]:
-        """Balls around what the variables stand for."""
+        """Balls around what the variables are at a frequency."""
         known: dict[Expr, Ball] = {omega: place}
         return known | {x: _value(x, known) for _, x in self._used}
 
@@ -243,13 +247,15 @@ def _value(x: Expr, known: dict[Expr, Ball]) -> Ball:
     if not isinstance(x, Pow):
         return expression_ball(x, known)
     base, exponent = expression_ball(x.base, known), expression_ball(x.exp, known)
+    # A ball about 0 has no logarithm; the power grows with its base, and is 0 at 0.
     if base > 0 or not exponent > 0:
         return (base.log() * exponent).exp()
     return arb(0).union((base.upper().log() * exponent).exp())
 
 
 def _both(a: Ball, b: Ball) -> Ball:
-    """What two enclosures of one number leave."""
+    """The intersection of two enclosures of one number; one of them where the other is not
+    finite."""
     if not (a.is_finite() and b.is_finite()):
         return a if a.is_finite() else b
     return a.intersection(b)
@@ -294,7 +300,7 @@ def _ball(between: Span) -> Ball:
 
 @dataclass(frozen=True, eq=False)
 class ConditionFunction:
-    """One of the functions of a condition: N over D."""
+    """One of the functions of a condition: N (``above``) over D (``below``)."""
 
     above: Sheet
     below: Sheet
@@ -306,7 +312,11 @@ class ConditionFunction:
         return cls(*(Sheet(x, own.ring, free) for x in (own.numerator, own.denominator)))
 
     def over(self, piece: Span, values: Span) -> Bounds:
-        """What balls tell of it for frequencies and values between two each."""
+        """The sign and the trend of N/D over a piece and a cell.
+
+        The trend is that of N times the sign of D: where N/D is 0 it grows along the values as N
+        does, D having one sign, whatever the slope of D.
+        """
         below = _first_sign(x for x, _ in self.below.over(piece, values))
         if not below:
             return Bounds(0, 0)
@@ -324,7 +334,7 @@ def _first_sign(balls: Iterable[Ball]) -> int:
 
 @dataclass(frozen=True)
 class _Cell:
-    """Values between two, and frequencies at which a condition is likely broken."""
+    """A cell of values, and frequencies at which a condition is likely broken in it."""
 
     low: Fraction
     high: Fraction
@@ -332,7 +342,7 @@ class _Cell:
 
     @property
     def values(self) -> Span:
-        """All of them."""
+        """The values of the cell, as a pair of ends."""
         return self.low, self.high
 
     @property
@@ -345,7 +355,8 @@ class _Cell:
 class BallCells:
     """Conditions on a band in which one parameter is free.
 
-    ``scale`` : a usual size of it. ``verdict`` : whether a single value keeps them all, exactly.
+    ``scale`` : a usual size of the parameter. ``verdict`` : whether a single value keeps all
+    conditions, exactly.
     """
 
     conditions: Conditions
@@ -362,14 +373,15 @@ class BallCells:
         found = list[JudgedValues]()
         try:
             for cell in waiting:
-                told = self._told(cell)
-                if isinstance(told, list):
-                    found += told
+                verdicts = self._told(cell)
+                if isinstance(verdicts, list):
+                    found += verdicts
                 elif self._width(cell) < _NARROW:
                     found.append(JudgedValues(cell.low, cell.high, None))
                 else:
                     middle = _middle(cell.low, cell.high)
-                    waiting.add(_Cell(cell.low, middle, told), _Cell(middle, cell.high, told))
+                    hints = verdicts
+                    waiting.add(_Cell(cell.low, middle, hints), _Cell(middle, cell.high, hints))
         except LimitError:
             pass
         found += [JudgedValues(x.low, x.high, None) for x in waiting.rest]
@@ -377,7 +389,7 @@ class BallCells:
 
     @cached_property
     def _functions(self) -> list[list[ConditionFunction]]:
-        """Of each condition the functions that must not all be positive."""
+        """For each condition the functions that must not all be positive at one frequency."""
         return [
             [ConditionFunction.of(f, self.free) for f in pieces(own)]
             for own in self.conditions.values()
@@ -385,7 +397,7 @@ class BallCells:
 
     @cached_property
     def _whole(self) -> Span:
-        """Doubles around the band."""
+        """Floats that enclose the band."""
         with flint.ctx.workprec(53):
             low, high = map(expression_ball, self.band)
             return Fraction(float(low.lower())), Fraction(float(high.upper()))
@@ -403,12 +415,14 @@ class BallCells:
         ]
 
     def _told(self, cell: _Cell) -> list[JudgedValues] | tuple[Fraction, ...]:
-        """What is known of a cell; frequencies at which a condition is likely broken where nothing
-        is."""
+        """The verdicts on a cell; as a tuple, where there is none, frequencies at which a condition
+        is likely broken in it."""
         with flint.ctx.workprec(_BITS):
             suspects = [(own, x) for own in self._functions for x in [*cell.hints, *self._samples]]
             left = [(own, self._whole) for own in self._functions]
             for _ in range(_MOST_LEVELS):
+                # First the value in the middle, which is cheap: a condition that is not broken
+                # there is not broken on all of the cell.
                 broken = [(own, x) for own, x in suspects if _is_positive(own, x, cell.middle)]
                 if any(self._is_broken(own, x, cell) for own, x in broken):
                     return [JudgedValues(cell.low, cell.high, kept=False)]
@@ -440,11 +454,11 @@ class BallCells:
         return bool(low <= dyadic(place) <= high) and _is_positive(functions, place, cell.values)
 
     def _monotone(self, cell: _Cell, *, growing: bool) -> list[JudgedValues]:
-        """What verdicts tell of a cell in which more and more is broken as the values grow, or
-        fall.
+        """The verdicts on a cell in which more and more is broken as the values grow, or fall:
+        those on its two ends decide.
 
-        Where there is an end inside, what is open is cut until values beside it are known to keep
-        all conditions.
+        Where the two differ, there is one end in the cell, and what is open around it is halved
+        until there are values beside it that keep all conditions.
         """
         best, worst = cell.values if growing else cell.values[::-1]
         if self.verdict(_rational(best)) is False:
@@ -468,7 +482,8 @@ class BallCells:
         return -max(self._width(cell), _COARSE), cell.low
 
     def _width(self, cell: _Cell) -> Fraction:
-        """The width of a cell, relative to its values."""
+        """The width of a cell relative to its values, and near 0 to a thousandth of a usual
+        size."""
         return (cell.high - cell.low) / max(-cell.low, cell.high, self.scale / 1000)
 
 
@@ -491,26 +506,28 @@ def _trend(functions: Sequence[ConditionFunction], piece: Span, values: Span) ->
 
 
 def _merged(told: Sequence[JudgedValues]) -> list[JudgedValues]:
-    """Neighbours of which the same is known as one."""
-    found = list[JudgedValues]()
+    """Runs of values, neighbours with one verdict merged; what holds just one end stays apart."""
+    runs = list[JudgedValues]()
     for x in told:
-        last = found[-1] if found else None
+        last = runs[-1] if runs else None
         if last is not None and last.kept is x.kept and last.slant is None and x.slant is None:
-            found[-1] = JudgedValues(last.low, x.high, x.kept)
+            runs[-1] = JudgedValues(last.low, x.high, x.kept)
         else:
-            found.append(x)
-    return found
+            runs.append(x)
+    return runs
 
 
 def _middle(low: Fraction, high: Fraction) -> Fraction:
     """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a
     simple one."""
     a, b = float(low), float(high)
+    # Values of one sign over several octaves are cut by size, so that small ones are found as soon.
     if a >= 0 and (a == 0 or b / a > 4):
         cut = sqrt(a * b) if a > 0 else b / 16
     elif b <= 0 and (b == 0 or a / b > 4):
         cut = -sqrt(a * b) if b < 0 else a / 16
     else:
+        # 509/1024: a little below the half, and so at no simple number that an end may be.
         cut = a + (b - a) * 0.4970703125
     return Fraction(cut) if a < cut < b else (low + high) / 2
 

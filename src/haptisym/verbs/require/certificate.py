@@ -35,8 +35,10 @@ Value: TypeAlias = Fraction | None
 """A value of the parameter; None where it is unbounded."""
 Bounds: TypeAlias = tuple[Fraction, Fraction]
 
+# Cells of the band in a slab, and slabs in a certificate: fewer where a checker must enclose sines.
 _MOST_CELLS, _MOST_SLABS, _MOST_WITH_WAVES = 50, 150, 40
-_MOST_AMONG_WAVES = 10**8  # of a checker: points times cost
+# What a checker takes on at most, as points times cost.
+_MOST_AMONG_WAVES = 10**8
 
 
 @dataclass(frozen=True)
@@ -69,10 +71,10 @@ class Problem:
 
     @property
     def tried(self) -> list[Fraction]:
-        """Points of the band at which an excess may be positive: those that bind, and some
-        between."""
+        """Points of the band at which an excess may be positive: those that bind first, as they
+        most likely show it, and some between."""
         _, low, high, _ = self.band
-        # powers of omega have no bounds at 0
+        # Broken powers of omega have no bounds at 0 itself: points close to it stand in.
         near_0 = (
             [Fraction(1, 10**n) for n in (15, 40, 70)] if low == 0 and self.linked.orders else []
         )
@@ -95,7 +97,7 @@ class Slab:
     closed: tuple[bool, bool] = (False, False)
 
     def halves(self) -> tuple[Slab, Slab]:
-        """Two of them that meet inside."""
+        """Two slabs that meet inside of this one, both with the value where they meet."""
         cut, (first, last) = _middle(self.low, self.high), self.closed
         return Slab(self.problem, self.low, cut, (first, True)), Slab(
             self.problem, cut, self.high, (True, last)
@@ -103,7 +105,8 @@ class Slab:
 
     @cached_property
     def slices(self) -> list[Slices]:
-        """Of each factor, over the slab. SceneError where a checker refuses so long ends."""
+        """The slices of each factor over the slab. SceneError where a checker refuses such long
+        ends."""
         low = (-1, 0) if self.low is None else self.low.as_integer_ratio()
         high = (1, 0) if self.high is None else self.high.as_integer_ratio()
         found: list[Slices] | None = shown(
@@ -142,19 +145,20 @@ class Slab:
         return {"points": [str(x) for x in found], "part": None}
 
     def _sign(self, name: str, a: Fraction, b: Fraction) -> int | None:
-        """Of an excess, between two points of the band or at one, for all values; None where it is
-        not shown."""
-        told = self.problem.linked.told[name]
-        number = Fraction(told["number"])
-        found = (number > 0) - (number < 0)
-        for i, n in told["powers"]:
-            own = shown(
-                self.slices[i].side, a, b, self.closed if a == b or n < 0 else (False, False)
-            )
-            if own is None:
+        """The sign of an excess between two points of the band, or at one, for all values of the
+        slab; None where it is not shown."""
+        excess = self.problem.linked.told[name]
+        number = Fraction(excess["number"])
+        sign = (number > 0) - (number < 0)
+        for i, n in excess["powers"]:
+            # At a point an excess must be positive for the slab's own ends too, and nowhere may a
+            # denominator vanish at them; else what holds inside holds there by continuity.
+            closed = self.closed if a == b or n < 0 else (False, False)
+            factor = shown(self.slices[i].side, a, b, closed)
+            if factor is None:
                 return None
-            found *= own if n % 2 else 1
-        return found
+            sign *= factor if n % 2 else 1
+        return sign
 
 
 def _text(x: Value) -> str | None:
@@ -162,6 +166,8 @@ def _text(x: Value) -> str | None:
 
 
 def _middle(low: Value, high: Value) -> Fraction:
+    """A value inside of a slab, whose ends may be open: about the geometric mean where the ends
+    differ much in size, so that no scale is skipped."""
     if high is None:
         return Fraction(0) if low is None else max(2 * low, low + 1) if low else Fraction(1)
     if low is None:
@@ -247,6 +253,7 @@ def _binds(
 
 
 def _refuse(found: Requirement) -> None:
+    """SceneError for a requirement about which the format can say nothing."""
     found.scene.threshold.need_plain("a certificate")
     if found.that != ("transparent",) or any(
         x.name not in ("real", "imag") for x in found.criteria
@@ -271,8 +278,8 @@ def _functions(found: Requirement) -> dict[str, RealFunction]:
 
 
 def _keys(scene: Scene, found: Requirement, environment: str | None) -> list[str | int]:
-    """Where the scene's file has the number; of one of several environments as if it were the only
-    one."""
+    """The keys under which the scene's file has the free number; one of several environments is
+    read as if it were the only one. SceneError where it has none."""
     table, free = tomllib.loads(scene.text), found.free
     for one in table.get("environments", []):
         if one.get("name", one.get("model")) == environment:
@@ -298,7 +305,7 @@ def _number_at(table: Any, path: list[Any]) -> bool:
 
 
 def _band(scene: Scene) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """Bounds of the low end, and of the high end."""
+    """Rational bounds of the band's low end, and of its high end: four numbers."""
     low, high = (_bounds(ExactNumber(x)) for x in scene.band)
     return max(low[0], Fraction(0)), low[1], high[0], high[1]
 
@@ -312,7 +319,7 @@ def _bounds(x: RealNumber, digits: int = 60) -> tuple[Fraction, Fraction]:
 
 
 def _starts(found: Requirement) -> list[Fraction]:
-    """The frequencies at which something binds, nearly."""
+    """The frequencies at which something binds, as rational numbers next to them on the band."""
     _, low, high, _ = _band(found.scene)
     places = [
         _bounds(b.omega)[0] for end in found.ends for b in end.bindings if b.omega is not None
@@ -323,7 +330,11 @@ def _starts(found: Requirement) -> list[Fraction]:
 def _values(
     found: Requirement, bounds: Callable[[SingleValue | None], Bounds | None]
 ) -> list[tuple[Value, Value, bool]]:
-    """Intervals of values, ascending, each with whether it is feasible."""
+    """The intervals of values that the certificate speaks of, ascending, each with whether it is
+    feasible. The slivers between them, as wide as the digits of an end, are left out.
+
+    SceneError for what the format has no room for: single values, ends that are not separated.
+    """
     low_end, high_end = (None if x is None else _bounds(x) for x in found.domain.ends)
     here, rows = None if low_end is None else low_end[1], list[tuple[Value, Value, bool]]()
     for piece in found.feasible:

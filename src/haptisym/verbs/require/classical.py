@@ -1,5 +1,5 @@
-"""The classical bounds on the stiffness of a virtual wall, for scenes that have what they need:
-drawn beside what is exact.
+"""The classical bounds on the stiffness of a virtual wall, for scenes that have what they need: to
+compare with the exact limits. Begin with ``lines``.
 
 Colgate and Schenkel (1997): K < 2 (b - |B|)/T, for any passive operator. Gil and Hulin (2009): K <
 (b + B)/(T/2 + t_d), to first order in K T^2/m and B T/m, in a hand. Abbott and Okamura (2005): K <
@@ -26,8 +26,9 @@ STIFFNESS, DAMPING = "environment.k", "environment.b"
 
 @dataclass(frozen=True)
 class _Wall:
-    """What the bounds are made of, in floats: stiffness and damping that are rendered, damping of
-    device and hand, s."""
+    """What the bounds are made of, in SI: stiffness ``K`` and damping ``B`` that are rendered,
+    damping ``b`` of the device and ``hand`` of the hand, period ``T`` and further delay
+    ``late``."""
 
     K: float
     B: float
@@ -63,7 +64,7 @@ class Encoder:
 
     @classmethod
     def of(cls, scene: Scene, friction: Number | None, resolution: Number | None) -> Encoder | None:
-        """As they are given; None without them. SceneError for one alone, for what is not > 0, for
+        """The encoder as given; None without it. SceneError for one alone, for what is not > 0, for
         a wrong unit."""
         if friction is None and resolution is None:
             return None
@@ -90,8 +91,8 @@ class Encoder:
 def lines(
     scene: Scene, free: Sequence[Knob], encoder: Encoder | None = None
 ) -> tuple[StiffnessBound, ...]:
-    """Those that hold of a scene's kind and depend on what is free: a wall, a clock or a delay, a
-    damped device."""
+    """The bounds that are defined for a scene and depend on what is free: for a spring and damper,
+    behind a clock or a delay, on a device of mass, damping and stiffness."""
     if not _is_wall(scene):
         return ()
     nominal = {x.path: float(x.value) for x in free}
@@ -108,6 +109,8 @@ def lines(
         small = "K T^2/m and B T/m small, in a hand"
         linear = of(lambda w: (w.b + w.hand + w.B) / (w.T / 2 + w.late))
         found.append(StiffnessBound("Gil and Hulin", "K < (b + B)/(T/2 + t_d)", small, linear))
+        # Colgate and Schenkel's closed form is for a force that is not late beyond the clock
+        # itself.
         if at.T and not at.late:
             bound = of(lambda w: 2 * (w.b - abs(w.B)) / w.T)
             found.append(
@@ -184,11 +187,15 @@ def _depends(scene: Scene, nominal: Mapping[str, float]) -> bool:
     if at.T / 2 + at.late <= 0:
         return False
     return any(
-        _wall(scene, {**nominal, path: 2 * value + 1}) != at for path, value in nominal.items()
+        # Moved by a trial: any other value shows whether the wall depends on it.
+        _wall(scene, {**nominal, path: 2 * value + 1}) != at
+        for path, value in nominal.items()
     )
 
 
 def _wall(scene: Scene, given: Mapping[str, float]) -> _Wall:
+    """The wall of a scene, with some parameters at given values, by path."""
+
     def of(place: str, key: str) -> float:
         return given.get(f"{place}.{key}", known.get(f"{place}.{key}", 0.0))
 

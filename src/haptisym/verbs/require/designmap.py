@@ -1,16 +1,16 @@
 """Design charts: where in the plane of two parameters what is asked holds, by exact slices and what
-is proven between them.
+is proven between them. Begin with ``design_map``.
 
-A slice is the exact requirement on the second parameter at a value of the first: few to begin with,
-more where the boundary bends, or where its kind changes. How far lines between slices are off is
-estimated from how ends bend from slice to slice.
+*Slices.* A slice is the exact requirement on the second parameter at a value of the first: few to
+begin with, more where the boundary bends, or where its kind changes. Between slices the chart draws
+straight lines. How far these are off is estimated from how ends bend from slice to slice.
 
-What is proven all over the plane are rectangles in which conditions are kept, or broken, in Taylor
-models. Of the JND one is broken where a condition is broken at one frequency for all of its values,
-and kept where every condition is kept on all of the band for all of them. What shows neither is cut
-along what changes more, down to 1/256 of both ranges. Of a hand roots of the display in it are
-counted (``held_plane``), down to 1/512. From them follows how far from straight lines between
-slices anything else may be.
+*Rectangles.* What is proven all over the plane are rectangles in which conditions are kept, or
+broken, in Taylor models. For transparency one is broken where a condition is broken at one
+frequency for all of its values, and kept where every condition is kept on all of the band for all
+of them. What shows neither is cut along what changes more, down to 1/256 of both ranges. For
+stability in a hand roots are counted (``held_plane``), down to 1/512. From the rectangles follows a
+proven bound on how far from the straight lines anything else may be (``Proof.bounds``).
 """
 
 from __future__ import annotations
@@ -72,11 +72,10 @@ from haptisym.verbs.stability.ranges import grid, held_plane, wider_than
 
 @dataclass(frozen=True)
 class Slice:
-    """The exact requirement on the second parameter where the first one has a value; ``apart`` : on
-    each thing asked, alone.
+    """The exact ``requirement`` on the second parameter where the first one is ``at`` a value.
 
-    ``contours`` : the values for which nothing is noticed with each of the other thresholds that
-    were asked about.
+    ``apart`` : of several things asked, that on each alone. ``contours`` : that on what is noticed
+    with each of the further thresholds.
     """
 
     at: Expr
@@ -86,13 +85,14 @@ class Slice:
 
     @classmethod
     def of(cls, at: Expr, apart: Sequence[Requirement], contours: Sequence[Requirement]) -> Slice:
-        """Of one or several things that were asked, from the values for each alone."""
+        """The slice from the requirements on each thing asked: all of them must hold."""
         one = apart[0]
         if len(apart) == 1:
             return cls(at, one, (), tuple(contours))
         both = combined([x.values for x in apart])
         names = tuple(name for x in apart for name in x.that)
         criteria = tuple(y for x in apart for y in x.criteria)
+        # The first one stands for all: they share scene, parameter and range.
         found = replace(one, values=both, criteria=criteria, that=names)
         return cls(at, found, tuple(apart), tuple(contours))
 
@@ -103,13 +103,13 @@ class Slice:
 
     @cached_property
     def place(self) -> float:
-        """Where it is."""
+        """The value of the first parameter as a float."""
         return float(self.at)
 
     @cached_property
     def ends(self) -> tuple[tuple[_End, ...] | None, ...]:
-        """Of each of its sets the ends of the intervals, both of each; None where something was
-        left undecided."""
+        """For each of its sets the ends of all intervals, in order; None where something was left
+        undecided."""
         return tuple(None if r.undecided else tuple(_ends(r)) for r in self.sets)
 
 
@@ -122,17 +122,19 @@ class _End:
 
 
 def _ends(r: Requirement) -> Iterator[_End]:
+    """The ends of a requirement's intervals, two for each."""
     for piece in r.feasible:
         for end in (piece.first, piece.last):
-            assert end is not None  # a map has a range
+            # A map has a range, so that no interval is without an end.
+            assert end is not None
             binds = frozenset((b.criterion.name, b.kind) for b in end.bindings)
             yield _End(float(end.value), binds)
 
 
 @dataclass(frozen=True)
 class Gap:
-    """What lies between two neighbouring slices; ``deviation`` : of the sets' boundaries from
-    straight lines, estimated.
+    """What lies between two neighbouring slices, from ``low`` to ``high``; ``deviation`` : that of
+    the sets' boundaries from straight lines, estimated.
 
     None where no lines join the slices, which differ in how many intervals their sets have, or
     where something is undecided.
@@ -157,34 +159,39 @@ def gaps(slices: Sequence[Slice]) -> tuple[Gap, ...]:
 
 
 def _deviation(i: int, slices: Sequence[Slice]) -> float | None:
-    """Of all sets between one slice and the next."""
+    """The estimated deviation between one slice and the next, the largest of all sets; None where
+    one set has none."""
     found = [_of_set(i, k, slices) for k in range(len(slices[i].sets))]
     known = [x for x in found if x is not None]
     return max(known, default=0.0) if len(known) == len(found) else None
 
 
 def _of_set(i: int, k: int, slices: Sequence[Slice]) -> float | None:
+    """The estimated deviation of the k-th set between slice i and the next."""
     here, there = slices[i].ends[k], slices[i + 1].ends[k]
     if here is None or there is None or len(here) != len(there):
         return None
     most = 0.0
     for j, (a, b) in enumerate(zip(here, there, strict=True)):
+        # Nothing binds where the range itself ends: that line is exact.
         if not (a.binds or b.binds):
-            continue  # where the range ends
+            continue
         step = slices[i + 1].place - slices[i].place
         bend = _bent(i, k, j, slices)
-        own = (
+        # h^2/8 f'' with the second divided difference, f''/2, is h^2/4 of that; four times as much
+        # where what binds changes, as there is a corner.
+        off = (
             abs(b.value - a.value)
             if bend is None
             else bend * step**2 / (4 if a.binds == b.binds else 1)
         )
-        most = max(most, own)
+        most = max(most, off)
     return most
 
 
 def _bent(i: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
-    """How much an end bends between one slice and the next; at an end of the map, as far as its
-    bend goes on changing."""
+    """The second divided difference of the j-th end about the gap i, the larger of those to both
+    sides; next to an end of the map, with what it would change by if it went on changing."""
     before, after = (_bend(first, k, j, slices) for first in (i - 1, i))
     if before is not None and after is not None:
         return max(abs(before), abs(after))
@@ -211,15 +218,15 @@ def _bend(first: int, k: int, j: int, slices: Sequence[Slice]) -> float | None:
     return ((w - v) / (z - y) - (v - u) / (y - x)) / (z - x)
 
 
+# Slices to begin with: what lies between two of them and shows on none is not seen.
 _FIRST = 9
-"""Slices to begin with: what lies between two of them and shows on none is not seen."""
+# Gaps that are so many times better than the worst one wait: with more slices beside them they may
+# prove to be good.
 _WORST = 8
-"""Gaps that are so many times better than the worst one wait: with more slices they may prove to be
-good."""
 
 
 def even(low: Expr, high: Expr, count: int) -> list[Expr]:
-    """That many places, as far from each other."""
+    """That many evenly spaced places, both ends included."""
     return [low + (high - low) * i / (count - 1) for i in range(count)]
 
 
@@ -236,7 +243,7 @@ def refined(
     size: tuple[float, float],
     share: float,
 ) -> list[Slice]:
-    """More slices, halfway between two, until lines between them are off by no more than a share of
+    """Slices refined by halving gaps, until lines between them are off by no more than a share of
     the range, as estimated.
 
     Slices that differ in kind are to be no further from each other than that share of the first
@@ -263,17 +270,21 @@ def _worst(found: Sequence[Slice], size: tuple[float, float], share: float) -> l
         for gap in gaps(found)
     ]
     for i, (a, b) in enumerate(pairwise(found)):
+        # Beside an undecided slice another one would stay undecided too.
         if None in (*a.ends, *b.ends):
-            scores[i] = 0.0  # another slice would stay undecided too
+            scores[i] = 0.0
     limit = max(share, max(scores, default=0.0) / _WORST)
     return sorted(
         (i for i, x in enumerate(scores) if x > share and x >= limit), key=lambda i: -scores[i]
     )
 
 
-_PIECES = 16  # of the band, to begin with
+# Pieces of the band to begin with.
+_PIECES = 16
+# Shares of both ranges down to which rectangles are cut, for what is noticed and for hands.
 _FINEST_PLANE, _FINEST_HELD = 2.0**-8, 2.0**-9
-_MOST_PLANE = 60_000  # cells of band and plane that are looked at
+# Cells of band and plane that are looked at.
+_MOST_PLANE = 60_000
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -298,7 +309,7 @@ class Rectangles(Shown):
 
     @property
     def share_left(self) -> float:
-        """Of the area, about which nothing is proven."""
+        """The share of the area about which nothing is proven."""
         areas = [float((x[..., 1] - x[..., 0]).prod(-1).sum()) for x in self.parts]
         return areas[2] / sum(areas)
 
@@ -309,8 +320,8 @@ def rectangles(
     ranges: Sequence[tuple[Expr, Expr]],
     criteria: Sequence[Criterion],
 ) -> Rectangles | None:
-    """The plane of two parameters in rectangles; None where a criterion is none that models of
-    floats are made of."""
+    """The plane of two parameters in rectangles in which criteria are kept, or broken; None where
+    a criterion has no bounds in floats."""
     try:
         box = _Plane(
             scene, tuple(Side(x.name, *pair) for x, pair in zip(free, ranges, strict=True))
@@ -331,8 +342,10 @@ def rectangles(
 def held_rectangles(
     scene: Scene, free: tuple[Knob, Knob], ranges: Sequence[tuple[Expr, Expr]]
 ) -> Rectangles | None:
-    """The same of what is stable in the hands of a scene; None where nothing is known of it."""
-    symbols = [Dummy() if x.parts else x.symbol for x in free]  # a threshold moves no root
+    """The plane of two parameters in rectangles in which a display is stable in all hands of a
+    scene, or not; None where nothing is known of it."""
+    # A threshold moves no root: a symbol that is nowhere in the loop stands for it.
+    symbols = [Dummy() if x.parts else x.symbol for x in free]
     try:
         found = held_plane(
             scene,
@@ -347,8 +360,10 @@ def held_rectangles(
 
 
 def common(planes: Sequence[Rectangles]) -> Array:
-    """Rectangles that are kept in all of several planes of the same ranges; what they fill may be
-    cut otherwise."""
+    """Rectangles that fill what is kept in all of several planes of the same ranges.
+
+    On the grid of the finest cut, of which all rectangles are made: exact, without polygons.
+    """
     count = round(1 / _FINEST_HELD)
     every = np.ones((count, count), bool)
     cells = np.concatenate(planes[0].parts)
@@ -369,13 +384,13 @@ def common(planes: Sequence[Rectangles]) -> Array:
 
 
 def _runs(row: Array) -> list[tuple[int, int]]:
-    """From where to where a row holds."""
+    """The runs of True in a row, as first index and one past the last."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(int)))
     return list(zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True))
 
 
 def _placed(ranges: Sequence[tuple[Expr, Expr]], *shares: Array) -> Rectangles:
-    """Rectangles in shares of both ranges where they are."""
+    """Rectangles in the units of both ranges, from their shares of these."""
     lows, widths = (
         np.array(x)[:, None]
         for x in ([float(a) for a, _ in ranges], [float(b - a) for a, b in ranges])
@@ -395,7 +410,8 @@ class _Plane(Box):
 
 
 def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) -> bool:
-    """Whether each is a criterion of the JND of which a free threshold is a plain number."""
+    """Whether all criteria are of the JND and can be bounded in floats, with any free threshold a
+    plain number."""
     if any(x.is_of_hand for x in free) or not all(x.part or x.region for x in criteria):
         return False
     limits = [x for x in free if x.parts]
@@ -410,8 +426,9 @@ def _is_modelled(box: Box, free: Sequence[Knob], criteria: Sequence[Criterion]) 
     )
 
 
+# More than rounding adds to a bound, relatively; and within what share of a range's end a value is
+# that end.
 _ROUNDING, _SAME = 1e-9, 1e-12
-"""Of a bound, and of a range."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -434,28 +451,34 @@ class Proof(Shown):
         return f"{self.of}: {self.rectangles}"
 
     def bounds(self, slices: Sequence[Slice]) -> tuple[float | None, ...]:
-        """Between each two slices, how far from the lines that join them the set may differ from
-        what these enclose.
+        """For each gap, how far from the lines that join its slices the set may differ from what
+        these enclose: a proven bound, in units of the second parameter.
 
-        In units of the second parameter. Of what stays open it is told from the ends of the range
-        too, where the set reaches there. None where slices differ in kind, or where something else
-        is possible that no line is near.
+        None where slices differ in kind, or where something else is possible that no line is near.
         """
         rows = [(x.place, x.sets[self.set]) for x in slices]
         return tuple(self._bound((a, b), x, y) for (a, x), (b, y) in pairwise(rows))
 
     def _bound(self, at: tuple[float, float], one: Requirement, other: Requirement) -> float | None:
+        """The bound between two slices ``at`` two values of the first parameter.
+
+        A kept rectangle may lie outside of the lines' intervals, by its ``distance``; a broken one
+        inside, by its ``depth``; one that stays open may be either.
+        """
         if one.undecided or other.undecided or len(one.feasible) != len(other.feasible):
             return None
         edges = float(self.window[0]), float(self.window[1])
         low, high = (_ends_in_proven(one, other, name) for name in ("low", "high"))
-        lines = _unbounded(low, edges[0], -np.inf), _unbounded(high, edges[1], np.inf)
+        # An interval that ends with the range has no boundary there: nothing kept is outside of
+        # it, and nothing broken is less deep for its end. Of open ones the range's end counts too.
+        unbounded = _unbounded(low, edges[0], -np.inf), _unbounded(high, edges[1], np.inf)
+        everywhere = (-np.inf, np.inf)
         kept, broken = (
-            _Between(*_within(x, *at), *lines, (-np.inf, np.inf)) for x in self.rectangles.parts[:2]
+            _Between(*_within(x, *at), *unbounded, everywhere) for x in self.rectangles.parts[:2]
         )
         left = _Between(*_within(self.rectangles.left, *at), low, high, edges)
-        found = max(kept.distance, broken.depth, left.distance, left.depth)
-        return found * (1 + _ROUNDING) if np.isfinite(found) else None
+        bound = max(kept.distance, broken.depth, left.distance, left.depth)
+        return bound * (1 + _ROUNDING) if np.isfinite(bound) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -474,28 +497,26 @@ class _Between:
     edges: tuple[float, float]
 
     def _most(self, found: Array) -> float:
-        """The largest; of rectangles at an end of the range no more than what they reach to from
-        there."""
+        """The largest of some lengths, one for each rectangle; at an end of the range a rectangle
+        counts no more than its own height."""
         is_there = (self.values <= self.edges[0]).any(-1) | (self.values >= self.edges[1]).any(-1)
         reached = np.where(is_there, self.values[:, 1] - self.values[:, 0], np.inf)
         return float(np.minimum(found, reached).max(initial=0.0))
 
     @property
     def distance(self) -> float:
-        """How far from all intervals some of their points may be."""
-        below, above = (
-            self._at(self.lows).max(-1) - self.values[:, :1],
-            self.values[:, 1:] - self._at(self.highs).min(-1),
-        )
+        """The largest distance of any of their points from all intervals."""
+        # Lines are straight: over a rectangle each is farthest from it at one of its two sides.
+        below = self._at(self.lows).max(-1) - self.values[:, :1]
+        above = self.values[:, 1:] - self._at(self.highs).min(-1)
         return self._most(np.maximum(np.maximum(below, above), 0.0).min(-1, initial=np.inf))
 
     @property
     def depth(self) -> float:
-        """How far inside of an interval some of their points may be, from its nearer end."""
-        over, under = (
-            self.values[:, 1:] - self._at(self.lows).min(-1),
-            self._at(self.highs).max(-1) - self.values[:, :1],
-        )
+        """The largest distance by which any of their points is inside of an interval, from its
+        nearer end."""
+        over = self.values[:, 1:] - self._at(self.lows).min(-1)
+        under = self._at(self.highs).max(-1) - self.values[:, :1]
         return self._most(np.maximum(np.minimum(over, under), 0.0).max(-1, initial=0.0))
 
     def _at(self, lines: Array) -> Array:
@@ -507,10 +528,10 @@ class _Between:
 
 
 def _within(cells: Array, a: float, b: float) -> tuple[Array, Array]:
-    """Of the rectangles those between two values of the first parameter: shares of the way, and
-    values of the second one."""
-    own = cells[(cells[:, 0, 0] < b) & (cells[:, 0, 1] > a)]
-    return (np.clip(own[:, 0], a, b) - a) / (b - a), own[:, 1]
+    """The rectangles that reach between two values of the first parameter, cut off there: their
+    shares of the way, and their values of the second one."""
+    between = cells[(cells[:, 0, 0] < b) & (cells[:, 0, 1] > a)]
+    return (np.clip(between[:, 0], a, b) - a) / (b - a), between[:, 1]
 
 
 def _ends_in_proven(one: Requirement, other: Requirement, name: str) -> Array:
@@ -520,13 +541,13 @@ def _ends_in_proven(one: Requirement, other: Requirement, name: str) -> Array:
 
 
 def _unbounded(ends: Array, edge: float, beyond: float) -> Array:
-    """The same, infinite where it is the end of the range on both slices."""
+    """Ends of intervals on two slices, as infinite where they are the end of the range on both."""
     return np.where((np.abs(ends - edge) <= _SAME * abs(edge)).all(-1, keepdims=True), beyond, ends)
 
 
 _RANGES = "give one for each of the two, as [(60, 200), (0.1, 1)]"
+# The largest share of the time that rectangles may take.
 _FOR_PROOFS = 0.3
-"""Of the time, at most."""
 
 
 @dataclass(frozen=True)
@@ -538,6 +559,7 @@ class Plan:
     within: Expr | None
 
     def __post_init__(self) -> None:
+        # Lines need two slices at least.
         whole("slices", self.most, 2)
 
 
@@ -584,6 +606,7 @@ class Asked:
             for free, (a, b) in zip((first, second), ranges, strict=True)
         )
         for free, pair in zip((first, second), (across, along), strict=True):
+            # Checks the range; what it returns is made anew where it is needed.
             domain(free, pair)
         thresholds = _thresholds(scene, (first, second), jnd, wanted)
         criteria = (*judged, *further(scene, wanted))
@@ -610,6 +633,8 @@ class Asked:
     def _of_transparent(self) -> Iterator[Proof]:
         if TRANSPARENT not in self.wanted:
             return
+        # The sets of a slice, in order: what is asked together, each alone if it is several, the
+        # contours.
         first = 1 + len(self.wanted) if len(self.wanted) > 1 else 1
         asked: list[tuple[int, Expr | None, Scene]] = [(self._set(TRANSPARENT), None, self.scene)]
         asked += [
@@ -647,6 +672,7 @@ class Asked:
 
         def cut(at: Expr, n: int) -> Slice:
             budget.say(n, plan.most, "slices")
+            # At most half of the time that is left, but for the last slice to begin with.
             with share(1 / min(len(start) - n, 2) if n < len(start) else 1 / 2):
                 return self.cut(at)
 
@@ -744,18 +770,18 @@ class DesignMap(Answer):
 
     @cached_property
     def bounds(self) -> dict[Proof, tuple[float | None, ...]]:
-        """Of each proof, between each two slices, how far off lines may be; None where no lines
-        join them."""
+        """For each proof, the bound on how far off lines may be in each gap; None where no lines
+        join the slices."""
         return {x: x.bounds(self.slices) for x in self.proofs}
 
     def bound(self, proof: Proof) -> float | None:
-        """The largest of a proof, in units of the second parameter; None where no slices are joined
-        by lines."""
+        """The largest bound of a proof, in units of the second parameter; None where no slices are
+        joined by lines."""
         return max((x for x in self.bounds[proof] if x is not None), default=None)
 
     @property
     def height(self) -> float:
-        """Of the second range."""
+        """The width of the second parameter's range."""
         low, high = self.ranges[1]
         return float(high - low)
 
@@ -777,11 +803,13 @@ class DesignMap(Answer):
         """
         judged = [x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
         found = {x: pieces(own) for x, own in conditions(self.scene, self.free, judged).items()}
-        return {
-            (x, kind): edge_polynomial(own, end)
-            for x, own in found.items()
-            for kind, end in zip((Kind.START, Kind.EDGE), self.scene.band, strict=True)
-        } | {(x, Kind.TOUCH): touch_polynomial(own) for x, own in found.items()}
+        curves = dict[tuple[Criterion, Kind], Expr]()
+        for x, functions in found.items():
+            for kind, end in zip((Kind.START, Kind.EDGE), self.scene.band, strict=True):
+                curves[x, kind] = edge_polynomial(functions, end)
+        for x, functions in found.items():
+            curves[x, Kind.TOUCH] = touch_polynomial(functions)
+        return curves
 
     @cached_property
     def lines(self) -> tuple[StiffnessBound, ...]:
@@ -791,17 +819,20 @@ class DesignMap(Answer):
 
     @property
     def stiffest(self) -> tuple[Slice, RealNumber] | None:
-        """Of slices along a wall's damping the one that is stable furthest up, and how far; None if
-        beyond the range."""
+        """The slice along a wall's damping that is stable up to the largest stiffness, and that
+        stiffness; None if it is beyond the range, or undecided."""
         if STABLE not in self.that or [x.path for x in self.free] != [DAMPING, STIFFNESS]:
             return None
         i = self.that.index(STABLE)
         held = [(x, (x.apart or (x.requirement,))[i]) for x in self.slices]
-        tops = [(x, r.feasible[-1].last) for x, r in held if r.feasible]
-        if any(r.undecided for _, r in held) or not all(end and end.bindings for _, end in tops):
+        if any(r.undecided for _, r in held):
             return None
-        found = ((x, end.value) for x, end in tops if end)
-        return max(found, key=lambda row: float(row[1]), default=None)
+        tops = [(x, r.feasible[-1].last) for x, r in held if r.feasible]
+        # An end without a binding is the range's: the slice may be stable further up.
+        if not all(end and end.bindings for _, end in tops):
+            return None
+        heights = ((x, end.value) for x, end in tops if end)
+        return max(heights, key=lambda row: float(row[1]), default=None)
 
     @property
     def _varied(self) -> tuple[list[str], list[str]]:
@@ -854,7 +885,7 @@ class DesignMap(Answer):
 
 
 def _apart(x: Slice) -> dict[str, Any]:
-    """Of several things asked, the values for each alone."""
+    """The rows of a document with the values for each of several things asked, alone."""
     if not x.apart:
         return {}
     return {"apart": {name: r.spans() for r in x.apart for name in r.that}}

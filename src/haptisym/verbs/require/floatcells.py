@@ -1,15 +1,19 @@
-"""Values of one parameter in floats with proven bounds, over cells of frequency and value:
-conditions, and the sign of Im H_perc.
+"""What floats with proven bounds show for all values of a parameter q in an interval at once:
+whether conditions hold on a band, and the sign of Im H_perc.
+
+Both are decided over cells of frequency and value, in Taylor models: floats whose remainder
+encloses all rounding. What they show is proven; what they do not show is cut, and at last left
+open.
 
 **Conditions** (``FloatCells``). The one search (``kernel.where``) with the values as its outer
-side, the band as its inner one, and the excess of each criterion in Taylor models as a judge.
-Values are cut down to a thousandth of themselves: what is still open then holds the ends of the
-set, for balls to find.
+side, the band as its inner one, and the excess of each criterion as a judge. Values are cut down to
+a thousandth of themselves: what is still open then holds the ends of the set, which exact verdicts
+close in on where slopes prove that there is just one (``_slant``).
 
-**Energy** (``Energy``). Im H, H = N/D, has the sign of Im(N conj D) on the axis: a sum of powers of
-omega, omega^p c_p, each coefficient made of the parameter and of cos and sinc of delays. Divided by
-the lowest power it is G(omega, q), bounded down to omega = 0; beyond a reach its highest power
-outweighs the others whatever the phases are.
+**Energy** (``Energy``). H = N/D draws energy at omega where Im H < 0. Im H has the sign of Im(N
+conj D) on the axis: a sum of powers of omega, omega^p c_p, each coefficient made of q and of cos
+and sinc of delays. Divided by the lowest power it is G(omega, q), bounded down to omega = 0; beyond
+a reach its highest power outweighs the others whatever the phases are.
 """
 
 from __future__ import annotations
@@ -39,34 +43,31 @@ from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import TaylorModel, between, floated, valued, variable
 from haptisym.verbs.require.freeparameter import ExactSign, JudgedValues, ladder
 
-_FIRST_PIECES, _SHORT_PIECES = (
-    tuple(n / 16 for n in range(17)),
-    tuple(2.0**-n for n in (14, 12, 10, 8, 6)),
-)
-"""Where pieces of the band begin and end; for times shorter ones near its low end too, where long
-delays show themselves."""
+# Where pieces of the band begin and end, as shares; for times also shorter ones near its low end,
+# where long delays show themselves.
+_FIRST_PIECES = tuple(n / 16 for n in range(17))
+_SHORT_PIECES = tuple(2.0**-n for n in (14, 12, 10, 8, 6))
+# After how many cells the larger excess is asked too.
 _HARD = 2000
-"""After how many cells the larger excess is asked too."""
+# Relative widths of values that are cut no further: of all, and of those around what stays open.
 _COARSE, _FINE = 1e-3, 2e-10
-"""Of values that are cut no further, relative to them: of all, and of those around what stays
-open."""
+# How often the pieces of the band are halved in cells whose values are cut no further.
 _LAST = 3
-"""How often the pieces of the band of cells that cannot be cut are."""
+# Pieces that are looked at to cut values more finely, each time.
 _MOST_FINE = 20_000
-"""Pieces that are looked at to cut values more finely, each time."""
+# Relative width of values over which slopes are bounded at least: over less, rounding would be a
+# large part of them.
 _WIDENED = 1e-6
-"""Relative width of values up to which slopes are bounded: of less roundings would be a large
-part."""
+# How often pieces of the band are halved until their slopes show a sign, and how many there may be.
 _HALVINGS, _MOST_SLOPES = 6, 1000
-"""How often pieces of the band are halved until their slopes show a sign, and how many there may
-be."""
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 
 
 @dataclass(frozen=True)
 class _OneFree(Box):
-    """A box with one side, whose shares are the values themselves."""
+    """A box with one side, from 0 to 1, so that shares are the values of the parameter
+    themselves."""
 
     name: str = ""
 
@@ -77,10 +78,10 @@ class _OneFree(Box):
 
 @dataclass(frozen=True)
 class FloatCells:
-    """Criteria of a scene in which one parameter is free; ``scale`` : a usual size of it.
+    """Criteria of a scene on its band in which one parameter is free.
 
-    ``is_broken`` : whether another way shows that values about 0 are broken, where an excess may be
-    infinite.
+    ``scale`` : a usual size of the parameter. ``is_broken`` : another way to show that values about
+    0 are broken, where an excess may be infinite.
     """
 
     scene: Scene
@@ -91,9 +92,9 @@ class FloatCells:
 
     def told(self, low: float, high: float) -> list[JudgedValues]:
         """What is known of the values from one to another, in order."""
-        least = (
-            0.0 if low * high > 0 else self.scale * _COARSE
-        )  # a size below which widths are no longer relative
+        # Around 0 widths relative to the value would never be reached: below this size they are
+        # not.
+        least = 0.0 if low * high > 0 else self.scale * _COARSE
         pieces = {*_FIRST_PIECES, *(_SHORT_PIECES if self.free.dimension is Dimension.TIME else ())}
         marks, steps = np.array(ladder(low, high, self.scale)), np.array(sorted(pieces))
         outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
@@ -109,12 +110,13 @@ class FloatCells:
 
     @property
     def are_known(self) -> bool:
-        """Whether all criteria are to be had in floats."""
+        """Whether all criteria can be bounded in floats, without which nothing is told here."""
         return self._excesses is not None
 
     @cached_property
     def _excesses(self) -> list[tuple[Excess, Callable[[], Excess] | None]] | None:
-        """None where one of the criteria is not to be had in floats."""
+        """The excess of each criterion, and one that is never smaller, made when asked for; None
+        where one criterion cannot be bounded in floats."""
         is_threshold = self.free.parts or self.free.symbol.name in _THRESHOLDS
         if is_threshold or not all(
             x.part or x.region or x.name == ANY_ENVIRONMENT.name for x in self.criteria
@@ -135,8 +137,8 @@ class FloatCells:
         return [_Judge(*x) for x in self._excesses or ()]
 
     def _finer(self, runs: Sequence[JudgedValues]) -> list[JudgedValues]:
-        """The same with what is open cut more finely, where it is not shown to hold one end; the
-        likely ends first."""
+        """Runs of values with those that are open cut more finely, unless they are shown to hold
+        just one end; first those between kept and broken ones."""
         places = [i for i, x in enumerate(runs) if x.open is not None]
         found = {i: [x] for i, x in enumerate(runs)}
         for i in sorted(places, key=lambda i: not _is_between(runs, i)):
@@ -153,6 +155,8 @@ class FloatCells:
                     what="ends of values",
                 )
                 settled = joined([own.open[:0], *cut])
+                # A cell is broken where an excess has a finite ceiling: the frequency at which it
+                # is positive for all of its values was found.
                 broken = settled.ceiling < np.inf
                 around = [
                     *runs[max(i - 1, 0) : i],
@@ -167,17 +171,19 @@ class FloatCells:
         return _merged(x for own in found.values() for x in own)
 
     def _turned(self, runs: Sequence[JudgedValues], i: int) -> JudgedValues:
-        """What is open with whether it holds one end for certain."""
+        """A run that is open, with the slant that proves one end in it; unchanged where there may
+        be none or more."""
         own = runs[i]
         if own.open is None or not _is_between(runs, i):
             return own
         return replace(own, slant=self._slant(own.open, 1.0 if runs[i - 1].kept else -1.0))
 
     def _slant(self, cells: Cells, sense: float) -> float | None:
-        """How steep lines are along which each excess that may be 0 grows as the values do, or fall
-        for ``sense`` < 0.
+        """How steep the lines are along which each excess that may be 0 grows as the values grow
+        (``sense`` > 0) or fall: rad/s for one unit of the parameter. None where that is not shown.
 
-        None where there are none.
+        Then what is broken for one value stays broken for all beyond it, at a frequency on such a
+        line: so there is one end.
         """
         steepest = 0.0
         outer = cells.outer.copy()
@@ -200,23 +206,20 @@ class FloatCells:
 
 
 def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
-    """In which boxes what is positive stays so as the values grow, or fall: each function grows
-    along one line through the box.
+    """In which boxes what is positive stays so as the values grow, or fall (``sense`` < 0), as each
+    function grows along one line through the box; and how steep the steepest of these lines is, as
+    a share of the band for one unit.
 
-    And how steep the steepest line is, as a share of the band for one unit.
-
-    The line may be slanted, q + t, omega + v t, where the box is inside of the band: around it
-    nothing is positive, so that no line leaves it so. That is how two functions which must not both
-    be positive bind at a corner, one over the zero of the other.
+    The line is straight up, omega constant, or slanted: q + t, omega + v t, where the box is inside
+    of the band. Around the box nothing is positive, so that a line cannot leave it while what is
+    positive stays so. Slanted lines are for two functions that must not both be positive and bind
+    at a corner, one over the zero of the other: along the band one falls there as the other grows.
     """
     is_inside = (boxes[:, 0, 0] > 0) & (boxes[:, 0, 1] < 1)
     found, steepest = np.ones(len(boxes), bool), 0.0
     for term in excess.terms(boxes):
-        negative, straight, slanted = (
-            np.zeros(len(boxes), bool),
-            ~np.zeros(len(boxes), bool),
-            is_inside.copy(),
-        )
+        negative = np.zeros(len(boxes), bool)
+        straight, slanted = ~negative, is_inside.copy()
         ends = [f.bounds() for f in term]
         signs = [(low[:, 0] > 0, high[:, 0] < 0) for low, high in ends]
         along = [np.sort(sense * np.stack([low[:, 2], high[:, 2]]), 0) for low, high in ends]
@@ -225,31 +228,37 @@ def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
         for (positive, none), q, w in zip(signs, along, across, strict=True):
             negative |= none
             straight &= positive | (q[0] > 0)
-            with np.errstate(invalid="ignore"):  # what is not finite is unknown
+            # A function that is positive all over the box does not matter: it stays so. Of others
+            # the slope along the line is q + v w, at least by the worse end of w.
+            with np.errstate(invalid="ignore"):
                 slanted &= positive | (q[0] + np.minimum(v * w[0], v * w[1]) > 0)
         found &= negative | straight | slanted
-        turned = slanted & ~negative & ~straight
-        steepest = max(
-            steepest,
-            float(
-                (np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1))[turned].max(
-                    initial=0.0
-                )
-            ),
-        )
+        # Models are functions of both sides of a box from -1 to 1: v becomes a share of the band
+        # for one unit of the parameter.
+        steepness = np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1)
+        needed = slanted & ~negative & ~straight
+        steepest = max(steepest, float(steepness[needed].max(initial=0.0)))
     return found, steepest
 
 
 def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Array]) -> Array:
-    """By how much to go along omega so that functions with these slopes all grow, about: between
-    what each allows."""
-    low, high = np.full(along[0].shape[1], -np.inf), np.full(along[0].shape[1], np.inf)
+    """A guess at v, how far to go along omega for one unit of the parameter so that functions with
+    these slopes all grow; 0 where any v will do, or none is bounded.
+
+    ``counts`` : of each function the boxes in which it matters.
+    """
+    boxes = along[0].shape[1]
+    low, high = np.full(boxes, -np.inf), np.full(boxes, np.inf)
     with np.errstate(all="ignore"):
-        for q, w, own in zip(along, across, counts, strict=True):
+        for q, w, matters in zip(along, across, counts, strict=True):
+            # q + v w > 0 asks for v above this where w > 0, and below it where w < 0.
             bound = -q.mean(0) / w.mean(0)
-            low = np.where(own & (w[0] > 0), np.maximum(low, bound), low)
-            high = np.where(own & (w[1] < 0), np.minimum(high, bound), high)
-        return np.nan_to_num((low + high) / 2, nan=0.0, posinf=0.0, neginf=0.0)
+            is_lower, is_upper = matters & (w[0] > 0), matters & (w[1] < 0)
+            low = np.where(is_lower, np.maximum(low, bound), low)
+            high = np.where(is_upper, np.minimum(high, bound), high)
+        # Amid what all allow, so that the slopes' widths have most room on either side.
+        middle = (low + high) / 2
+        return np.nan_to_num(middle, nan=0.0, posinf=0.0, neginf=0.0)
 
 
 def _is_between(runs: Sequence[JudgedValues], i: int) -> bool:
@@ -259,42 +268,42 @@ def _is_between(runs: Sequence[JudgedValues], i: int) -> bool:
 
 
 def _wider(share: float, least: float) -> Callable[[Array], Array]:
-    """Of cells whether they are wider than a share of their values."""
+    """A function that tells which cells are at least as wide as a share of their values, or of
+    ``least`` where these are smaller."""
     return lambda cells: (
         cells[..., 1] - cells[..., 0] >= share * np.maximum(np.abs(cells).max(-1), least)
     )
 
 
 def _runs(*parts: Cells) -> list[JudgedValues]:
-    """Cells that are kept, broken and left as they follow each other, those of which the same is
-    known as one."""
+    """Cells that are kept, broken and left, in this order of ``parts``, as runs of values: those
+    that follow each other with one verdict as one."""
     listed = sorted(
         (*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x))
     )
-    found = list[JudgedValues]()
+    runs = list[JudgedValues]()
     for n, group in groupby(listed, key=lambda row: row[2]):
         rows = [*group]
+        low, high, kept = Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n]
         cells = parts[n][[row[3] for row in rows]] if n == 2 else None
-        found.append(
-            JudgedValues(
-                Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n], open=cells
-            )
-        )
-    return found
+        runs.append(JudgedValues(low, high, kept, open=cells))
+    return runs
 
 
 def _merged(told: Iterable[JudgedValues]) -> list[JudgedValues]:
-    """Neighbours of which the same is known as one."""
-    found = list[JudgedValues]()
+    """Runs of values, neighbours with one verdict merged."""
+    runs = list[JudgedValues]()
     for x in told:
-        if found and x.kept is not None and found[-1].kept is x.kept:
-            found[-1] = replace(found[-1], high=x.high)
+        if runs and x.kept is not None and runs[-1].kept is x.kept:
+            runs[-1] = replace(runs[-1], high=x.high)
         else:
-            found.append(x)
-    return found
+            runs.append(x)
+    return runs
 
 
 def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
+    """What makes the larger excess r^2 - c^2 of a criterion of one part with a plain number as its
+    threshold; None for others."""
     return (
         None
         if x.part is None or x.region or x.threshold.has(omega)
@@ -304,8 +313,11 @@ def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
 
 @dataclass
 class _Judge:
-    """An excess, and what makes one that is never smaller, which near a resonance of the
-    environment larger cells show."""
+    """Bounds on an excess over cells, for the search.
+
+    ``larger`` makes an excess that is never smaller: near a resonance of the environment it is
+    shown to be negative on wider cells, which is asked for once ``_HARD`` cells were looked at.
+    """
 
     excess: Excess
     larger: Callable[[], Excess] | None
@@ -323,7 +335,7 @@ class _Judge:
 
 Span: TypeAlias = tuple[float, float]
 Parts: TypeAlias = dict[Expr, list[TaylorModel | None]]
-"""By powers of omega real and imaginary part; None for 0."""
+"""A function of omega on the axis: by powers of omega, its real and imaginary part; None for 0."""
 _BITS = 160
 _ROUNDING = 1e-14
 _QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
@@ -331,7 +343,7 @@ _QUARTERS = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 
 @dataclass(frozen=True)
 class LagTerm:
-    """number(q) s^power exp(-s lag(q))."""
+    """A term of N or D: number(q) s^power exp(-s lag(q))."""
 
     power: Expr
     lag: Expr
@@ -342,27 +354,37 @@ class LagTerm:
         """Cosine and sine of a quarter turn for each power."""
         if isinstance(self.power, Integer):
             return _QUARTERS[int(self.power) % 4]
-        with flint.ctx.workprec(
-            _BITS
-        ):  # near an odd power a cosine in floats loses digits, which Model.times takes for known
+        # Near an odd power a cosine in floats loses digits, which ``TaylorModel.times`` takes for
+        # known.
+        with flint.ctx.workprec(_BITS):
             half = expression_ball(self.power) / 2
             return float(half.cos_pi()), float(half.sin_pi())
 
 
 def terms_in(ring: Ring, polynomial: Polynomial) -> list[LagTerm]:
     """A polynomial as terms, of each power and delay one."""
-    found: dict[tuple[Expr, Expr], Expr] = {}
+    numbers: dict[tuple[Expr, Expr], Expr] = {}
     first, last = ring.size, ring.size + len(ring.lags)
     for exponents, value in monomials(polynomial):
-        own = [int(n) for n in exponents]
-        number = Rational(int(value.p), int(value.q)) * pi ** own[1]
-        for symbol, n in zip(ring.symbols, own[2:first], strict=True):
+        # The variables of a ring are s, pi, its symbols, unit delays, and broken powers of s.
+        power, of_pi, *rest = (int(n) for n in exponents)
+        of_symbols, of_lags, of_orders = (
+            rest[: first - 2],
+            rest[first - 2 : last - 2],
+            rest[last - 2 :],
+        )
+        number = Rational(int(value.p), int(value.q)) * pi**of_pi
+        for symbol, n in zip(ring.symbols, of_symbols, strict=True):
             number *= symbol**n
-        lag = sum((n * x for n, x in zip(own[first:last], ring.lags, strict=True)), Integer(0))
-        more = sum((n * x for n, x in zip(own[last:], ring.orders, strict=False)), Integer(0))
-        place = own[0] + more, lag
-        found[place] = found.get(place, Integer(0)) + number
-    return [LagTerm(*place, number) for place, number in found.items()]
+        lag, more = _weighted(of_lags, ring.lags), _weighted(of_orders, ring.orders)
+        place = power + more, lag
+        numbers[place] = numbers.get(place, Integer(0)) + number
+    return [LagTerm(*place, number) for place, number in numbers.items()]
+
+
+def _weighted(exponents: Sequence[int], numbers: Sequence[Expr]) -> Expr:
+    """The sum of numbers, each as often as its exponent says."""
+    return sum((n * x for n, x in zip(exponents, numbers, strict=False)), Integer(0))
 
 
 Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
@@ -371,7 +393,7 @@ known."""
 
 
 def beginnings(row: Sequence[LagTerm]) -> Iterator[Turned]:
-    """Of each term what is left with delays as 1 - s lag."""
+    """The terms as s begins at 0, with delays as 1 - s lag."""
     for x in row:
         yield x.power, x.power, x.number
         if x.lag != 0:
@@ -379,21 +401,26 @@ def beginnings(row: Sequence[LagTerm]) -> Iterator[Turned]:
 
 
 def endings(row: Sequence[LagTerm]) -> Iterator[Turned]:
-    """The terms, of which those that come late turn on and on."""
+    """The terms as s goes to infinity: the phase of those with a delay turns on and on, so that
+    their number is not known."""
     for x in row:
         yield x.power, x.power, x.number if x.lag == 0 else None
 
 
 def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr, Expr], list[Expr]]:
-    """Im of above times the conjugate of below, by powers of omega, but what cancels; and powers of
-    which it is not known."""
-    found, unknown = dict[Expr, Expr](), list[Expr]()
+    """Im(N conj D), for N and D with the terms ``above`` and ``below``: its coefficients by powers
+    of omega, without those that cancel; and the powers of which they are not known."""
+    numbers, unknown = dict[Expr, Expr](), list[Expr]()
     for (p, a, x), (n, b, y) in product(above, below):
-        if x is None or y is None or not isinstance(a - b, Integer):
-            unknown.append(p + n)
-        else:
-            found[p + n] = found.get(p + n, Integer(0)) + (0, 1, 0, -1)[int(a - b) % 4] * x * y
-    return {p: form for p, x in found.items() if (form := x.expand()) != 0}, unknown
+        power, quarters = p + n, a - b
+        if x is None or y is None or not isinstance(quarters, Integer):
+            unknown.append(power)
+            continue
+        # j^a times the conjugate of j^b is j^(a - b).
+        imaginary_part = (0, 1, 0, -1)[int(quarters) % 4]
+        numbers[power] = numbers.get(power, Integer(0)) + imaginary_part * x * y
+    expanded = {power: x.expand() for power, x in numbers.items()}
+    return {power: form for power, form in expanded.items() if form != 0}, unknown
 
 
 def add_to(found: Parts, power: Expr, model: TaylorModel, C: float, S: float) -> None:
@@ -407,7 +434,7 @@ def add_to(found: Parts, power: Expr, model: TaylorModel, C: float, S: float) ->
 
 
 def imaginary(above: Parts, below: Parts) -> dict[Expr, TaylorModel]:
-    """Of above times the conjugate of below."""
+    """The imaginary part of ``above`` times the conjugate of ``below``, by powers of omega."""
     found: dict[Expr, TaylorModel] = {}
 
     def add(power: Expr, x: TaylorModel | None, y: TaylorModel | None, sign: float) -> None:
@@ -423,7 +450,7 @@ def imaginary(above: Parts, below: Parts) -> dict[Expr, TaylorModel]:
 
 
 class ModelPowers:
-    """x^p of a model, p >= 0, whole powers each made once: 1, x, x^2, ..."""
+    """The powers x^p of a model, p >= 0; whole ones are made once each: 1, x, x^2, ..."""
 
     def __init__(self, x: TaylorModel) -> None:
         self.x, self._known = x, [x.number(1.0)]
@@ -444,7 +471,7 @@ def bent_sinc(angle: TaylorModel) -> TaylorModel:
 
 
 def variables(cells: Array) -> tuple[TaylorModel, TaylorModel]:
-    """Frequency and parameter, over cells of their values."""
+    """Models of frequency and parameter over cells of both, which are their values."""
     found = []
     for i in (0, 1):
         low, high = cells[:, i].T
@@ -456,8 +483,11 @@ def variables(cells: Array) -> tuple[TaylorModel, TaylorModel]:
 
 @dataclass(frozen=True)
 class _Points:
-    """Values at single places, and about how far roundings put them off: says where to look; what
-    it finds models prove."""
+    """Values at single points, with an estimate of their rounding: a model's stand-in where nothing
+    is to be proven but only where to look.
+
+    The estimate is not a bound; what is found so is proven by models after.
+    """
 
     c0: Any
     r: Any
@@ -515,7 +545,7 @@ def span(low: Rational, high: Rational) -> Span:
 
 
 class _Late:
-    """A delay over cells, and what it makes of a frequency."""
+    """A delay over cells, with cosine and sinc of its phase omega lag, each made once."""
 
     def __init__(self, omega: TaylorModel, lag: TaylorModel) -> None:
         self.lag, self.angle = lag, omega * lag
@@ -529,13 +559,19 @@ class _Late:
         return self.angle.sinc()
 
 
+# Up to which frequency, rad/s, one is looked for from which on Im H > 0.
 _FARTHEST = 2.0**60
-_MOST = 800  # cells of frequency and parameter
+# Cells of frequency and parameter that are looked at for one range of values.
+_MOST = 800
 _FIRST = 48
 
 
 class Energy:
-    """Im(N conj D) of a dynamics with one symbol."""
+    """Im(N conj D) on the axis, for a dynamics N/D with one symbol q: it has the sign of Im H.
+
+    Verdicts are about a range of q as floats, which may be one number. True, or a frequency, is
+    proven; False of ``clear`` and None prove nothing.
+    """
 
     def __init__(self, rows: Sequence[Sequence[LagTerm]], symbol: Symbol) -> None:
         self._rows, self.symbol = rows, symbol
@@ -552,8 +588,8 @@ class Energy:
         return cls([terms_in(ring, p) for p in (H.numerator, H.denominator)], symbol)
 
     def clear(self, q: Span, start: float = 0.0) -> bool:
-        """Whether Im H > 0 from a frequency on (of 0 just above it) for all values of a range,
-        proven."""
+        """Whether Im H > 0 at all frequencies from ``start`` on, 0 not included, for all values of
+        a range, proven."""
         reach = self._reach(q)
         if reach is None:
             return False
@@ -566,9 +602,11 @@ class Energy:
         for own in waiting:
             model = self._function(*variables(own))
             low, high = (x[:, 0] for x in model.bounds())
+            # Negative all over one cell: no cutting can help.
             if (high < 0).any():
                 return False
             left = ~(low > 0)
+            # Cut where the function changes most: along frequency or along the parameter.
             rates = np.abs(model.c1[left, 0]) + np.abs(model.c2[left, 0]).sum(-1)
             waiting.add(halves(own[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1)))
         return not len(waiting.rest)
@@ -579,12 +617,15 @@ class Energy:
         middle = (q[0] + q[1]) / 2
         value: Any = _Points(middle, abs(middle) * _ROUNDING)
         with np.errstate(all="ignore"):
+            # Where the sign settles far out, up to there; else some turns of the delays show what
+            # repeats.
             reach = self._reach((middle, middle), (value, value)) or self._turns(q)
         grid = np.unique(
             np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]])
         )
         at: Any = _Points(grid, grid * _ROUNDING)
         low = np.broadcast_to(self._function(at, value).bounds()[1], grid.shape)
+        # Where the middle value is most negative, all values of the range are most likely so.
         for i in np.argsort(low)[:3]:
             if low[i] < 0 and self._bounds(grid[i : i + 1], q)[1][0] < 0:
                 return float(grid[i])
@@ -592,7 +633,10 @@ class Energy:
 
     def rises(self, q: Span) -> float | None:
         """A frequency up to which G(omega, q) > G(0, q), for all values of a range; None where that
-        is not shown."""
+        is not shown.
+
+        So where G(0, q) >= 0, and also where it comes to 0, Im H > 0 up to that frequency.
+        """
         end = self._reach(q) or 0.0
         while end > 1e-6:
             omega, value = variables(np.array([[[0.0, end], q]]))
@@ -601,6 +645,8 @@ class Energy:
             if len(powers) < 2:
                 return None
             low, high = (x[0, 0] for x in found[powers[1]].bounds())
+            # The power next to the lowest must outweigh all others, which lose against it as the
+            # end shrinks.
             rest = sum(
                 max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:]
             )
@@ -612,14 +658,15 @@ class Energy:
         return None
 
     def beyond(self, end: float, side: int) -> bool | None:
-        """Whether all values above (1) or below an end are as it is: True: passive, False: active;
-        None: not known."""
+        """The verdict on all values beyond an end, above it (``side`` 1) or below it (-1): True,
+        passive if the end is; False, active; None, not known."""
         if any(x.lag.has(self.symbol) for row in self._rows for x in row):
             return None
         if self._is_helped(side):
             return True
         if not end * side > 0:
             return None
+        # As u = 1/q from 0 on: one range of floats holds all values beyond the end, and infinity.
         span = 0.0, nextafter(1 / abs(end), inf)
         return None if self._inverted(side).active_at(span) is None else False
 
@@ -634,7 +681,7 @@ class Energy:
         return all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more)
 
     def _inverted(self, side: int) -> Energy:
-        """The same with side/u in place of the number, times a power of u > 0."""
+        """The energy with side/u in place of q, times a power of u > 0, which keeps its sign."""
         rows = []
         for row in self._rows:
             forms = [Poly(x.number, self.symbol) for x in row]
@@ -650,7 +697,7 @@ class Energy:
 
     @cached_property
     def top(self) -> Expr | None:
-        """What stands before the highest power of N; None where some of that comes late."""
+        """The coefficient of the highest power of s in N; None where a delay is in it."""
         top = max(x.power for x in self._rows[0])
         terms = [x for x in self._rows[0] if x.power == top]
         return (
@@ -659,7 +706,7 @@ class Energy:
 
     @cached_property
     def at_0(self) -> Expr:
-        """G(0, q), exactly."""
+        """G(0, q), exactly. UndecidedError where the terms 1 - s lag of delays do not tell it."""
         found, unknown = paired(*(list(beginnings(row)) for row in self._rows))
         lowest = min(found, default=None)
         if lowest is None or bool(lowest > self._lowest) or any(bool(p <= lowest) for p in unknown):
@@ -668,8 +715,8 @@ class Energy:
 
     @cached_property
     def far(self) -> tuple[Expr, ExactSign] | None:
-        """The highest power of omega in Im(N conj D), and the sign of what stands before it; None
-        where some of it is late."""
+        """The highest power of omega in Im(N conj D), and the sign of its coefficient, as a
+        function of q; None where a delay is in it."""
         found, unknown = paired(*(list(endings(row)) for row in self._rows))
         top = max(found, default=None)
         if (
@@ -682,23 +729,33 @@ class Energy:
 
     @cached_property
     def turning(self) -> ExactSign | None:
-        """Negative but where what prevails far out vanishes or is not late: it turns there, and is
-        negative again and again."""
+        """A sign that is negative where Im H turns for ever at high frequencies, and so is negative
+        again and again; 0 where what prevails there vanishes or has no delay.
+
+        None where that is not known. H goes as N's highest power there, all of which is delayed,
+        over one of D that is not: its phase turns through all angles.
+        """
+        highest = [max((y.power for y in row), default=None) for row in self._rows]
         tops, below = (
-            [x for x in row if x.power == max(y.power for y in row)] for row in self._rows
+            [x for x in row if x.power == power]
+            for row, power in zip(self._rows, highest, strict=True)
         )
         if len(below) > 1 or below[0].lag != 0 or any(x.lag == 0 for x in tops):
             return None
+        # Two of them may come to have one delay, and cancel.
         if len(tops) > 1 and any(x.lag.has(self.symbol) for x in tops):
-            return None  # two of them may come to be equally late
+            return None
         known = next((x.number for x in tops if not x.number.has(self.symbol)), tops[0].number)
         form = -(prod((x.lag for x in tops), start=known * below[0].number) ** 2).expand()
         return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
     @cached_property
     def far_right(self) -> ExactSign | None:
-        """The sign of H(s)/s for large s > 0, where what comes late has faded; 0 for numbers with
-        which something is not late."""
+        """The sign of H(s)/s for large s > 0, where delayed terms have faded; 0 for values of q
+        with which one has no delay. None where nothing is undelayed.
+
+        A positive real H/s is positive for all s > 0: where this is negative H is not passive.
+        """
         early = [[x for x in row if x.lag == 0] for row in self._rows]
         if not all(early):
             return None
@@ -722,7 +779,7 @@ class Energy:
         return low, high
 
     def _function(self, omega: TaylorModel, q: TaylorModel) -> TaylorModel:
-        """G over cells."""
+        """Models of G(omega, q) over cells."""
         with np.errstate(all="ignore"):
             found = self._coefficients(omega, q)
             total, powers = omega.number(0.0), ModelPowers(omega)
@@ -733,8 +790,11 @@ class Energy:
     def _coefficients(
         self, omega: TaylorModel, q: TaylorModel, *, expanded: bool = False
     ) -> dict[Expr, TaylorModel]:
-        """Of each power of omega; ``expanded``: with cos and sinc as 1 and omega^2 times the
-        rest."""
+        """Models of the coefficients of Im(N conj D) by powers of omega.
+
+        ``expanded``: with cos and sinc as 1 and omega^2 times the rest, so that what their leading
+        terms cancel is cancelled exactly.
+        """
         with np.errstate(all="ignore"):
             above, below = (self._parts(row, omega, q, expanded=expanded) for row in self._rows)
             return imaginary(above, below)
@@ -742,6 +802,10 @@ class Energy:
     def _parts(
         self, row: Sequence[LagTerm], omega: TaylorModel, q: TaylorModel, *, expanded: bool
     ) -> Parts:
+        """Models of the real and imaginary part of N or D on the axis, by powers of omega.
+
+        exp(-j a), a = omega lag, is cos a - j omega lag sinc a: sinc has no division by omega.
+        """
         found, powers, late_by = Parts(), ModelPowers(q), dict[Expr, _Late]()
         for x in row:
             C, S = x.turned
@@ -757,6 +821,7 @@ class Energy:
                 add_to(found, x.power, number * own.cosine, C, S)
                 add_to(found, x.power + 1, late * own.sinc, S, -C)
                 continue
+            # cos a = 1 - a^2/2 sinc(a/2)^2, and sinc a = 1 + a^2 (sinc a - 1)/a^2.
             half = own.angle.times(0.5).sinc()
             add_to(found, x.power, number, C, S)
             add_to(found, x.power + 2, (number * own.lag * own.lag * half * half).times(-0.5), C, S)
@@ -780,13 +845,17 @@ class Energy:
 
     @cached_property
     def _rows_of(self) -> dict[Expr, list[tuple[Integer, float]] | None]:
-        """Of numbers and delays the powers of the parameter and what stands before them; None where
-        they are no polynomials."""
+        """The coefficients of numbers and delays by powers of the parameter, as they are asked for;
+        None for one that is no polynomial."""
         return {}
 
     def _reach(self, q: Span, place: tuple[TaylorModel, TaylorModel] | None = None) -> float | None:
-        """From where on Im H > 0 for all values of a range; None where that is not shown. ``place``
-        : frequency and value."""
+        """A frequency from which on Im H > 0 for all values of a range; None where that is not
+        shown. ``place`` : frequency and value, where they are made already.
+
+        Terms without a delay are known, delayed ones by their size alone: beyond the frequency the
+        known coefficient of the highest power outweighs all others together, whatever the phases.
+        """
         omega, value = place or variables(np.array([[[0.0, 0.0], q]]))
         sure, others = list[Parts](), list[dict[Expr, float]]()
         for row in self._rows:
@@ -798,6 +867,8 @@ class Energy:
                     sizes[x.power] = sizes.get(x.power, 0.0) + most
             others.append(sizes)
         known = imaginary(*sure)
+        # Every product that holds a delayed factor counts by its size: undelayed times delayed,
+        # both ways, and delayed times delayed.
         doubt: dict[Expr, float] = {}
         whole = [
             {p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()}
@@ -810,7 +881,8 @@ class Energy:
         powers = sorted({*known, *doubt})
         low = {p: ends_of(model)[0] - doubt.get(p, 0.0) for p, model in known.items()}
         if low.get(powers[-1], 1.0) <= 0 and self._ends_upward(powers[-1], q):
-            del powers[-1:]  # it is nowhere negative: what comes below must outweigh the rest
+            # It may vanish but is nowhere negative: the power below it must outweigh the rest.
+            del powers[-1:]
         if not powers or powers[-1] not in known:
             return None
         top = powers[-1]
@@ -821,6 +893,8 @@ class Energy:
         }
         radius = 2.0**-20
         while radius < _FARTHEST and least > 0:
+            # Relative to the highest power all others fall with omega: what holds at the radius
+            # holds beyond it.
             others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
             if least * (1 - 1e-9) > others_there * (1 + 1e-9):
                 return radius
@@ -828,8 +902,8 @@ class Energy:
         return None
 
     def _ends_upward(self, top: Expr, q: Span) -> bool:
-        """Whether what stands before the highest power is nowhere negative for values of a range:
-        it may vanish at its ends."""
+        """Whether the coefficient of the highest power is proven nowhere negative for values of a
+        range, at the ends of which it may vanish."""
         if self.far is None or self.far[0] != top:
             return False
         low, high = map(Rational, q)
@@ -837,7 +911,8 @@ class Energy:
         return found is not None and found >= 0
 
     def _turns(self, q: Span) -> float:
-        """Some turns of the longest delay, where nothing settles the sign far out."""
+        """A frequency, rad/s, at which the longest delay has made about three turns, where nothing
+        settles the sign far out."""
         known = {self.symbol: Rational((q[0] + q[1]) / 2)}
         lags = [floated(x.lag.xreplace(known)) for row in self._rows for x in row if x.lag != 0]
         return 20 / max([x for x in lags if x > 0], default=1.0)

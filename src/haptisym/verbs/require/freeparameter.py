@@ -1,5 +1,5 @@
-"""One free parameter: the values that are asked about, conditions as functions of it, and what is
-exact about these.
+"""Conditions as functions of one free parameter t, and what is exact about them: the values of t at
+which they can change.
 
 A condition N(omega, t) <= 0, N a polynomial, can change only where a zero of N in omega enters over
 an end of the band, N(end, t) = 0, or where two zeros meet: where the discriminant of a factor of N
@@ -48,8 +48,8 @@ if TYPE_CHECKING:
 def asked_of(
     scene: Scene, free: Sequence[Knob], part: Part | None, *, any_environment: bool
 ) -> tuple[Criterion, ...]:
-    """What is to hold on the whole band: what is judged of one part, or of both, or |G - 1| <=
-    c."""
+    """The criteria that are to hold on the whole band: those of one part, of both (None), or |G -
+    1| <= c for any environment. SceneError for what does not go together."""
     if not any_environment:
         return tuple(x for x in noticed(scene.threshold) if part in (None, x.part))
     if part is not None:
@@ -63,14 +63,13 @@ def asked_of(
 
 @dataclass(frozen=True, eq=False)
 class JudgedValues:
-    """Values between two: ``kept`` with all conditions on all of the band, or not; None where that
-    is not told.
+    """A verdict on all values between two: ``kept`` tells whether they keep all conditions on all
+    of the band; None where that is not known.
 
-    ``slant`` : of values between some that keep the conditions and some that do not, where it is
-    proven that there is one end:
-    what is broken at a frequency for one of them is so for all beyond it, there or so fast away
-    from there, rad/s for one unit; None where that is not proven. ``open`` : the cells that are
-    left in there.
+    ``slant`` : not None where it is proven that an open interval, between values that keep the
+    conditions and values that do not, holds just one end. What is broken at a frequency for one of
+    its values is then broken for all beyond it, at a frequency that moves by no more than that,
+    rad/s for one unit. ``open`` : the cells that are left in there.
     """
 
     low: Fraction
@@ -85,20 +84,22 @@ class JudgedValues:
         return self.high - self.low <= _NARROW * max(-self.low, self.high)
 
 
+# Relative width of an interval by which its end is known well enough to be told: ten digits.
 _NARROW = Fraction(1, 10**9)
 
 
 def ladder(low: float, high: float, scale: float) -> list[float]:
-    """Numbers from one to another at which cells may begin: at powers of 2 of a usual size, on both
-    sides of 0."""
+    """Numbers from one to another at which cells begin: powers of 2 times a usual size, on both
+    sides of 0, so that within a cell values differ by no more than a factor of 2."""
+    # Around 0 cells are cut as far as is needed: no use to begin with smaller ones.
     sizes = [scale * 2.0**n for n in range(-60 if low * high > 0 else -20, 60)]
     marks = [-x for x in sizes] + [0.0] + sizes
     return sorted({low, high, *(x for x in marks if low < x < high)})
 
 
 Condition: TypeAlias = RealFunction | Lattice
-"""A function of omega and the free parameters that must not be positive; of a lattice of one term
-one of several."""
+"""A function of omega and the free parameters that must not be positive; as a lattice of one term,
+several of which at least one must not be."""
 Conditions: TypeAlias = Mapping[Criterion, Condition]
 
 
@@ -116,10 +117,10 @@ def conditions(
     criteria: Iterable[Criterion],
     seen: Callable[[Distortion], Distortion] = lambda d: d,
 ) -> dict[Criterion, Condition]:
-    """What criteria ask, with the free parameters left as symbols; of a region with several terms
-    each of them.
+    """What criteria ask, with the free parameters left as symbols; a region with several terms is
+    one condition for each.
 
-    ``seen`` : as what the distortion is taken, where not as it is.
+    ``seen`` : a map of the distortion to the form in which it is judged.
     """
     listed = [x.felt() for x in free]
     d, parts = seen(_distortion(scene, listed)), {part for x in listed for part in x.parts}
@@ -144,7 +145,10 @@ def _distortion(scene: Scene, free: list[Knob]) -> Distortion:
 
 
 def _upright(found: RealFunction) -> RealFunction:
-    """With what changes the sign below the line brought above it."""
+    """The function with all factors that change sign in its numerator, so that this has its sign.
+
+    Times a square: numerator and denominator are both multiplied with the factors of odd power.
+    """
     f = found.function
     constant, factors = f.denominator.factor()
     turning = [factor for factor, n in factors if n % 2 and not _is_positive(factor)]
@@ -164,10 +168,10 @@ def _is_positive(polynomial: Polynomial) -> bool:
 
 
 def is_kept_anyway(scene: Scene, free: Sequence[Knob], x: Criterion, own: Condition) -> bool:
-    """Whether a condition is kept whatever the free parameters, all phases and the frequency are,
-    as factors show.
+    """Whether a condition is kept for all free parameters, phases of delays and frequencies, as the
+    signs of its factors show. False proves nothing.
 
-    By itself, or as r <= |G - 1| of effects in series.
+    Either by itself, or as r <= |G - 1| for effects in series, whose bound may be shown to be kept.
     """
     if any(_is_never_positive(f.function.numerator) for f in pieces(own)):
         return True
@@ -183,12 +187,13 @@ def is_kept_anyway(scene: Scene, free: Sequence[Knob], x: Criterion, own: Condit
     return all(_is_never_positive(f.function.numerator) for bound in larger for f in pieces(bound))
 
 
-_MOST_FACTORED = 300  # terms: nothing interrupts FLINT while it factors
+# Terms of a polynomial that is factored: nothing interrupts FLINT while it does that.
+_MOST_FACTORED = 300
 
 
 def _is_never_positive(polynomial: Polynomial) -> bool:
-    """Whether it shows to be positive nowhere, whatever its variables are: by factors that are even
-    or keep their sign."""
+    """Whether a polynomial is shown to be positive nowhere, for any real variables: by factors of
+    even power or one sign. False proves nothing."""
     if len(polynomial) > _MOST_FACTORED:
         return False
     constant, factors = polynomial.factor()
@@ -200,6 +205,7 @@ def _sign_of_all(factor: Polynomial) -> int | None:
     """The sign of an irreducible polynomial that has one; None where that does not show."""
     if _is_positive(factor):
         return 1
+    # A polynomial in one variable without a real zero has the sign of its value at 0.
     [*used] = (i for i, n in enumerate(factor.degrees()) if n)
     first = factor.to_dict().get((0,) * len(factor.degrees()))
     if (
@@ -212,8 +218,10 @@ def _sign_of_all(factor: Polynomial) -> int | None:
 
 
 def _is_modulus(polynomial: Polynomial) -> bool:
-    """Whether an irreducible polynomial is that of omega which f(s) f(-s) becomes, and not one in
-    s^2 that is its own f."""
+    """Whether an irreducible polynomial in omega is |f(j omega)|^2 for some f, and so not negative.
+
+    With s = j omega it is then f(s) f(-s), which factors; irreducible in omega, but not in s.
+    """
     rows = dict(monomials(polynomial))
     if any(row[0] % 2 for row in rows) or polynomial.leading_coefficient() < 0:
         return False
@@ -239,11 +247,14 @@ def critical(
         for factor, _ in irreducible(piece.function.denominator):
             if not factor.degrees()[0]:
                 yield None, factor
+        # An even power changes no sign, unless it holds the parameter alone: then it is 0 at all
+        # omega.
         own = [f for f, n in irreducible(piece.function.numerator) if n % 2 or not f.degrees()[0]]
         factors += [f for f in own if f not in factors]
     for f in factors:
         for kind, end in zip((Kind.START, Kind.EDGE), band, strict=True):
             yield (criterion, kind), substituted(f, 0, ring.convert(end))
+        # Two zeros in omega^2 (in omega, where it is not even) must be there to meet.
         if f.degrees()[0] > (2 if is_even(f) else 1):
             yield (criterion, Kind.TOUCH), in_square(f).discriminant(0)
     for f, g in combinations([f for f in factors if f.degrees()[0] and f != ring.variable], 2):
@@ -261,7 +272,7 @@ def irreducible(polynomial: Polynomial) -> list[tuple[Polynomial, int]]:
 
 
 def is_even(polynomial: Polynomial) -> bool:
-    """Whether it is even in its first variable."""
+    """Whether a polynomial is even in its first variable, omega."""
     return not any(int(e[0]) % 2 for e in polynomial.monoms())
 
 
@@ -309,8 +320,9 @@ def edge_polynomial(pieces: Sequence[RealFunction], end: Expr) -> Expr:
 
 
 def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
-    """What vanishes where a rational condition binds inside the band: discriminants in omega^2, and
-    of several resultants."""
+    """The polynomial in the parameters that vanishes where a rational condition binds inside the
+    band: a product of discriminants in omega^2, and of resultants where it has several
+    functions."""
     axis = _without_functions(pieces)
     own = [
         [f for f, n in irreducible(piece.function.numerator) if n % 2 and f.degrees()[0]]
@@ -334,6 +346,7 @@ def touch_polynomial(pieces: Sequence[RealFunction]) -> Expr:
 
 
 def _without_functions(pieces: Sequence[RealFunction]) -> Axis:
+    """The axis of rational functions. SceneError where they hold delays or powers of s."""
     if pieces[0].axis.functions:
         raise SceneError("with delays or powers of s the boundary is no polynomial's zero")
     return pieces[0].axis
@@ -352,14 +365,19 @@ def zeros_of(form: Expr, symbol: Symbol) -> list[RealNumber]:
 
 
 def is_between(low: Expr | None, x: RealNumber, high: Expr | None) -> bool:
-    """Whether a number lies between two others (None: without bound), or so near to one that some
-    hundred bits do not tell."""
+    """Whether a number lies between two others (None: without bound).
+
+    True also where it is so near to one of them that 256 bits do not tell: then it counts as
+    inside, and no sign is claimed for all values between the two.
+    """
     if isinstance(x, ExactNumber) and x.value.is_Rational:
-        return (low is None or bool(low < x.value)) and (high is None or bool(x.value < high))
+        is_above_low = low is None or bool(low < x.value)
+        return is_above_low and (high is None or bool(x.value < high))
     with flint.ctx.workprec(_BITS):
         place = x.ball(_BITS)
-        below = low is not None and bool(place <= expression_ball(low))
-        return not below and not (high is not None and bool(place >= expression_ball(high)))
+        if low is not None and bool(place <= expression_ball(low)):
+            return False
+        return high is None or not bool(place >= expression_ball(high))
 
 
 @dataclass(frozen=True)
@@ -378,7 +396,7 @@ class ExactSign:
 
     @cached_property
     def zeros(self) -> tuple[RealNumber, ...]:
-        """Where it may change."""
+        """The zeros of the polynomial, at which alone its sign may change."""
         return tuple(zeros_of(self.form, self.symbol)) if self.form.has(self.symbol) else ()
 
     def at(self, value: Expr) -> int:

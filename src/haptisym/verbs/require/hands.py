@@ -1,5 +1,5 @@
 """For which values of one parameter a display is stable in its hands, and with any passive
-operator: what is asked of whom."""
+operator: each question with what answers it. Begin with ``of_hands``."""
 
 from __future__ import annotations
 
@@ -28,14 +28,15 @@ def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
 def of_hands(
     scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
 ) -> list[Callable[[], ValueSet]]:
-    """What finds the values for each hand of the scene that is asked about, and for every passive
-    one."""
+    """A function for each criterion about hands that finds its values: not called yet, so that one
+    that stays undecided does not keep the others from an answer."""
     both = [(hand, stable_in(hand, what)) for hand in scene.hands for what in IN_HANDS]
     held = [(hand, x) for hand, x in both if x in criteria]
     found: list[Callable[[], ValueSet]] = [
         partial(stable_values, scene, hand, free, asked, x) for hand, x in held
     ]
     if any(x.name == PASSIVE.name for x in criteria):
+        # A clock makes passivity another condition, Colgate and Schenkel's.
         passive = solve_sampled if clocks(scene) else solve_passive
         found.append(partial(passive, scene, free, asked))
     return found

@@ -1,5 +1,5 @@
 """Where no value of a parameter makes a display transparent: the one that comes nearest, what binds
-there, and what is proven.
+there, and what is proven. Begin with ``nearest``.
 
 A value comes nearer than another if thresholds that are a smaller multiple of the scene's would do
 for it. For one value that multiple is the largest r/c on the band, exact; which value is tried is a
@@ -35,19 +35,21 @@ from haptisym.programs.values import Array, Compiled
 from haptisym.verbs.require.freeparameter import allowed
 from haptisym.verbs.require.solving import solve
 
+# Frequencies and values of the grid, how often it is refined about its best value, and into how
+# many values each time.
 _FREQUENCIES, _VALUES, _ZOOMS, _EACH = 257, 241, 5, 17
+# How far values without bound are looked for, to each side of a usual size.
 _DECADES = 6
-"""To each side of a usual size: how far values without bound are looked for."""
+# By what share less near a value may come that is simpler, or less extreme.
 _LEAVE = 0.002
-"""By how much less near a value may come that is simpler, or less extreme."""
+# How far, relatively, simpler values are looked for: the simplest is tried first.
 _SIMPLER = (0.1, 0.01, 1e-3, 1e-5)
-"""How far, relatively, simpler values are looked for."""
 
 
 @dataclass(frozen=True)
 class ParameterQuestion:
-    """What was asked about one parameter, which no value does; criteria that are about ratios, held
-    against numbers."""
+    """What was asked about one parameter and holds for none of its values; all criteria hold a
+    ratio against a number."""
 
     scene: Scene
     free: Knob
@@ -65,6 +67,8 @@ class ParameterQuestion:
         alike, own = coarse[worst <= times * (1 + _LEAVE)], float(self.free.value)
         if own in alike:
             yield self.free.value
+        # Of values that come equally near the one closest to the present value; at an end of the
+        # grid the least may lie beyond it, and there is no choice.
         elif len(alike) and value not in (coarse[0], coarse[-1]):
             value = float(
                 alike[np.argmin(np.abs(alike - own) / (np.abs(alike) + abs(own) + 1e-300))]
@@ -72,18 +76,26 @@ class ParameterQuestion:
         yield from self._simple(value, times)
 
     def _least(self, grid: Array, worst: Array) -> tuple[float, float]:
-        """Where the largest ratio is least, and how large it is there, on finer and finer grids."""
+        """Where the largest ratio is least, and how large it is there, on finer and finer grids.
+
+        ``worst`` : the largest ratio at each value of the ``grid``; nan where there is no scene.
+        """
         for _ in range(_ZOOMS):
-            at = int(np.argmin(np.where(np.isfinite(worst), worst, np.inf)))
-            finer = np.linspace(grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)], _EACH)
-            own = self.times(finer)
-            if not np.nanmin(own, initial=np.inf) <= worst[at]:
+            at = _least_at(worst)
+            # The least value between two neighbours of the best one, if nothing is missed by the
+            # grid before: a guess, whose quality is proven afterwards.
+            low, high = grid[max(at - 1, 0)], grid[min(at + 1, len(grid) - 1)]
+            finer = np.linspace(low, high, _EACH)
+            ratios = self.times(finer)
+            if not np.nanmin(ratios, initial=np.inf) <= worst[at]:
                 break
-            grid, worst = finer, own
-        at = int(np.argmin(np.where(np.isfinite(worst), worst, np.inf)))
+            grid, worst = finer, ratios
+        at = _least_at(worst)
         return float(grid[at]), float(worst[at])
 
     def _simple(self, value: float, times: float) -> Iterator[Rational]:
+        """The simplest rational number near a value at which the largest ratio is hardly larger;
+        the value itself where there is none."""
         for width in _SIMPLER:
             reach = (ExactNumber(Rational(value + sign * width * abs(value))) for sign in (-1, 1))
             found = rational_between(*reach) if value else Rational(0)
@@ -96,6 +108,7 @@ class ParameterQuestion:
             yield Rational(value)
 
     def _holds(self, x: Expr) -> bool:
+        """Whether a value belongs to what was asked about."""
         low, high = self.domain.low, self.domain.high
         above = low is None or bool(x > low) or (self.domain.holds_low and bool(x == low))
         return above and (
@@ -112,9 +125,8 @@ class ParameterQuestion:
         low, high = (float(x) for x in self.scene.band)
         omega = np.linspace(low, high, _FREQUENCIES)[:, None]
         with np.errstate(all="ignore"):
-            at = self._compiled(
-                omega, **dict.fromkeys(self._compiled.parameters, t[None, :])
-            )  # none where it does not matter
+            # The parameter is none of the compiled ones where it does not matter.
+            at = self._compiled(omega, **dict.fromkeys(self._compiled.parameters, t[None, :]))
             listed = [x.sampled(at) / float(x.threshold) for x in self.criteria if x.sampled]
         worst = np.fmax.reduce([np.fmax.reduce(x, axis=0) for x in listed], axis=0)
         return np.asarray(np.broadcast_to(worst, t.shape))
@@ -132,6 +144,8 @@ class ParameterQuestion:
         """Values all over the domain: at equal steps, and at equal steps of their logarithms."""
         low, high = (None if x is None else float(x) for x in (self.domain.low, self.domain.high))
         size = abs(float(self.free.value)) or 1.0
+        # By factors about a usual size, and also from either end of the domain: what is asked for
+        # may be a small distance from it.
         tails = size * np.logspace(-_DECADES, _DECADES, _VALUES)
         start = low if low is not None else -float(tails[-1])
         end = high if high is not None else max(float(tails[-1]), 2 * start)
@@ -152,18 +166,18 @@ class ParameterQuestion:
         return inside[int(first) : len(inside) - int(last)]
 
 
+# Who asked for values that hold needs to know about how far off all others are, not more.
 _SECONDS = 5.0
-"""Who asked for values that do needs to know about how far off all others are, not more."""
+# With ``times`` needed for the best value, the question is asked again with thresholds times**p
+# larger: for p near 1 at first, and a smaller one where that stays open.
 _CLOSE = (0.99, 0.9, 0.6)
-"""Powers of how many times the thresholds the best value needs, for which no value is asked to do:
-the next if one stays open."""
 _ROUNDS = 6
 _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """A value of the parameter, and by how much it fails.
+    """The value of the parameter that comes nearest, and by how much it fails.
 
     ``value``: SI. ``ratio``: the largest ratio at it, proven; ``binding``: of what, and where.
     ``times``: by how much the thresholds would have to be larger for this value; ``at_least``: by
@@ -212,6 +226,7 @@ def _bounded(r: ParameterQuestion, best: Nearest) -> float | Expr | None:
     """By how much every value fails at least, or a value that comes nearer than the best; None
     where neither shows."""
     for power in _CLOSE:
+        # A simple rational number: thresholds stay exact, with few digits.
         times = _simple(best.times**power)
         if not 1 < float(times) < best.times:
             return 1.0
@@ -220,12 +235,20 @@ def _bounded(r: ParameterQuestion, best: Nearest) -> float | Expr | None:
         if found.feasible:
             first = found.feasible[0]
             return None if first.is_single else rational_between(first.low, first.high)
+        # No value does with thresholds so much larger: down by more than a rounding, to stay
+        # proven.
         if not found.undecided:
             return float(times) * (1 - 1e-15)
     return None
 
 
+def _least_at(ratios: Array) -> int:
+    """The index of the least finite ratio."""
+    return int(np.argmin(np.where(np.isfinite(ratios), ratios, np.inf)))
+
+
 def _simple(x: float) -> Rational:
+    """A rational number near a float, with a denominator of at most 1000."""
     near = Fraction(x).limit_denominator(1000)
     return Rational(near.numerator, near.denominator)
 

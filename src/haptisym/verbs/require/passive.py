@@ -1,6 +1,9 @@
 """For which values of one parameter a display is passive: stable in the hand of any passive
 operator.
 
+H_perc/s must be positive real: Im H_perc(j omega) >= 0 at all omega > 0, and no pole may forbid it.
+Begin with ``solve_passive`` and ``solve_sampled``.
+
 *Of a rational display*: exact verdicts between critical values. *With delays or powers of s* by
 cells, each proven: a cell of values is not passive where Im H_perc < 0 at one frequency for all of
 them, and passive where Im H_perc > 0 at all frequencies, no pole comes to the axis and no highest
@@ -65,10 +68,10 @@ from haptisym.verbs.stability.ranges import count_at
 
 _BITS = 256
 
+# Up to how many times the present value of the parameter cells go, where the range has no end.
 _FAR = 1000
-"""How many times the value that a parameter has cells go, where the range has no end."""
+# Widths of cells that are cut no further: relative to their values, and to the present value.
 _FINEST, _LEAST = Rational(1, 1 << 11), Rational(1, 1 << 14)
-"""Cells are cut no further: shares of their values, and of the value that the parameter has."""
 _MOST = 200
 _ROUNDING_BITS = 64
 
@@ -84,7 +87,7 @@ def _by_cells(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
 
 
 def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
-    """Rational numbers between which one lies; itself where it is rational."""
+    """Two rational numbers between which a number lies; itself, twice, where it is rational."""
     if isinstance(value, ExactNumber) and value.value.is_Rational:
         return value.value, value.value
     low, high = value.bounds(_ROUNDING_BITS)
@@ -92,24 +95,24 @@ def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
 
 
 class _Display:
-    """A display with delays or powers of s and one open number, and for which of its values it is
-    passive."""
+    """A display with delays or powers of s and one open parameter q: the critical values that are
+    exact, and cells with a verdict in between."""
 
     def __init__(self, scene: Scene, free: Knob) -> None:
         self.scene, self.free = scene, free
-        chain = scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
-        self.H: RationalFunction = Distortion.of(chain).perc
+        others = values(x for x in scene.parameters if x.path != free.path)
+        self.H: RationalFunction = Distortion.of(scene.chain.at(others)).perc
         assert isinstance(self.H.ring, Ring)
-        self.ring, self.energy = self.H.ring, Energy.of(self.H, free.symbol)
+        self.ring = self.H.ring
+        self.energy = Energy.of(self.H, free.symbol)
         self.gone = missing(scene, free)
-        self.scale = abs(_enclosed(ExactNumber(free.value))[0]) or Rational(1)
+        # The size of the present value, by which cells and their widths are measured.
+        present, _ = _enclosed(ExactNumber(free.value))
+        self.scale = abs(present) or Rational(1)
 
     def holds_at(self, value: Rational) -> bool | None:
         """The exact verdict on one value."""
         return passivity(self.free.put(self.scene, value)).holds
-
-    # Signs that are those of polynomials: they are told for all values between two of their zeros
-    # at once
 
     @cached_property
     def _at_rest(self) -> ExactSign | None:
@@ -122,15 +125,16 @@ class _Display:
 
     @cached_property
     def _signs(self) -> list[ExactSign]:
-        """What must not be negative: Im H_perc at rest and far out, where it turns, and H_perc for
-        large s."""
+        """Polynomials in q that must not be negative where a display is passive: their signs are
+        those of Im H_perc at rest and far out, of its turning there, and of H_perc for large s."""
         far = self.energy.far
         found = self._at_rest, far and far[1], self.energy.turning, self.energy.far_right
         return [x for x in found if x]
 
     @cached_property
     def _stiffness(self) -> Expr:
-        """What has the sign of H_perc(0) where no pole is there, to a factor that is nowhere 0."""
+        """A form in q that has the sign of H_perc(0), where no pole is there, to a factor that is
+        nowhere 0."""
         first = self.ring.size + len(self.ring.lags)
         powers = dict.fromkeys(range(first, first + len(self.ring.orders)), 0)
         return self.ring.expression(self.ring.at_0(self.H.numerator).subs(powers))
@@ -139,7 +143,8 @@ class _Display:
         return bool(form.is_polynomial(self.free.symbol))
 
     def changes(self) -> Iterator[CriticalValue]:
-        """The zeros of these, of H_perc(0), and of the highest power of the numerator."""
+        """The critical values that are exact: the zeros of ``_signs``, of H_perc(0), and of the
+        coefficient of the numerator's highest power."""
         rest = self._at_rest
         forms = [(x.form, Kind.START if x is rest else Kind.FAR) for x in self._signs]
         forms.append((self._stiffness, Kind.START))
@@ -151,15 +156,15 @@ class _Display:
                 for value in zeros_of(form, self.free.symbol):
                     yield CriticalValue(value, (Binding(PASSIVE, omega, kind),))
 
-    # Cells of values between two of these zeros
-
     def cells(self, low: RealNumber | None, high: RealNumber | None) -> Iterator[Cell]:
-        """Cells that fill the values between two, in order."""
+        """Cells with their verdicts that fill the values between two critical ones, in order."""
+        # Each of these signs is one for all values in between: one value tells.
         inner = rational_between(low, high, self.free.value)
         if any(x.at(inner) < 0 for x in self._signs):
             yield Cell(low, high, holds=False)
             return
         start, end = self._window(low, high)
+        # Where no single value is told, no cell will be: Im H_perc comes too near to 0 for all.
         tried = inner, start + (end - start) / 3, end
         if not any(self._is_told(x) for x in tried):
             yield Cell(low, high, None, _TOO_NEAR)
@@ -174,7 +179,8 @@ class _Display:
             yield Cell(found[-1].high, None, *self._beyond(end, 1, here=found[-1].holds))
 
     def _window(self, low: RealNumber | None, high: RealNumber | None) -> tuple[Rational, Rational]:
-        """As far as cells go; beyond an end that is not rational by hardly more than a rounding."""
+        """From where to where cells go: beyond an end that is not rational by hardly more than a
+        rounding; at an end that is open up to many times the present value."""
         reach = _FAR * self.scale
         start = None if low is None else _enclosed(low)[0]
         end = None if high is None else _enclosed(high)[1]
@@ -183,7 +189,8 @@ class _Display:
         return start, max(reach, start + self.scale) if end is None else end
 
     def _within(self, start: Rational, end: Rational) -> Iterator[Cell]:
-        """Cells from one value to another. Where the time is over, what is left is open."""
+        """Cells with verdicts from one value to another. Where the time is over, what is left is
+        open."""
         waiting = Waiting([(start, end)], most=_MOST, what="cells of values")
         why = _LEFT
         try:
@@ -198,7 +205,9 @@ class _Display:
                     waiting.add((low, middle), (middle, high))
         except LimitError:
             why = STOPPED
-        for low, high in sorted(waiting.rest):  # far out a wide cell may be told as it is
+        # Too many cells: those that are left are asked once as they are, as far out a wide one may
+        # be told at once; not when the time is over.
+        for low, high in sorted(waiting.rest):
             holds = self._told_if_it_can_be(low, high)[0] if why is _LEFT else None
             yield self._cell(low, high, holds=holds, why=why)
 
@@ -207,17 +216,18 @@ class _Display:
         return Cell(ExactNumber(low), ExactNumber(high), holds, why if holds is None else "")
 
     def _is_told(self, value: Rational) -> bool:
-        """Whether a sign is shown for one value, be it which it may."""
+        """Whether the sign of Im H_perc, either, is proven for one value."""
         q = float(value), float(value)
         return self.energy.active_at(q) is not None or self.energy.clear(q)
 
     def _beyond(self, end: Rational, side: int, *, here: bool | None) -> tuple[bool | None, str]:
-        """Of all values from an end on, where the cell before it is told; else why that is not
-        known."""
+        """The verdict on all values beyond an end, ``here`` being that on the cell before it; or
+        None and why it is not known."""
         found = self.energy.beyond(span(end, end)[side < 0], side)
         return (found, "") if found is not None and found == here else (None, _BEYOND)
 
     def _told_if_it_can_be(self, low: Rational, high: Rational) -> tuple[bool | None, bool]:
+        """What ``_told`` returns; not known where something stays undecided in it."""
         try:
             return self._told(low, high)
         except UndecidedError as error:
@@ -226,8 +236,13 @@ class _Display:
             return None, False
 
     def _told(self, low: Rational, high: Rational) -> tuple[bool | None, bool]:
-        """Whether all values are passive, None where it is not shown; and whether no part of them
-        will be shown either."""
+        """The verdict on all values between two, None where none is shown; and whether it is no
+        use to cut them.
+
+        The cheap tests come first: a frequency that denies it, then a sign that is right at all
+        frequencies, and only then the poles. With all of them settled, one exact verdict tells for
+        all values.
+        """
         q = span(low, high)
         if self.energy.active_at(q) is not None:
             return False, False
@@ -236,7 +251,8 @@ class _Display:
         if not self._has_steady_poles(low, high):
             return None, False
         if count_at(self.ring, self.H.denominator, {self.free.symbol: (low + high) / 2}) != 0:
-            return None, True  # of poles on the right some may be hidden at single values
+            # Poles on the right forbid passivity, unless zeros hide them at single values.
+            return None, True
         return (self._holds(low, high), False) if self._is_steady(low, high) else (None, False)
 
     def _is_clear_above_rest(self, q: tuple[float, float]) -> bool:
@@ -251,7 +267,8 @@ class _Display:
         return risen is not None and self.energy.clear(q, risen)
 
     def _holds(self, low: Rational, high: Rational) -> bool | None:
-        """Of a value between two, at which the scene exists."""
+        """The exact verdict on one value between two at which the scene exists: of the middle, or a
+        third, a quarter of the way."""
         known = {x.value for x in self.gone if isinstance(x, ExactNumber)}
         shares = (low + (high - low) / n for n in count(2))
         return self.holds_at(next(x for x in shares if x not in known))
@@ -277,7 +294,7 @@ class _Display:
 
 
 def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
-    """All values for which a continuous-time display is passive; with delays, those that
+    """Return all values for which a continuous-time display is passive; with delays, those that
     subdivision proves."""
     perceived = Distortion.of(
         scene.chain.at(values(x for x in scene.parameters if x.path != free.path))
@@ -287,6 +304,8 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     if free.symbol in perceived.expression().free_symbols:
         [condition] = pieces(conditions(scene, [free], [PASSIVE])[PASSIVE])
         if condition.axis.functions:
+            # A passive environment behind effects that take energy: true for any delays, without a
+            # cell.
             if _is_of_passive_parts(scene, free, asked):
                 return _all(scene, free, asked)
             return _by_cells(scene, free, asked)
@@ -313,13 +332,16 @@ def _between(
     cells: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]] | None = None,
     lone: Callable[[CriticalValue], bool | None] | None = None,
 ) -> ValueSet:
-    """The values with a verdict that changes at some alone; none at which there is no scene.
+    """The set of values whose verdict changes at ``turns`` alone, without those at which there is
+    no scene.
 
-    ``cells`` : settle the values between these, where one verdict does not.
+    ``cells`` : settle the values between these, where one verdict does not. ``at`` and ``lone`` :
+    the verdict on an irrational critical value next to values that hold, and between values that
+    fail, as of ``Question``.
     """
     gone = missing(scene, free)
     ends = {x.value for x in (*gone, *asked.ends) if isinstance(x, ExactNumber)}
-
+    # Ends that are asked about may have no scene of which ``missing`` does not know.
     nowhere = {x for x in ends if not allowed(scene, free, x)}
 
     def exact(value: Rational) -> bool | None:
@@ -343,9 +365,8 @@ def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
     """Whether the environment alone is passive for all values, and all effects take energy with
     each of them."""
     alone = environment_alone(scene)
-    if (
-        alone is None or free.rule is Rule.ANY
-    ):  # a shunt's may be negative, and a formula may do anything with a number
+    # A parameter of any sign may be a negative one of a shunt, or in a formula that does anything.
+    if alone is None or free.rule is Rule.ANY:
         return False
     knob = next((x for x in alone.knobs if x.path == free.path), None)
     if knob is None:
@@ -355,7 +376,7 @@ def _is_of_passive_parts(scene: Scene, free: Knob, asked: Domain) -> bool:
 
 
 def _all(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
-    """All values with which there is a scene."""
+    """The answer where a display is passive with all values: those with which there is a scene."""
     return _between(scene, free, asked, (), lambda _: True)
 
 
@@ -380,11 +401,11 @@ def _is_denied_by_poles(function: RationalFunction, free: Knob, value: RealNumbe
 def _alone_by_signs(
     scene: Scene, condition: RealFunction, free: Knob, x: CriticalValue
 ) -> bool | None:
-    """Whether a display is passive at a value between others at which it is not: no where Im H_perc
-    < 0 shows; else not known.
+    """The verdict on a critical value with failing values on both sides: False where Im H_perc < 0
+    is proven at one frequency; else None.
 
-    It is looked for in the middle of where it is active at a rational value next to that one, and
-    at whole octaves.
+    The frequency is looked for amid where the display is active at a rational value next to that
+    one, and at whole octaves.
     """
     near, _ = x.value.bounds(_NEXT)
     there = free.put(scene, Rational(near.numerator, near.denominator))
@@ -399,18 +420,20 @@ def _alone_by_signs(
                 condition.axis.ball(f, at)
                 for f in (condition.function.numerator, condition.function.denominator)
             )
+            # The condition is -Im H_perc <= 0, as a quotient: where that is positive, energy is
+            # drawn.
             if above * below > 0:
                 return False
     return None
 
 
+# Octaves to each side of 1 rad/s at which a sign is looked for; and bits to which a rational value
+# next to another one agrees with it.
 _OCTAVES, _NEXT = 40, 40
-"""Of frequencies about 1 rad/s, at each of which a sign is looked for; bits of a value that is next
-to another one."""
 
 
 def _of_signs(condition: RealFunction, free: Knob) -> Iterator[CriticalValue]:
-    """Where Im H_perc begins or ceases to be negative somewhere on (0, infinity)."""
+    """The values at which Im H_perc begins or ceases to be negative somewhere on (0, infinity)."""
     if free.symbol not in condition.axis.meanings:
         return
     index = condition.axis.meanings.index(free.symbol)
@@ -434,11 +457,17 @@ def _end(polynomial: Polynomial, power: int) -> Polynomial:
 
 
 def _leading(polynomial: Polynomial) -> Polynomial:
+    """The coefficient of the highest power of the ring's variable."""
     return _end(polynomial, int(polynomial.degrees()[0]))
 
 
 def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[CriticalValue]:
-    """Where poles of a function cross the axis, or poles or zeros come from infinity or to 0."""
+    """The values at which poles of a function cross the axis, or poles or zeros come from infinity
+    or to 0.
+
+    A root is at infinity where the coefficient of the highest power is 0, at 0 where that of the
+    lowest is; on the axis where real and imaginary part share a zero: at a zero of their resultant.
+    """
     ring = function.ring
     assert isinstance(ring, Ring)
     if free.symbol not in ring.meanings:
@@ -452,6 +481,7 @@ def turns_of_poles(function: RationalFunction, free: Knob) -> Iterator[CriticalV
             ]
     for f, _ in function.denominator.factor()[1]:
         [(real, imag)] = ring.axis.parts([f])
+        # What they share would make the resultant 0 everywhere.
         common = real.gcd(imag)
         if real and imag and f.degrees()[0]:
             found.append((Kind.AXIS, (real / common).resultant(imag / common, 0)))
@@ -465,7 +495,8 @@ _PIECES, _MOST_PIECES = 16, 2000
 
 
 def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
-    """All values for which it is passive. UndecidedError where the condition does not apply."""
+    """All values for which a sampled display is passive, by Colgate and Schenkel's condition.
+    UndecidedError where that does not apply."""
     if free.is_of_hand or free.parts:
         return ValueSet.all_of(asked, holds=sampled_verdict(scene))
     loop = loop_of(scene.with_values({free.path: free.symbol}))
@@ -485,7 +516,8 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
             CriticalValue(x, (Binding(PASSIVE, None, Kind.START),))
             for x in zeros_of(at_rest, free.symbol)
         ]
-    for held in (loop.mass, loop.stiffness, loop.damping):  # of a device they may be negative
+    # Mass, stiffness and damping of a device may be negative: their signs count too.
+    for held in (loop.mass, loop.stiffness, loop.damping):
         turns += (
             [CriticalValue(x, ()) for x in zeros_of(held, free.symbol)]
             if held.has(free.symbol)
@@ -502,8 +534,8 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
 
 
 def sampled_verdict(scene: Scene) -> bool | None:
-    """Of a scene with numbers. UndecidedError with the reason where the condition does not
-    apply."""
+    """The verdict of Colgate and Schenkel's condition on a scene of numbers. UndecidedError with
+    the reason where it does not apply."""
     found = sampled_passivity(scene)
     assert found is not None
     if found.passive is None:
@@ -512,8 +544,8 @@ def sampled_verdict(scene: Scene) -> bool | None:
 
 
 def _of_margins(margins: Sequence[RealFunction], free: Knob) -> Iterator[CriticalValue]:
-    """Where the damping that is left over becomes 0 at some angle, or begins to have a pole
-    there."""
+    """The values at which the damping that is left over becomes 0 at some angle, or begins to have
+    a pole there."""
     for margin, start in zip(margins, (Kind.START, Kind.FAR), strict=True):
         if free.symbol not in margin.axis.meanings:
             continue
@@ -529,6 +561,8 @@ def _is_positive(margins: Sequence[RealFunction], free: Knob, value: RealNumber)
     """Whether damping is left over at all angles, proven, at a value that is known by balls."""
     with flint.ctx.workprec(_BITS):
         known = {free.symbol: value.ball(_BITS), pi: arb.pi()}
+        # One margin is a function of tan(theta/2), the other of cot(theta/2): from 0 to 1 each,
+        # they cover all angles.
         pieces = [
             (f, arb(k) / _PIECES, arb(k + 1) / _PIECES) for f in margins for k in range(_PIECES)
         ]

@@ -1,8 +1,10 @@
-"""What a parameter must be: what is asked, the values that do, a formula for them where there is
-one, and the answer.
+"""The command ``require``: all values of one parameter for which a display is what is asked,
+transparent, stable in a hand, or passive, alone or together.
 
-What is asked of a display, alone or together: to be transparent, stable in a hand, passive. The
-formula is the condition at the end of the band that binds, solved for the parameter.
+Each thing asked has its own way (``solving``, ``hands``); the values for all of them are the
+intersection. Where a condition binds at an end of the band, the end of the values may have a
+formula: the condition there, in symbols, solved for the parameter and checked against 60 digits.
+Begin with ``require``.
 """
 
 from __future__ import annotations
@@ -61,6 +63,7 @@ def closed_form(
     turned = _turned(condition, free, place)
     if turned is None:
         return None
+    # Several branches solve the condition: the one meant is the one with the digits of the end.
     for solution in _solved(_Posed.of(turned)):
         form = solution.omega
         if (
@@ -74,8 +77,8 @@ def closed_form(
 
 @dataclass(frozen=True)
 class _Posed:
-    """A function whose zeros are asked for, with what tells it from others: the slices of a map all
-    pose the same one."""
+    """A function whose zeros are asked for, equal to others by its terms: the slices of a map all
+    ask for the same one, which is then solved once."""
 
     told: tuple[object, ...]
     function: RealFunction = field(compare=False)
@@ -93,6 +96,7 @@ def _solved(posed: _Posed) -> tuple[Solution, ...]:
 
 
 def _is(number: Expr, value: str) -> bool:
+    """Whether a formula has a value of 60 decimal digits, to all but eight of them."""
     found = number.evalf(_DIGITS)
     return bool(
         found.is_real
@@ -104,6 +108,8 @@ def _turned(condition: RealFunction, free: Symbol, place: Symbol) -> RealFunctio
     """The condition as a function of the parameter, which takes the place of omega; None where it
     is no such function."""
     axis, numerator = condition.axis, condition.function.numerator
+    # A phase is omega times its rate. As omega and the parameter change places it must still be
+    # one: the rate must be proportional to the parameter.
     rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
     if (
         axis.orders
@@ -158,18 +164,19 @@ def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
 
 
 def solve_all(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ValueSet:
-    """All values with which every criterion is kept."""
+    """All values with which every criterion is kept: the intersection of those for each way of
+    solving. What one way leaves undecided may still fail by another."""
     found = list[ValueSet]()
     judged = [x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL)]
     if judged:
+        # A way that stays undecided must not hide that another one proves that no value holds.
         found.append(_or_open(lambda: solve(scene, free, asked, judged), asked))
     if len(judged) < len(criteria):
         from haptisym.verbs.require.hands import of_hands  # which much else is loaded for
 
         found += [_or_open(x, asked) for x in of_hands(scene, free, asked, criteria)]
-    low, high = searched(
-        free, asked
-    )  # at an end that is asked about what holds next to it is known as well
+    # At an end that is asked about what holds next to it is known as well.
+    low, high = searched(free, asked)
     reach = replace(
         asked,
         low=low if asked.low is None else asked.low,
@@ -193,11 +200,11 @@ _NAMES = {
     Kind.START: Symbol("omega_min", positive=True),
 }
 
+# Seconds for what each thing that was asked allows by itself.
 _SECONDS = 5.0
-"""For what each thing that was asked allows by itself."""
+# Products of terms of numerator and denominator of dH in symbols: beyond it no formula is readable,
+# and building one takes minutes.
 _MOST_PRODUCTS = 5000
-"""Of terms above and below the line of dH in symbols: beyond it no formula is readable, and
-building one takes minutes."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -270,8 +277,8 @@ class Requirement(Answer):
 
     @cached_property
     def nearest(self) -> Nearest | None:
-        """Where no value will do, the one that comes nearest; found in five seconds or not at
-        all."""
+        """The value that comes nearest where none holds what is asked; found in five seconds or not
+        at all."""
         if self.feasible or self.undecided or not has_arrays():  # without NumPy nobody guesses
             return None
         from haptisym.verbs.require.nearest import ParameterQuestion, nearest
@@ -280,8 +287,8 @@ class Requirement(Answer):
 
     @cached_property
     def alone(self) -> tuple[Requirement, ...]:
-        """Where no value will do and several things are asked: the answer for each by itself; in
-        five seconds or not at all."""
+        """The answer for each of several things asked by itself, where no value holds all of them;
+        in five seconds or not at all."""
         judged = tuple(x for x in self.criteria if x.name not in (*IN_HANDS, SUITS_ALL))
         others = [(x,) for x in self.criteria if x not in judged]
         asked = [judged, *others] if judged else others
@@ -298,9 +305,13 @@ class Requirement(Answer):
     def form(self, end: SingleValue) -> Expr | None:
         """The value at an end as a formula in the scene's symbols, ``c`` and ``omega_max``; None
         where none is readable."""
+        # Symbols are positive; and an end that is known by a narrow interval has no digits to check
+        # by.
         if isinstance(end.value, Sliver) or float(end.value) <= 0:
             return None
         for binding in end.bindings:
+            # At an end of the band the frequency is a symbol of its own; inside it depends on the
+            # parameter, and a formula would be that of a double root.
             place = _NAMES.get(binding.kind)
             if place is not None and binding.omega is not None and float(binding.omega) > 0:
                 condition = self._symbolic(binding.criterion)
@@ -330,6 +341,7 @@ class Requirement(Answer):
             > _MOST_PRODUCTS
         ):
             return None
+        # The threshold is open too, so that the formula holds c.
         [found] = (x.function(d) for x in opened([criterion], tuple(Part)))
         assert isinstance(found, RealFunction)
         return found

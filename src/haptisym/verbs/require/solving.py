@@ -1,5 +1,5 @@
-"""The values of one parameter with which conditions hold on a whole band, by the way that fits the
-conditions.
+"""All values of one parameter with which conditions hold on a whole band, by the way that fits the
+conditions. Begin with ``solve``.
 
 **Cells.** Floats with proven bounds cut the values into cells (``floatcells``): a cell is *broken*
 if at one frequency the condition is broken for all its values, *kept* if it holds for all its
@@ -90,18 +90,21 @@ _BITS = 128
 _UNSETTLED = (
     "bounds for all of these values show neither that a condition is kept nor that it is broken"
 )
+# Relative accuracy of an end, in bits, with which what binds there is looked for: more where
+# several may, or one at an edge of the band.
 _ROUGH, _CLOSE, _CLOSEST = 24, 64, 128
-"""Relative accuracy of an end, in bits, with which what binds there is looked for: more where
-several may, or one at an edge."""
+# Bits of numerator and denominator of the simplest rational number near an end up to which it is
+# tried as the end itself; a longer one is found as a zero of the condition's own polynomial.
 _SIMPLE = 40
-"""Bits of numerator and denominator of a rational number that is tried for an end; of others it
-takes its own polynomial."""
 
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """Whether a scene exists at a value of a parameter, and keeps criteria there on all of the
-    band: a verdict."""
+    """The exact verdict on one value of a parameter: whether the scene exists there and keeps the
+    criteria on all of the band.
+
+    True, False, or None where a criterion that touches its limit is not told from one beyond it.
+    """
 
     scene: Scene
     free: Knob
@@ -120,8 +123,12 @@ class Kept:
     def _chart(self, value: Expr) -> Chart:
         if value not in self._last:
             scene = self.free.put(self.scene, value)
+            # Where the parameter is a part of the threshold, the criteria are those of the new
+            # scene.
             judged, d = {x.name: x for x in noticed(scene.threshold)}, scene.distortion()
             own = {x: judged[x.name] if x.depends_on(self.free.parts) else x for x in self.criteria}
+            # One chart, of the last value, as broken, excess and meets ask about the same one
+            # again.
             self._last.clear()
             self._last[value] = chart({x: y.function(d) for x, y in own.items()}, *scene.band)
         return self._last[value]
@@ -137,8 +144,11 @@ class Kept:
         ]
 
     def excess(self, value: Expr) -> Ball:
-        """How much of the band is broken at a value: at its ends, and inside, where it grows as a
-        root does, in square."""
+        """How much of the band is broken at a value: a function that bisection may interpolate.
+
+        The width of a broken piece grows linearly beyond an end that binds at an end of the band;
+        inside of the band, as a square root: there its square counts.
+        """
         bits = int(flint.ctx.prec)
         widths = (
             (x, x.piece.high.omega.tight_ball(bits) - x.piece.low.omega.tight_ball(bits))
@@ -157,8 +167,8 @@ class Kept:
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """A piece of the band on which a criterion is broken just beyond an end, and whether it is at
-    an end of the band."""
+    """A ``piece`` of the band on which a criterion is broken just beyond an end, and whether it
+    begins where the band begins (``at_start``), or ends where it ends (``at_edge``)."""
 
     criterion: Criterion
     piece: Interval
@@ -212,8 +222,10 @@ class TouchAt(RealNumber):
 
 @dataclass(frozen=True)
 class Ends:
-    """Cells of the values of a range, and ends in them; ``found`` : the conditions with the
-    parameter as a symbol."""
+    """The cells of a range of values with their verdicts, and the exact ends in those left open.
+
+    ``kept`` : the verdict on one value. ``found`` : the conditions with the parameter as a symbol.
+    """
 
     kept: Kept
     found: Conditions
@@ -225,25 +237,25 @@ class Ends:
         return _told(self.kept, self.found, *self.range)
 
     def cells(self, low: RealNumber | None, high: RealNumber | None) -> list[Cell]:
-        """The same of all values that are asked about: what is beyond the range is as next to
+        """The verdicts on all values that are asked about: what is beyond the range is as next to
         it."""
         inner = [ExactNumber(_rational(x.low)) for x in self.told[1:]]
         pairs = zip(self.told, pairwise([low, *inner, high]), strict=True)
         return [Cell(a, b, x.kept, "" if x.kept is not None else _UNSETTLED) for x, (a, b) in pairs]
 
     def end(self, low: RealNumber, _: RealNumber, low_holds: bool) -> SingleValue | None:  # noqa: FBT001
-        """The one end in what is open between two values; known by its enclosure alone where there
-        may be several."""
-        [told] = (x for x in self.told[1:] if not ordered(low, ExactNumber(_rational(x.low))))
-        if told.slant is None:
-            return SingleValue(Sliver(told.low, told.high)) if told.is_narrow else None
-        end = Bisected(self.kept, told.low, told.high, low_holds, self.kept.excess)
+        """The end in what is open between two values: exact where there is one for certain; by its
+        enclosure alone where there may be several in a narrow cell; else None."""
+        [cell] = (x for x in self.told[1:] if not ordered(low, ExactNumber(_rational(x.low))))
+        if cell.slant is None:
+            return SingleValue(Sliver(cell.low, cell.high)) if cell.is_narrow else None
+        end = Bisected(self.kept, cell.low, cell.high, low_holds, self.kept.excess)
         places, width = self._places(end)
         if (exact := self._exact(end, places)) is not None:
             return exact
         band = self.kept.scene.band
         omegas = [
-            TouchAt(end, self.kept, x, told.slant, width)
+            TouchAt(end, self.kept, x, cell.slant, width)
             if x.kind is Kind.TOUCH
             else ExactNumber(band[x.kind is Kind.EDGE])
             for x in places
@@ -251,8 +263,8 @@ class Ends:
         return SingleValue(end, None, _listed([*zip(places, omegas, strict=True)]))
 
     def _places(self, end: Bisected) -> tuple[list[Place], Fraction]:
-        """Where what binds is broken just beyond an end, and how near: nearer where there are
-        several, or one at an edge."""
+        """The places on the band that are broken just beyond an end, and within what width the end
+        was then known: less where there are several, or one at an edge."""
         places, width = list[Place](), Fraction(0)
         for bits, settles in ((_ROUGH, {Kind.TOUCH}), (_CLOSE, {*Kind}), (_CLOSEST, {*Kind})):
             low, high = end.between(bits)
@@ -262,12 +274,11 @@ class Ends:
         return places, width
 
     def _exact(self, end: Bisected, places: Sequence[Place]) -> SingleValue | None:
-        """The end where it is rational, or rational in pi, if it shows to be that: there a
-        criterion holds with equality."""
+        """The end as an exact number, rational or rational in pi, where one is proven to be it:
+        there a criterion holds with equality at the place that is broken beyond. Else None."""
         low, high = (ExactNumber(_rational(x)) for x in end.between(_CLOSE))
-        tried = [
-            low if end.low_holds else high
-        ]  # what holds last was asked, and may be the very end
+        # The value that holds last was asked for, and may be the very end.
+        tried = [low if end.low_holds else high]
         near = rational_between(low, high)
         if max(int(near.p).bit_length(), int(near.q).bit_length()) <= _SIMPLE:
             tried.append(ExactNumber(near))
@@ -277,14 +288,14 @@ class Ends:
             )
         for x in (x for x in tried if x in (low, high) or _between(low, x, high)):
             met = self.kept.meets(x.value)
-            own = [
+            binding = [
                 (place, omega)
                 for place in places
-                for own, omega in met
-                if own == place.criterion and place.holds(omega)
+                for criterion, omega in met
+                if criterion == place.criterion and place.holds(omega)
             ]
-            if own:
-                return SingleValue(x, None, _listed(own))
+            if binding:
+                return SingleValue(x, None, _listed(binding))
         return None
 
 
@@ -295,11 +306,12 @@ def _listed(found: Sequence[tuple[Place, RealNumber]]) -> tuple[Binding, ...]:
 
 
 def _linear_roots(found: Conditions, free: Symbol, place: Expr) -> Iterator[ExactNumber]:
-    """Of what rational conditions are at a frequency, the zeros that are rational, or rational in
-    pi."""
+    """The zeros, in the parameter, of rational conditions at one frequency that are rational, or
+    rational in pi: those of linear factors."""
     for f in (f for own in found.values() for f in pieces(own) if not f.axis.functions):
         top, axis = f.function.numerator, f.axis
-        if place == 0:  # as it begins there
+        # At 0 the numerator may vanish for all values: its lowest power tells the sign beside 0.
+        if place == 0:
             least = min(int(e[0]) for e in top.monoms())
             top = top.context().from_dict(
                 {(0, *e[1:]): x for e, x in monomials(top) if int(e[0]) == least}
@@ -320,15 +332,18 @@ def _rational(x: Fraction) -> Rational:
     return Rational(x.numerator, x.denominator)
 
 
+# Bits with which the values of two local maxima are compared: what is alike to the last of them
+# binds with the other.
 _TOLD_APART = (64, 256, 1024)
-"""Bits with which the values of two local maxima are compared; what is alike to the last of them
-binds with the other."""
 
 
 @dataclass(frozen=True)
 class ThresholdProblem:
-    """Squared ratios that one threshold judges on a band; ``kept``: what must not be positive
-    besides, as it is."""
+    """The question for a threshold c: r^2 <= c^2 on all of the band, for the squared ratios
+    ``squares``.
+
+    ``kept``: what must not be positive besides, whatever c is.
+    """
 
     squares: Mapping[Criterion, RealFunction]
     kept: Mapping[Criterion, Signed]
@@ -341,6 +356,8 @@ class ThresholdProblem:
         low, high = self.domain.low, self.domain.high
         assert low is not None
         none, every = (ValueSet.all_of(self.domain, holds=x) for x in (False, True))
+        # If the largest threshold is exceeded all are, and if the smallest is not, none is: r <= c
+        # holds from one value of c on.
         if self._exceeds(self.kept) or (high is not None and self._exceeds(self._excess(high))):
             return none
         if not self._exceeds(self._excess(low)):
@@ -350,6 +367,7 @@ class ThresholdProblem:
             return none
         value = SquareRoot(Largest(tuple(x.value for _, x in found)))
         bottom = SingleValue(value, holds=True, bindings=_bindings(found))
+        # The largest ratio is the upper end itself: one value at most is left, that end.
         if high is not None and self._touches(high):
             last = replace(bottom, holds=self.domain.holds_high)
             return ValueSet(
@@ -360,11 +378,14 @@ class ThresholdProblem:
         return every & ValueSet((bottom,), (Stretch(holds=False), Stretch(holds=True)))
 
     def _excess(self, limit: Expr) -> dict[Criterion, Signed]:
+        """What must not be positive with this threshold."""
         return {
             x: replace(x, threshold=limit).exceeded(square) for x, square in self.squares.items()
         }
 
     def _exceeds(self, conditions: Mapping[Criterion, Signed]) -> bool:
+        """Whether a condition is broken somewhere on the band. UndecidedError where one only
+        touches 0 and it is not proven that it does."""
         table = chart(conditions, *self.band)
         exceeds = bool(table.where(lambda signs: any(sign > 0 for sign in signs.values())))
         if not exceeds and table.undecided:
@@ -404,8 +425,8 @@ _KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
 @dataclass(frozen=True)
 class SignsAlone:
-    """Conditions that are kept or broken at all frequencies at once: of each the polynomials that
-    must not all be positive."""
+    """Conditions whose sign is the same at all frequencies: for each the polynomials in the
+    parameter that must not all be positive."""
 
     conditions: Mapping[Criterion, Sequence[Polynomial]]
     axis: Axis
@@ -414,13 +435,14 @@ class SignsAlone:
 
     @classmethod
     def of(cls, found: Conditions, free: Symbol, band: tuple[Expr, Expr]) -> SignsAlone:
-        """Those of some conditions in which omega stands in no factor that changes its sign."""
+        """The conditions, of some, in which omega is in no factor that changes its sign."""
         own = {x: [_without_omega(f) for f in pieces(condition)] for x, condition in found.items()}
         kept = {x: [p for p in row if p is not None] for x, row in own.items() if None not in row}
         return cls(kept, pieces(next(iter(found.values())))[0].axis, free, band)
 
     def solve(self, asked: Domain, exists: Callable[[Expr], bool]) -> ValueSet:
-        """All values of the domain with which none of them is broken, single ones among them."""
+        """All values of the domain with which no condition is broken, single ones among them: by
+        the sign at each zero of a polynomial, and at one value between each two."""
         low, high = asked.ends
         inside = [x for x in self._turns if _between(low, x, high)]
         points = [SingleValue(x, self._kept(x), self._bindings(x)) for x in inside]
@@ -447,7 +469,7 @@ class SignsAlone:
 
     @cached_property
     def _turns(self) -> list[RealNumber]:
-        """Where one of them may change its sign, in order."""
+        """The zeros of all polynomials, where a sign may change, in order."""
         factors = {
             str(f): f for row in self.conditions.values() for p in row for f, _ in p.factor()[1]
         }
@@ -458,6 +480,8 @@ class SignsAlone:
         return all(min(self._sign(p, value) for p in row) <= 0 for row in self.conditions.values())
 
     def _sign(self, polynomial: Polynomial, value: RealNumber) -> int:
+        """The sign of a polynomial at a value: 0 where that is one of its zeros, else by balls,
+        which then come to tell it."""
         if not polynomial:
             return 0
         factors = [f for f, _ in polynomial.factor()[1]]
@@ -499,26 +523,30 @@ def _without_omega(piece: RealFunction) -> Polynomial | None:
     for f, n in factors:
         if not f.degrees()[0]:
             found *= f**n
+        # omega itself is positive on the band; an even power changes no sign.
         elif n % 2 and f != piece.axis.variable:
             return None
     return found
 
 
 def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]) -> ValueSet:
-    """All values of the domain that keep the conditions; those about which the time did not last
-    are undecided."""
+    """All values of the domain that keep the criteria on all of the band. Those for which the time
+    did not last are undecided."""
     has_floor = (
         isinstance(x.region, Sided) and x.region.floor is not None
         for x in criteria
         if x.depends_on(free.parts)
     )
     try:
+        # A threshold with a floor is no number that ratios can be held against: its values go by
+        # cells.
         if free.parts and not any(has_floor):
             return _threshold_problem(scene, free, asked, criteria).solve()
         found, gone = conditions(scene, [free], criteria), missing(scene, free)
         found = {x: own for x, own in found.items() if not is_kept_anyway(scene, [free], x, own)}
         if not any(free.symbol in f.axis.meanings for own in found.values() for f in pieces(own)):
             return _all_alike(scene, free, asked, found).without(gone)
+        # Conditions whose sign does not depend on omega are exact at once; cells only for the rest.
         alone = SignsAlone.of(found, free.symbol, scene.band)
         sets = [alone.solve(asked, partial(allowed, scene, free))] if alone.conditions else []
         if rest := {x: own for x, own in found.items() if x not in alone.conditions}:
@@ -530,7 +558,7 @@ def solve(scene: Scene, free: Knob, asked: Domain, criteria: Sequence[Criterion]
 
 
 def _all_alike(scene: Scene, free: Knob, asked: Domain, found: Conditions) -> ValueSet:
-    """Of a parameter that has left the conditions: all values at which the scene exists, or
+    """The answer where the parameter is in no condition: all values at which the scene exists, or
     none."""
     for own in found.values():
         tops = [RealFunction(f.axis.function(f.function.numerator)) for f in pieces(own)]
@@ -584,7 +612,8 @@ def _by_cells(
 def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[JudgedValues]:
     """What is known of all values between two: by floats, or by balls where there is no NumPy."""
     if has_arrays():
-        from haptisym.verbs.require.floatcells import FloatCells  # which not every question needs
+        # NumPy is loaded only for a question that needs it.
+        from haptisym.verbs.require.floatcells import FloatCells
 
         is_broken = partial(_is_broken, kept, found)
         cells = FloatCells(kept.scene, kept.free, kept.criteria, _usual(kept.free), is_broken)
@@ -598,9 +627,8 @@ def _is_broken(kept: Kept, found: Conditions, told: JudgedValues) -> bool:
     """Whether balls show at a frequency that a condition is broken for all values between two."""
     with suppress(SceneError, UndecidedError), flint.ctx.workprec(_BITS):
         places = [x.ball(_BITS).mid() for x in kept.broken(_rational(told.high))]
-        value = fraction_ball(told.low).union(
-            fraction_ball(2 * told.high - told.low)
-        )  # powers of balls about 0 are nan
+        # Twice as wide, upward, so that its middle is not 0: powers of balls about 0 are nan.
+        value = fraction_ball(told.low).union(fraction_ball(2 * told.high - told.low))
         return any(
             all(_numerator(f, {omega: x, kept.free.symbol: value}) > 0 for f in pieces(own))
             for own in found.values()
@@ -610,7 +638,7 @@ def _is_broken(kept: Kept, found: Conditions, told: JudgedValues) -> bool:
 
 
 def _numerator(f: RealFunction, known: Mapping[Expr, Ball]) -> Ball:
-    """What has the sign of a condition, for balls of the frequency and the parameter."""
+    """The numerator of a condition, which has its sign, for balls of frequency and parameter."""
     ring = f.half_angled.ring
     return ring.ball(
         f.half_angled.numerator,

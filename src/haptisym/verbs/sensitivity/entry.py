@@ -7,8 +7,7 @@ in ball arithmetic at the certified frequency. Where the display touches its thr
 0 and the derivative does not exist, nor at a triple zero, which moves as the cube root of what p
 moves by. Where a parameter has the least value that it may have, and at the ends of the band, it
 may exist from one side. Where several zeros and poles meet, as at a pole without damping, it is
-left undecided.
-Derivation: 14_sensitivity.
+undecided. ``at`` is where to begin reading. Derivation: 14_sensitivity.
 """
 
 from __future__ import annotations
@@ -40,17 +39,20 @@ from haptisym.model.scene import THRESHOLD, Knob, Knobs, Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.verbs.derive.derivation import Derivation, derive
 
-_USUAL_BITS = 128
+_USUAL_BITS = 128  # at least, so that most questions about one slope share one evaluation
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its order."""
 SymbolValues: TypeAlias = tuple[tuple[Symbol, RealNumber], ...]
 ZERO = ExactNumber(Integer(0))
-"""What does not move at first order."""
+"""The derivative of what does not move at first order."""
 
 
 def not_clear(factors: Factors, values: SymbolValues) -> Factors:
-    """The factors, of which at least one vanishes here, that are not proven to differ from 0."""
+    """The factors that are not proven to differ from 0 at these values, of which at least one
+    vanishes there."""
 
+    # Balls prove that a factor is not 0, never that it is: where all but one are clear, the one
+    # that is left vanishes. Where two vanish the precision rises to its limit.
     def alone(bits: int) -> Factors | None:
         nonlocal factors
         known = balls(values, bits)
@@ -71,7 +73,7 @@ def balls(values: SymbolValues, bits: int) -> dict[Expr, Ball]:
 
 @dataclass(frozen=True, repr=False)
 class Slope(RealNumber):
-    """An implicit derivative where its symbols have these values."""
+    """The number that an implicit derivative is where its symbols have these values."""
 
     slope: ImplicitSlope
     values: SymbolValues
@@ -82,8 +84,8 @@ class Slope(RealNumber):
             return -above / below
 
     def _parts(self, bits: int) -> tuple[Ball, Ball]:
-        """Balls around what stands above and below; a float, five digits and a sign are read off
-        one and the same."""
+        """Balls around dF/dp and dF/d omega; a float, five digits and a sign are read off the same
+        ones."""
         enough = max(bits, _USUAL_BITS)
         if enough not in self._known:
             with flint.ctx.workprec(enough):
@@ -109,6 +111,7 @@ class Slope(RealNumber):
         )
 
 
+# A reason that begins with "undefined" is an answer, one with "undecided" is none (``certified``).
 TOUCH = "undefined: the display touches its threshold here"
 _MEET = "undecided: several zeros and poles meet here"
 STEEP = "undefined: at this multiple zero the slope is infinite"
@@ -141,19 +144,19 @@ class Sensitivity:
 
     @property
     def name(self) -> str:
-        """That of its symbol, ``c`` (or ``c_real``, ``c_imag``) the threshold."""
+        """The name of its symbol; ``c`` (or ``c_real``, ``c_imag``) for the threshold."""
         return self.knob.name
 
     @property
     def unit(self) -> str:
-        """The parameter's; empty where it is not known."""
+        """The parameter's unit; empty where it is not known."""
         return self.knob.unit_in(self.knob.motion)
 
 
 @dataclass(frozen=True, repr=False)
 class Sensitive(Shown):
-    """A frequency, rad/s, and how it moves with each parameter; ``criterion``: of a crossing, whose
-    it is."""
+    """A frequency, rad/s, and how it moves with each parameter; ``criterion``, ``kind``: of a
+    crossing, None for any other frequency."""
 
     omega: RealNumber
     parameters: tuple[Sensitivity, ...]
@@ -175,13 +178,14 @@ class Sensitive(Shown):
 
     @property
     def ranked(self) -> tuple[Sensitivity, ...]:
-        """The parameters, that with the largest elasticity first."""
+        """The parameters in order of the modulus of their elasticity, the largest first."""
         return tuple(sorted(self.parameters, key=lambda x: -abs(float(x.elasticity or 0))))
 
 
 @dataclass(frozen=True)
 class VariedParameter:
-    """A parameter, its value, and the equations with its symbol left in."""
+    """A parameter, its value, and the formulas of the scene in which its symbol is left, all other
+    numbers being in place."""
 
     knob: Knob
     value: RealNumber
@@ -193,8 +197,8 @@ class VariedParameter:
         return self.knob.rule is Rule.NONNEGATIVE and self.knob.value == 0
 
     def factors(self, of: Criterion | LatticePiece | str) -> Factors:
-        """Of r^2 - c^2 of a criterion, of a function of a region, or of Re H: the factors above and
-        below the line."""
+        """The factors of numerator and denominator of r^2 - c^2 for a criterion, of a function of a
+        region, or of Re H of a system."""
         if of not in self._known:
             self._known[of] = self.derivation.factors(of)
         return self._known[of]
@@ -205,12 +209,12 @@ class VariedParameter:
 
 
 def still(p: VariedParameter) -> Sensitivity:
-    """Of a frequency that does not depend on the parameter."""
+    """The sensitivity of a frequency that does not depend on the parameter."""
     return Sensitivity(p.knob, ZERO, ZERO)
 
 
 def none(places: tuple[VariedParameter, ...], reason: str) -> tuple[Sensitivity, ...]:
-    """Of a frequency that has no derivative by any of them."""
+    """The sensitivities of a frequency that has no derivative by any of the parameters."""
     return tuple(Sensitivity(p.knob, None, None, reason) for p in places)
 
 
@@ -227,6 +231,8 @@ def at(
     ``flat``: why nothing that depends on the parameter has a derivative; ``multiplicity``: of the
     zero or pole.
     """
+    # Of the factor that vanishes alone: it has a simple zero where the whole function may have a
+    # multiple one, and then moves like any other.
     values = tuple({**known, omega: where, p.knob.symbol: p.value}.items())
     meeting = not_clear(factors, values)
     if meeting and not any(_depends(equation, p.knob.symbol) for equation, _ in meeting):
@@ -237,13 +243,16 @@ def at(
         return Sensitivity(p.knob, None, None, _MEET)
     [(equation, order)] = meeting
     slope = Slope(equation.slope(p.knob.symbol), values)
-    is_simple = multiplicity <= abs(order)  # as a zero of the factor alone
+    # as a zero of the factor alone, apart from the order that this has in the function
+    is_simple = multiplicity <= abs(order)
+    # dF/dp = 0 identically in omega, as where only p^2 occurs and p = 0: decided by the form, since
+    # no ball around 0 shows that it is 0
     if is_simple and slope.slope.vanishes({p.knob.symbol: p.knob.value}):
         return _one_sided(p, ZERO, where)
     if not slope.is_clear():
-        return Sensitivity(
-            p.knob, None, None, _NOT_CLEAR if is_simple or not slope.changes() else STEEP
-        )
+        # at a multiple zero dF/d omega is 0: where dF/dp is proven not to be, the slope is infinite
+        is_undecided = is_simple or not slope.changes()
+        return Sensitivity(p.knob, None, None, _NOT_CLEAR if is_undecided else STEEP)
     return _one_sided(p, slope, where)
 
 
@@ -256,11 +265,14 @@ def _in_time(p: VariedParameter, of: Criterion | LatticePiece | str, *where: Any
 
 
 def _depends(equation: Equation, x: Symbol) -> bool:
+    """Whether a parameter occurs in an equation."""
     return bool(equation.partial(x))
 
 
 def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) -> Sensitivity:
-    """A derivative that holds on both sides, as far as there are two."""
+    """The sensitivity with this derivative, which holds on both sides of the value, or above it
+    where there is no scene below."""
+    # at p = 0 the factor p/omega is 0; what does not move has elasticity 0, wherever it is
     elasticity = (
         ZERO if p.knob.value == 0 or derivative is ZERO else _Elasticity(derivative, p.value, where)
     )
@@ -271,7 +283,7 @@ def _one_sided(p: VariedParameter, derivative: RealNumber, where: RealNumber) ->
 
 @dataclass(frozen=True, repr=False)
 class _Elasticity(RealNumber):
-    """value/omega times a slope."""
+    """An elasticity: value/omega times a slope."""
 
     slope: RealNumber
     value: RealNumber
@@ -314,7 +326,7 @@ class Sensitivities(Answer):
 
     @property
     def scene(self) -> Scene:
-        """That of the evaluation."""
+        """The scene of the evaluation."""
         return self.evaluation.scene
 
     @property
@@ -323,12 +335,12 @@ class Sensitivities(Answer):
 
     @cached_property
     def crossings(self) -> tuple[Sensitive, ...]:
-        """In ascending order."""
+        """The crossings, in ascending order."""
         return tuple(self._crossing(x) for x in self.evaluation.crossings)
 
     @cached_property
     def changeovers_environment(self) -> tuple[Sensitive, ...]:
-        """Where Re H_env changes its sign."""
+        """The frequencies at which Re H_env changes its sign."""
         return tuple(
             self._changeover("env", PerceptFunction.ENVIRONMENT, x)
             for x in self.evaluation.changeovers_environment
@@ -336,7 +348,7 @@ class Sensitivities(Answer):
 
     @cached_property
     def changeovers_perceived(self) -> tuple[Sensitive, ...]:
-        """Where Re H_perc changes its sign."""
+        """The frequencies at which Re H_perc changes its sign."""
         return tuple(
             self._changeover("perc", PerceptFunction.PERCEIVED, x)
             for x in self.evaluation.changeovers_perceived
@@ -371,7 +383,8 @@ class Sensitivities(Answer):
 
     @cached_property
     def _thresholds(self) -> dict[Criterion, VariedParameter]:
-        if not self.scene.threshold.is_plain:  # no one number that it could be moved by
+        """The threshold of each criterion as a parameter; none where it is no single number."""
+        if not self.scene.threshold.is_plain:
             return {}
         one, knobs = derive(self.scene, [THRESHOLD]), self.scene.knobs.limits.values()
         return {
@@ -380,16 +393,16 @@ class Sensitivities(Answer):
         }
 
     def _crossing(self, x: Crossing) -> Sensitive:
-        own = self._thresholds.get(x.criterion)
-        places = (*self._parameters, *([own] if own else []))
-        known = {c: own.value} if own else {}
-        flat = (
-            TOUCH
-            if x.kind is CrossingKind.TOUCHES
-            else FLAT
-            if x.multiplicity > 1 and not float(x.omega)
-            else ""
-        )
+        """A crossing and how it moves with each parameter and with its threshold."""
+        threshold = self._thresholds.get(x.criterion)
+        places = (*self._parameters, *([threshold] if threshold else []))
+        known = {c: threshold.value} if threshold else {}
+        flat = ""
+        if x.kind is CrossingKind.TOUCHES:
+            flat = TOUCH
+        elif x.multiplicity > 1 and not float(x.omega):
+            # r^2 - c^2, even in omega, has a multiple zero at 0 rad/s
+            flat = FLAT
         of = self._deciding(x)
         if of is None:
             return Sensitive(x.omega, none(places, flat or _SEVERAL), x.criterion, x.kind)
@@ -399,8 +412,8 @@ class Sensitivities(Answer):
         )
 
     def _deciding(self, x: Crossing) -> Criterion | LatticePiece | None:
-        """What vanishes at a crossing: of a region one of its functions; None where it is not one
-        alone."""
+        """What vanishes at a crossing: the criterion, or one function of its region; None where
+        several different ones vanish, as at a corner of the region."""
         lattice = x.criterion.function(self.evaluation.distortion)
         if not isinstance(lattice, Lattice):
             return x.criterion
@@ -415,7 +428,7 @@ class Sensitivities(Answer):
         return zeros[0] if zeros and len(alike) == len(zeros) else None
 
     def _points(self, criterion: Criterion, lattice: Lattice) -> tuple[Point, ...]:
-        """Where the functions of a region vanish."""
+        """The points of the band at which functions of a region vanish."""
         if criterion not in self._known:
             self._known[criterion] = chart(lattice.pieces(criterion), *self.scene.band).points
         return self._known[criterion]
@@ -425,16 +438,17 @@ class Sensitivities(Answer):
         return {}
 
     def _changeover(self, system: str, curve: PerceptFunction, x: Point) -> Sensitive:
+        """A changeover frequency and how it moves with each parameter."""
+        # a change of sign may be at a pole of Re H too, which has a negative order
         multiplicity = abs(x.orders[curve, Part.REAL])
         rows = (_in_time(p, system, x.omega, {}, "", multiplicity) for p in self._parameters)
         return Sensitive(x.omega, tuple(self._in_band(row, x.omega) for row in rows))
 
     def _in_band(self, row: Sensitivity, where: RealNumber) -> Sensitivity:
-        """At an end of the band the frequency leaves it on one side of the parameter's value."""
-        ends = [
-            point.omega
-            for point in (self.evaluation.chart.points[0], self.evaluation.chart.points[-1])
-        ]
+        """The sensitivity of a frequency that must stay on the band: at an end of the band it
+        leaves it on one side of the parameter's value, and the derivative holds on the other."""
+        points = self.evaluation.chart.points
+        ends = [point.omega for point in (points[0], points[-1])]
         if (
             row.derivative is None
             or all(where is not end for end in ends)
@@ -457,11 +471,13 @@ class Sensitivities(Answer):
         )
 
     def _kink(self, end: RealNumber, there: list[Sensitive]) -> str:
-        """Why the bandwidth has no derivative; empty where it has."""
+        """Why the bandwidth has no derivative; empty where it has one."""
         e = self.evaluation
-        below = self.crossings[
-            : max((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), default=None)
-        ]
+        # all crossings where the bandwidth is the band's end, and no crossing
+        last = max((i + 1 for i, x in enumerate(self.crossings) if x.omega is end), default=None)
+        below = self.crossings[:last]
+        # A touch may become two crossings with the smallest change of a parameter, and the
+        # bandwidth then jumps down to the first of them.
         if e.undecided:
             return "undecided: whether a ratio touches its threshold on the band"
         if any(x.kind is CrossingKind.TOUCHES for x in below):
@@ -520,7 +536,8 @@ class Sensitivities(Answer):
 
 
 def _same(x: RealNumber, y: RealNumber) -> bool:
-    """Whether two certified frequencies are one, as far as bits go."""
+    """Whether two certified frequencies are one, to ``_BITS``: they are zeros of functions that
+    share factors, in two charts of one scene."""
     return bool(x.ball(_BITS).overlaps(y.ball(_BITS)))
 
 
@@ -551,9 +568,6 @@ def sensitivity(
     scene = as_scene(scene)
     with limited(limit):
         found = Sensitivities(evaluate(scene, digits))
-        _ = (
-            found.bandwidth,
-            found.changeovers_environment,
-            found.changeovers_perceived,
-        )  # all that takes long
+        # all that takes long, while the limit holds; the bandwidth needs the crossings
+        _ = found.bandwidth, found.changeovers_environment, found.changeovers_perceived
     return found

@@ -1,1 +1,2 @@
-"""A scene simulated in time from its equations of motion: the witness for every closed form."""
+"""A scene simulated in time from its equations of motion: an independent check of the closed
+forms."""

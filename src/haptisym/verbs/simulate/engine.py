@@ -35,14 +35,16 @@ from haptisym.verbs.simulate.statespace import (
     series,
 )
 
-_GENERATIONS = 4  # of break points that a jump leaves behind delay lines: each passage through a filter smooths it
+# Of break points that a jump leaves behind delay lines: each passage through a filter smooths it by
+# one derivative, and without an end they would multiply.
+_GENERATIONS = 4
 Systems: TypeAlias = dict[frozenset[int], Linear | None]
 
 
 @dataclass(frozen=True)
 class Guard:
-    """A function of time that is >= 0 as long as an element stays as it is: sign * signal -
-    bound."""
+    """A function of time, sign * signal - bound, that is >= 0 as long as an element stays as it
+    is."""
 
     element: Switch | Step
     reading: Reading
@@ -51,7 +53,7 @@ class Guard:
 
 
 def falls(course: Array, bad: int) -> float:
-    """Where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
+    """Return where on the step, from 0 to 1, a guard falls through zero before the node ``bad``."""
     from scipy.optimize import brentq  # SciPy is an extra: asked for where it is needed
 
     coefficients = series(course[:, None])[::-1, 0].tolist()
@@ -60,6 +62,8 @@ def falls(course: Array, bad: int) -> float:
     def value(place: float) -> float:
         return float(reduce(lambda total, x: total * (2 * place - 1) + x, coefficients))
 
+    # The nearest place before at which it is positive brackets the root. There is none where the
+    # guard is 0 at the beginning of the step already, as just after its own event.
     start = next((i for i in range(bad, -1, -1) if value(places[i]) > 0), None)
     if start is None:
         return 0.0
@@ -69,23 +73,24 @@ def falls(course: Array, bad: int) -> float:
 def guards(
     net: Network, modes: Sequence[int], held: Mapping[str, float], resting: Container[int] = ()
 ) -> list[Guard]:
-    """What ends the present state of each element: ``modes`` of the switches, and the values that
-    are ``held``.
+    """Return the guards of what ends the present state of each element: ``modes`` of the switches,
+    and the values that are ``held``.
 
-    Nothing does of those that are ``resting``, before the motion goes on.
+    A friction that is ``resting`` has none: it gives no force until the prescribed motion goes on.
     """
-    found = []
+    watched = []
     for i, (switch, mode) in enumerate(zip(net.switches, modes, strict=True)):
         if i in resting:
             continue
+        # Closed, its force must stay between the limits; open, its driver must keep its sign.
         if mode == 0:
-            found += [Guard(switch, (switch.target, 0), sign, -switch.limit) for sign in (1, -1)]
+            watched += [Guard(switch, (switch.target, 0), sign, -switch.limit) for sign in (1, -1)]
         else:
-            found.append(Guard(switch, (switch.driver, 0), mode, switch.offset))
+            watched.append(Guard(switch, (switch.driver, 0), mode, switch.offset))
     for step in net.steps:
         middle, half = held[step.target], step.resolution / 2
-        found += [Guard(step, (step.source, 0), sign, sign * middle - half) for sign in (1, -1)]
-    return found
+        watched += [Guard(step, (step.source, 0), sign, sign * middle - half) for sign in (1, -1)]
+    return watched
 
 
 def first_event(
@@ -102,12 +107,17 @@ def first_event(
     course = signs * values[:, :, [column(*x.reading) for x in watched]] - bounds
     course = np.concatenate([course, at_end(course)[:, None]], axis=1)
     spans = [motion.span[1] if isinstance(x.element, Switch) else 1.0 for x in watched]
+    # What a guard may be below zero by rounding: relative to its bound, to its values in this
+    # chunk, and to the motion, as a velocity that starts from rest has no size of its own yet.
     scale = 1e-12 * motion.amplitude * np.array(spans)
-    tolerance = 1e-12 * reduce(np.maximum, [np.abs(bounds), np.abs(course).max(axis=(0, 1)), scale])
+    sizes = [np.abs(bounds), np.abs(course).max(axis=(0, 1)), scale]
+    tolerance = 1e-12 * reduce(np.maximum, sizes)
     bad = course < -tolerance
     if not bad.any():
         return None
     step = int(bad.any(axis=(1, 2)).argmax())
+    # Several guards may fall on the same step: the earliest root counts, the others are looked at
+    # again after it, with the equations that hold then.
     fallen = np.flatnonzero(bad[step].any(axis=0)).tolist()
     place, i = min((falls(course[step, :-1, i], int(bad[step, :, i].argmax())), i) for i in fallen)
     return step, place, watched[i]
@@ -124,7 +134,7 @@ class Breaks:
             self.after(t)
 
     def after(self, t: float) -> None:
-        """Something jumps at t."""
+        """Add the instants at which a jump at t comes out of the delay lines."""
         reached = {t}
         for _ in range(_GENERATIONS):
             reached = {t + lag for t in reached for lag in self.lags}
@@ -132,7 +142,7 @@ class Breaks:
                 heappush(self.due, t)
 
     def next(self, t: float) -> list[float]:
-        """The first one after t, if there is one; those before are over."""
+        """Return the first instant after t, or an empty list; drop those before."""
         while self.due and self.due[0] <= t:
             heappop(self.due)
         return self.due[:1]
@@ -141,6 +151,7 @@ class Breaks:
 def check_frictions(net: Network, systems: Systems) -> None:
     """Raise SceneError where two frictions act on one velocity: while it is 0 no equation tells
     what each of them holds."""
+    # Each alone can stick and both together cannot: they hold the same velocity.
     for pair in combinations([i for i, s in enumerate(net.switches) if not s.offset], 2):
         if systems[frozenset(pair)] is None and all(systems[frozenset([i])] for i in pair):
             names = " and ".join(net.switches[i].name for i in pair)
@@ -156,11 +167,9 @@ def check_jumps(net: Network, systems: Systems) -> None:
     allowed |= {s.target: int(bool(s.offset) or _moves_itself(s, systems)) for s in net.switches}
     for system in systems.values():
         for drive in system.drives if system else ():
-            if (
-                drive[1] > allowed.get(drive[0].name, drive[1])
-                and system
-                and _acts(system, drive, net)
-            ):
+            # An input that is no element's has no entry, and is as smooth as needed.
+            is_rougher = drive[1] > allowed.get(drive[0].name, drive[1])
+            if is_rougher and system and _acts(system, drive, net):
                 element = next(e for e in net.elements if e.target == drive[0].name)
                 raise SceneError(
                     f"{element.name}: its output jumps, and the scene differentiates it: add "
@@ -187,7 +196,8 @@ def check_derivatives(motion: Motion, systems: Systems) -> None:
 
 
 def _moves_itself(switch: Switch, systems: Systems) -> bool:
-    """Whether the derivative of a friction force is in the velocity that it acts on."""
+    """Whether the derivative of a friction force is in the velocity that it acts on: it then
+    acts on a spring, and a jump would move that at once."""
     system = systems[frozenset()]
     assert system is not None
     row = system.rows[system.readings.index((switch.driver, 0))]
@@ -200,7 +210,7 @@ def _moves_itself(switch: Switch, systems: Systems) -> bool:
 
 
 def _acts(system: Linear, drive: Drive, net: Network | None = None) -> bool:
-    """Whether an input's derivative is in anything but the velocities that only switches look
+    """Whether an input's derivative acts on anything but the velocities that only switches look
     at."""
     watched = [(s.driver, k) for s in net.switches for k in (0, 1)] if net else []
     rows = [i for i, reading in enumerate(system.readings) if reading not in watched]
@@ -211,9 +221,9 @@ def _acts(system: Linear, drive: Drive, net: Network | None = None) -> bool:
 
 
 _MOST_AT_ONCE = 256
-_FINEST = (
-    64  # steps to the shortest delay; delays with no such common measure are read between steps
-)
+# Steps to the shortest delay, at the most; delays with no such common measure are read between
+# steps.
+_FINEST = 64
 _TINY = 1e-12  # of a step: closer instants are the same one
 _ROUNDING = 1e-14  # of the time
 _UNBOUNDED = 1e15  # m, N: beyond any display
@@ -237,15 +247,17 @@ class Engine:
                 f"{len(net.switches)} elements with friction or saturation: at most 3 can be "
                 f"simulated"
             )
-        monitored = [(s.driver, 0) for s in net.switches] + [
-            (s.driver, 1) for s in net.switches if s.offset == 0
-        ]
+        # Of frictions the acceleration, too: it tells which way a part that comes to rest goes on.
+        monitored = [(s.driver, 0) for s in net.switches]
+        monitored += [(s.driver, 1) for s in net.switches if s.offset == 0]
         targets = [(s.target, 0) for s in net.switches]
         sources = [
             (name, 0) for name in (*(h.source for h in net.holds), *(q.source for q in net.steps))
         ]
         self.net, self.motion = net, motion
         self.systems = linear_systems(net, [*readings, *monitored, *targets, *sources])
+        # 0: closed (stuck, or not saturated); 1 and -1: open, with a force of that sign. A friction
+        # that no equations let stick, as the hand moves it, begins open.
         self.modes = [
             0 if s.offset or self.systems[frozenset([i])] is not None else 1
             for i, s in enumerate(net.switches)
@@ -267,18 +279,19 @@ class Engine:
         self.taken, self.given = (
             [[0.0] * max(len(x.above), len(x.below)) for x in net.holds] for _ in range(2)
         )
-        """What each clock has sampled, and what it gave; before the start, too."""
+        """The samples of each clock and the values that it has held, before the start too."""
         self._lags = [float_of(lag) for lag in self._late]
         self.breaks = Breaks(self._lags, motion.breaks)
         self.longest = self._regular(longest)
         self.stalled, self.events, self.calm = (0.0, 0), 0, _MOST_AT_ONCE
+        # The hand has rested at its first position for so long that everything else rests, too. At
+        # 0 all is 0.
         position = float(motion.derivatives(np.zeros(1), 0)[0, 0])
-        if (
-            rest or position
-        ):  # the hand has rested at its first position for so long that everything else rests too
+        if rest or position:
             self._begin(rest or at_rest(self.net, position))
 
     def _begin(self, rest: Mapping[str, float]) -> None:
+        """Set states, clocks, quantisers and the record's past to a state of rest."""
         for i, switch in enumerate(self.net.switches):
             if switch.offset and abs(rest[switch.driver]) > switch.limit:
                 self.modes[i] = 1 if rest[switch.driver] > 0 else -1
@@ -287,25 +300,22 @@ class Engine:
             [rest.get(name, 0.0) if k == 0 else 0.0 for name, k in self.system.readings]
         )
         for i, hold in enumerate(self.net.holds):
+            # At rest an encoder reads a whole multiple: what is held follows in proportion, as the
+            # difference equation is linear.
             sample = hold.read(rest[hold.source])
-            self.held[hold.target] = rest[hold.target] * (
-                sample / rest[hold.source] if sample else 0.0
-            )
+            share = sample / rest[hold.source] if sample else 0.0
+            self.held[hold.target] = rest[hold.target] * share
             self.taken[i] = [sample] * len(self.taken[i])
             self.given[i] = [self.held[hold.target]] * len(self.taken[i])
         for step in self.net.steps:
             self.held[step.target] = step.resolution * round(rest[step.source] / step.resolution)
-        everything = {
-            (name, k): rest.get(name, 0.0) if k == 0 else 0.0
-            for name, k in self.system.exact.columns
-        }
         keys = list(self.system.exact.columns)
+        variables = [rest.get(name, 0.0) if k == 0 else 0.0 for name, k in keys]
+        # What comes out of delay lines is still from before the encoders rounded.
         known = {**rest, **self.held}
         inputs = [0.0 if k else (rest if x.lag else known)[x.name] for x, k in self.system.drives]
-        self.z = (
-            np.array([everything[keys[i]] for i in self.system.exact.chosen])
-            - self.system.back @ inputs
-        )
+        chosen = np.array([variables[i] for i in self.system.exact.chosen])
+        self.z = chosen - self.system.back @ inputs
 
     @cached_property
     def _late(self) -> list[Exact]:
@@ -320,25 +330,24 @@ class Engine:
         Reading between steps would amplify the highest frequencies a little, again and again where
         they come back.
         """
-        unit = float_of(
-            reduce(fmpq.gcd, self._late, fmpq(0))
-        )  # the longest time that all are whole multiples of
+        # The longest time that all delays are whole multiples of: an exact greatest common divisor.
+        unit = float_of(reduce(fmpq.gcd, self._late, fmpq(0)))
         usual = min([*self._lags, *(hold.period for hold in self.net.holds)], default=longest)
         base = unit if unit and usual / unit <= _FINEST else usual
         return base / float(np.ceil(base / longest - 1e-9))
 
     def column(self, name: str, order: int = 0) -> int:
-        """Where a signal is in the record."""
+        """Return the column of a signal in the record."""
         return self.system.columns[name, order]
 
     def signal(self, name: str) -> Array:
-        """A recorded signal at the nodes of all steps."""
+        """Return a recorded signal at the nodes of all steps, (steps, nodes)."""
         return self.record.values[: self.record.count, :, self.column(name)]
 
     @property
     def _tiny(self) -> float:
-        """What two instants may be apart that are one, s: a part of a step, and more than the
-        rounding of sums of such."""
+        """The distance, s, up to which two instants count as one: a share of a step, and more
+        than the rounding of a sum of steps."""
         return max(_TINY * self.longest, _ROUNDING * self.t)
 
     # Going on
@@ -353,6 +362,8 @@ class Engine:
             h = self.longest
             ends = [until, *self.breaks.next(self.t + self._tiny), *self._next_on_grid()]
             ticks = [n * hold.period for n, hold in zip(self.samples, self.net.holds, strict=True)]
+            # Where all sampling instants fall on whole steps, clocks tick within a chunk
+            # (``_attempt``) and many steps are taken at once; else a chunk ends at the next tick.
             in_steps = [
                 *((x - self.t) / h for x in ticks),
                 *(hold.period / h for hold in self.net.holds),
@@ -367,6 +378,7 @@ class Engine:
                 1, min(whole, self.calm, int(self._lags[0] / h + 1e-9) if self._lags else whole)
             )
             arrived = self.t + chunk * h
+            # A sum of many steps drifts by rounding: time is set to the instant that was meant.
             instants = [
                 end,
                 *(round(arrived / hold.period) * hold.period for hold in self.net.holds),
@@ -376,7 +388,10 @@ class Engine:
             )
 
     def _take(self, chunk: int, h: float, end: float) -> None:
+        """Take as many of these steps as there are before the next event, and the event."""
         states, values = self._attempt(chunk, h)
+        # Whether the prescribed motion goes on, and which way, is read off the first node: with
+        # another force of the friction the attempt is made again.
         if self._moves_or_rests(values[0, 0]):
             self._undo(0)
             states, values = self._attempt(chunk, h)
@@ -393,6 +408,8 @@ class Engine:
         self.calm = max(1, step)
         if step:
             self._accept(h, values[:step], states[step], self.t + step * h)
+        # The step is cut at the event. Its polynomials end there, so that none is fitted across a
+        # kink.
         if place * h > self._tiny:
             states, values = self._attempt(1, place * h)
             self._accept(place * h, values, states[-1], self.t + place * h)
@@ -413,16 +430,17 @@ class Engine:
         return before != (self.resting, tuple(self.modes))
 
     def _attempt(self, chunk: int, h: float) -> tuple[Array, Array]:
-        """States at the ends of steps, and readings at their nodes; clocks go on with them."""
+        """Return states at the ends of steps and readings at their nodes; clocks tick on the way
+        and must be undone (``_undo``) if the steps are not taken."""
         system, n = self.system, self.system.exact.size
         w = self._inputs(self.t + h * (np.arange(chunk)[:, None] + NODES))
         ends = at_end(w)
-        self.due = [
-            range(
-                max(1, round((m * hold.period - self.t) / h)), chunk, max(1, round(hold.period / h))
-            )
-            for m, hold in zip(self.samples, self.net.holds, strict=True)
-        ]
+        # Before which of the steps each clock ticks. The tick at the beginning of the first one was
+        # taken by ``_sample``.
+        self.due = []
+        for m, hold in zip(self.samples, self.net.holds, strict=True):
+            first = max(1, round((m * hold.period - self.t) / h))
+            self.due.append(range(first, chunk, max(1, round(hold.period / h))))
         places = [
             (system.columns[hold.source, 0], system.steady[hold.target]) for hold in self.net.holds
         ]
@@ -449,6 +467,8 @@ class Engine:
                 self.held[hold.target] = self.given[i][-1]
 
     def _accept(self, h: float, values: Array, after: Array, end: float) -> None:
+        """Record steps, and go on from the state after them; SceneError where signals grow without
+        bound, with what came before recorded."""
         bounded = np.abs(values).max(axis=(1, 2), initial=0.0) <= _UNBOUNDED
         if not bounded.all():
             known = int(bounded.argmin())
@@ -458,7 +478,9 @@ class Engine:
                 f"the simulated force grows without bound ({where}): the scene is not stable"
             )
         self.record.append(self.t, h, values)
-        for k in (k for due in self.due for k in due if k <= len(values)) if self._lags else ():
+        # A held value jumps at each tick, and again where it comes out of delay lines.
+        ticks = [k for due in self.due for k in due if k <= len(values)] if self._lags else []
+        for k in ticks:
             self.breaks.after(self.t + k * h)
         self.z, self.t = after, end
 
@@ -480,6 +502,7 @@ class Engine:
         return w
 
     def _hand(self, times: Array, order: int) -> Array:
+        """Return the prescribed motion and its derivatives; those that it does not have are 0."""
         needed = min(order, self.motion.smoothness)
         waves = self.motion.derivatives(np.maximum(times, 0.0), needed)
         waves[1:] = np.where(times >= 0, waves[1:], 0.0)  # before it begins the hand is at rest
@@ -496,6 +519,7 @@ class Engine:
                 self.breaks.after(self.t)
 
     def _sampled(self, index: int, value: float) -> float:
+        """Let a clock take a sample; return what it holds from now on."""
         hold, taken, given = self.net.holds[index], self.taken[index], self.given[index]
         taken.append(hold.read(value))
         given.append(hold.computed(taken, given))
@@ -504,13 +528,15 @@ class Engine:
         return given[-1]
 
     def _now(self, name: str, order: int = 0) -> float:
+        """Return a signal at the present time, which is the end of the last step."""
         if self.record.count == 0:
             return float(self.record.before[self.column(name, order)])
         last = self.record.values[self.record.count - 1, :, self.column(name, order)]
         return float(at_end(last[:, None])[0])
 
     def _next_on_grid(self) -> list[float]:
-        """Back to the grid of the delay lines, after a step that ended beside it."""
+        """Return the next instant on the grid of the delay lines after a step that ended beside
+        it; else an empty list."""
         place = self.t / self.longest
         return (
             [float(np.ceil(place) * self.longest)]
@@ -521,6 +547,7 @@ class Engine:
     # Switches and quantisers
 
     def _react(self, guard: Guard) -> None:
+        """Change the element whose guard has fallen; SceneError where events do not end."""
         self.events += 1
         if self.events > _MOST_EVENTS:
             raise SceneError(
@@ -529,8 +556,9 @@ class Engine:
                 "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate "
                 "a shorter time"
             )
-        at, count = self.stalled
-        self.stalled = (self.t, count + 1 if self.t - at < self._tiny else 0)
+        # Events at one instant may follow from each other, but not for ever.
+        last, count = self.stalled
+        self.stalled = (self.t, count + 1 if self.t - last < self._tiny else 0)
         if self.stalled[1] > _MOST_EVENTS_AT_ONCE:
             raise SceneError(f"{guard.element.name}: it switches endlessly at {self.t:.6g} s")
         if isinstance(guard.element, Step):
@@ -540,11 +568,14 @@ class Engine:
         self.breaks.after(self.t)
 
     def _switch(self, index: int) -> None:
+        """Open or close a switch, and carry the state over to the equations that hold then."""
         switch, old = self.net.switches[index], self.modes[index]
         before = self.system
         now = before.everything @ np.concatenate([self.z, self._inputs(np.array(self.t))])
         everything = dict(zip(before.exact.columns, map(float, now), strict=True))
         force = everything.get((switch.target, 0), self.held[switch.target])
+        # A closed switch opens at the limit that its force has reached; an open saturation closes;
+        # an open friction sticks or slips the other way.
         after_closed = 1 if force > 0 else -1
         self.modes[index] = (
             after_closed if old == 0 else 0 if switch.offset else self._after_slip(index)
@@ -554,33 +585,28 @@ class Engine:
             self.z = self._state_from(everything)
 
     def _after_slip(self, index: int) -> int:
-        """What follows when the sliding velocity reaches zero: slip the other way, if that force
-        would let it; else stick."""
+        """Return the mode after the sliding velocity has reached zero: the other sign if the
+        part then slips the other way, else 0, stuck."""
         switch, old = self.net.switches[index], self.modes[index]
-        if (
-            self.systems[
-                frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)
-            ]
-            is None
-        ):
+        stuck = frozenset(i for i, mode in enumerate(self.modes) if mode == 0 or i == index)
+        if self.systems[stuck] is None:
             return -old
+        # The velocity or, where the force does not act on that at once, the acceleration. The force
+        # that slips the other way differs by -2 old limit: if that reverses the motion, it slips.
         for order in (0, 1):
-            row = self.system.rows[self.column(switch.driver, order)]
-            found = tuple(self.system.weight(row, switch.target, k) for k in (1, 0))
-            if found[0]:
+            column = self.column(switch.driver, order)
+            row = self.system.rows[column]
+            by_derivative, by_force = (self.system.weight(row, switch.target, k) for k in (1, 0))
+            if by_derivative:
                 return 0  # the force cannot jump: it moves what it acts on
-            if found[1]:
-                now = float(
-                    self.system.outputs(self.z, self._inputs(np.array(self.t)))[
-                        self.column(switch.driver, order)
-                    ]
-                )
-                other = now - 2 * old * switch.limit * found[1]
+            if by_force:
+                now = float(self.system.outputs(self.z, self._inputs(np.array(self.t)))[column])
+                other = now - 2 * old * switch.limit * by_force
                 return -old if other * old < 0 else 0
         return -old
 
     def _state_from(self, everything: dict[Reading, float]) -> Array:
-        """The state of the present equations when these variables go on without a jump."""
+        """Return the state of the present equations when these variables go on without a jump."""
         keys = list(self.system.exact.columns)
         chosen = [
             everything.get(keys[i], self.held.get(keys[i][0], 0.0))
@@ -590,14 +616,14 @@ class Engine:
         return result
 
     def _update_forces(self) -> None:
-        """Of the switches as they are now, and the linear equations; SceneError where these
-        contradict each other."""
-        found = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
-        if found is None:
+        """Set forces and linear equations to those of the switches' modes; SceneError where the
+        equations contradict each other."""
+        system = self.systems[frozenset(i for i, mode in enumerate(self.modes) if mode == 0)]
+        if system is None:
             names = ", ".join(
                 s.name for s, mode in zip(self.net.switches, self.modes, strict=True) if mode == 0
             )
             raise SceneError(f"{names}: they cannot all stick at once")
-        self.system = found
+        self.system = system
         for i, (switch, mode) in enumerate(zip(self.net.switches, self.modes, strict=True)):
             self.held[switch.target] = 0.0 if i in self.resting else mode * switch.limit

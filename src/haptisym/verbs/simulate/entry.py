@@ -67,8 +67,8 @@ class ForceSaturation:
 
 
 Extra = EncoderQuantisation | ForceSaturation
-"""What only simulation knows: neither has a describing function here, and no closed form holds
-it."""
+"""Elements that only a simulation has: neither has a describing function here, and no closed
+form contains it."""
 
 
 @dataclass(frozen=True)
@@ -90,20 +90,20 @@ class RecoveredResponse:
 
     @property
     def difference(self) -> float:
-        """Between simulation and closed form."""
+        """The distance of simulation and closed form, N/m or N m/rad."""
         return abs(self.simulated - self.closed)
 
     @property
     def agrees(self) -> bool | None:
-        """Whether it is within the error of the estimate; None where the simulation
-        approximates."""
+        """Whether the difference is within the estimated error; None where the closed form is an
+        approximation."""
         return None if self.approximate else self.difference <= self.error
 
 
 @dataclass(frozen=True)
 class ForceError:
-    """What encoder and limit make of the force at the hand, N or N m: that of the same motion
-    without them is subtracted.
+    """The error that encoder and force limit make in the force at the hand, N or N m, against the
+    force of the same motion without them.
 
     ``largest``, ``rms`` : of all of it. ``quantised_largest``, ``quantised_rms`` : the part that
     the encoder makes, against the same with the limit alone; 0 without an encoder. ``at_limit`` :
@@ -117,7 +117,7 @@ class ForceError:
     at_limit: float
 
     def row(self) -> dict[str, Any]:
-        """As a document has it."""
+        """Return the numbers as a document has them."""
         parts = {"largest": self.quantised_largest, "rms": self.quantised_rms}
         return {
             "largest": self.largest,
@@ -147,7 +147,8 @@ class _Runs(Answer):
 
     @property
     def settled(self) -> bool:
-        """Whether it does not disagree with the closed form."""
+        """Whether no estimate disagrees with the closed form; True where there is none to
+        compare."""
         return self.agrees is not False
 
     @property
@@ -247,7 +248,7 @@ class Simulations(_Runs, tuple[Simulation, ...]):
 
     @property
     def scene(self) -> Scene:
-        """That of each of them."""
+        """The scene of all runs."""
         return self[0].scene
 
     @property
@@ -324,6 +325,8 @@ def lock(
     """
     times = record.instants
     end = float(record.times[record.count - 1] + record.lengths[record.count - 1])
+    # A quarter of a window is a base period: the excited frequencies repeat, and what differs
+    # between both windows is transient, or at other frequencies.
     shift = window / 4 if windows > 1 else 0.0
     if end - window - shift < motion.fade * (1 - 1e-9):
         shift = 0.0
@@ -332,31 +335,34 @@ def lock(
             f"duration: {end:g} s are too short to recover H_perc: give at least "
             f"{motion.fade + window:g} s are needed"
         )
-    values = _fitted(record, times, signal, motion, (end - window, window, 3 if drift else 1))
+    terms = 3 if drift else 1
+    values = _fitted(record, times, signal, motion, (end - window, window, terms))
     if not shift:
         return Lock(values, np.zeros(len(values)))
-    earlier = _fitted(
-        record, times, signal, motion, (end - window - shift, window, 3 if drift else 1)
-    )
+    earlier = _fitted(record, times, signal, motion, (end - window - shift, window, terms))
     return Lock(values, np.abs(values - earlier))
 
 
 def _fitted(
     record: Record, times: Array, signal: Array, motion: Sines, window: tuple[float, float, int]
 ) -> Any:
+    """Return the phasors fitted on a window: start and length, s, and number of trend terms."""
     start, length, terms = window
     place = (times - start) / length
     inside = (place > 0) & (place < 1)
     t, x = times[inside], place[inside]
+    # The taper sin^4 and its first three derivatives vanish at both ends: leakage falls with the
+    # fifth power of the distance in frequency. The Gauss weights make sums over nodes integrals.
     weight = np.sin(np.pi * x) ** 4 * record.quadrature[inside]
     angle = np.multiply.outer(t, np.array(motion.omegas))
     trend = np.power.outer(2 * x - 1, np.arange(terms))
     columns = np.concatenate([np.cos(angle), np.sin(angle), trend], axis=1)
     # the columns are nearly orthogonal under the taper: normal equations lose nothing
     weighted = (columns * weight[:, None]).T
-    found = np.linalg.solve(weighted @ columns, weighted @ signal[inside])
+    weights = np.linalg.solve(weighted @ columns, weighted @ signal[inside])
     count = len(motion.omegas)
-    return found[count : 2 * count] + 1j * found[:count]
+    # y = Im(Y exp(j omega t)) = Re Y sin + Im Y cos.
+    return weights[count : 2 * count] + 1j * weights[:count]
 
 
 _MOST_STEPS = 400_000
@@ -364,7 +370,7 @@ WINDOW = 4
 """Base periods of a lock-in: the taper needs them to keep neighbouring frequencies apart."""
 _ENOUGH = 1e-11  # relative: two windows that agree so well have no transient left
 _ENOUGH_FRACTIONAL = 1e-8
-"""The same where a transient fades only as a power of time."""
+"""As ``_ENOUGH``, where a transient fades only as a power of time."""
 _IDLE = 3
 """Base periods without progress after which more of them will not help."""
 _NEVER = 0.3
@@ -402,6 +408,8 @@ class Run:
         _check_clocks(self.net, motion)
 
     def _engine(self, outputs: Sequence[Reading], longest: float) -> Engine:
+        # A user's formula may be anything, also a pure derivative of the force: then the error
+        # names the model.
         try:
             return Engine(self.net, self.motion, outputs, longest)
         except SceneError as error:
@@ -423,9 +431,9 @@ class Run:
                 "simulate a shorter time or higher frequencies"
             )
         grid = self.engine.longest
-        ends = np.linspace(self.engine.t, until, 1 + int(np.ceil(steps / 500)) if steps > 0 else 1)[
-            1:
-        ]
+        # Pieces of some 500 steps, so that progress is reported in between.
+        count = 1 + int(np.ceil(steps / 500)) if steps > 0 else 1
+        ends = np.linspace(self.engine.t, until, count)[1:]
         # steps of odd length cost a matrix exponential each; only jumps need windows that end to
         # the point
         whole = np.ceil(ends / grid - 1e-9) * grid
@@ -438,11 +446,13 @@ class Run:
             self.progress(time, self.until)
 
     def locked(self, length: float | None) -> Lock:
-        """Simulate until two windows agree, or as long as is said."""
+        """Simulate until two windows agree, or for ``length`` seconds; return the phasors of the
+        last window."""
         assert isinstance(self.motion, Sines)
         period = period_of(self.motion)
         self.to_windows(length or self.motion.fade + self.settling() + (WINDOW + 1) * period)
-        found, before, idle, falling = self.lock(2), inf, 0, self._falling(period)
+        found, before, idle = self.lock(2), inf, 0
+        falling = self._falling(period)
         while (
             length is None
             and idle < _IDLE
@@ -455,15 +465,18 @@ class Run:
             # ever more slowly
             idle = idle + 1 if worst > 0.9 * before and not self.net.fractional else 0
             falling, before = max(self._falling(period), worst / before), worst
-            for _ in range(round(self.engine.t / period) if self.net.fractional else 1):
+            # A transient that falls as a power of time is halved only when the time is doubled.
+            more = round(self.engine.t / period) if self.net.fractional else 1
+            for _ in range(more):
                 self.advance(self.engine.t + period)
             found = self.lock(2)
         if idle and found.relative_drift > _NEVER:
             raise SceneError(
                 "the simulated force does not become periodic: the scene is not, or hardly, stable"
             )
+        # What a transient that falls by this factor in each period has still to go: the sum of a
+        # geometric series. Images and quantisation do not fall at all, and are bounded by 0.95.
         falling = min(falling, 0.95)
-        # what a transient that falls by this factor in each period has still to go
         return Lock(found.values, found.drift * max(1.0, falling / (1 - falling)))
 
     def to_windows(self, until: float) -> None:
@@ -490,17 +503,18 @@ class Run:
         )
 
     def again(self, until: float) -> Lock:
-        """The same window as another run's."""
+        """Simulate up to a time and return the phasors of the last window: for another run with
+        other steps."""
         self.to_windows(until)
         return self.lock(1)
 
     def settling(self, tolerance: float = 1e-12) -> float:
-        """How long the slowest pole needs to fade to that, s; what loops with delays need shows
-        only as they run."""
+        """Return how long the slowest pole needs to fade to a tolerance, s; 0 where none is
+        known, as in loops with delays."""
         return -log(tolerance) / self._slowest if self._slowest else 0.0
 
     def _falling(self, period: float) -> float:
-        """By which factor the slowest pole fades in a period."""
+        """Return the factor by which the slowest pole fades in a period; 0 where none is known."""
         return exp(-self._slowest * period) if self._slowest else 0.0
 
     @cached_property
@@ -511,12 +525,12 @@ class Run:
 
 
 def least_duration(motion: Sines) -> float:
-    """How long a run must last, s, for two windows after the fade-in."""
+    """Return how long a run must last, s, for two windows after the fade-in."""
     return motion.fade + (WINDOW + 1) * period_of(motion) * (1 - 1e-9)
 
 
 def period_of(motion: Motion) -> float:
-    """The longest of its periods, s."""
+    """Return the base period of a motion, s: that of its lowest frequency."""
     return 2 * pi / motion.span[0]
 
 
@@ -526,11 +540,12 @@ _RESOLUTION = "resolution of the encoder"
 def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port]:
     """The scene's equations but for what the hand does; ports from the environment to the hand."""
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
-    near, sampled, resolution = ports[0], bool(scene.effects) and scene.effects[0].renders, 0.0
+    near, resolution = ports[0], 0.0
+    sampled = bool(scene.effects) and scene.effects[0].renders
     for extra in extras:
-        if sampled and isinstance(
-            extra, EncoderQuantisation
-        ):  # its clock reads the encoder: no other instant counts
+        # A sampled controller reads the encoder at its ticks alone: rounding the samples is the
+        # same, and needs no event for each step of the encoder in between.
+        if sampled and isinstance(extra, EncoderQuantisation):
             resolution = max(
                 resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
             )
@@ -548,8 +563,8 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
 
 
 def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
-    """A quantiser or a limit between the environment and the port; the port that is left for the
-    environment."""
+    """Add a quantiser or a limit between the environment and a port; return the port that is
+    left for the environment."""
     if isinstance(extra, EncoderQuantisation):
         measured = net.signal("measured")
         size = _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
@@ -567,6 +582,7 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
 
 
 def _sized(key: str, given: Number, dimension: Dimension, scene: Scene) -> float:
+    """Return a positive quantity of an extra in SI; SceneError where its unit does not fit."""
     value = positive(key, given, dimension)
     same_kind(key, quantity(given, dimension).motion, scene)
     return value
@@ -605,10 +621,14 @@ def check_extras(extras: Sequence[Extra]) -> None:
 def _check_poles(scene: Scene, engine: Engine) -> None:
     """Raise SceneError, naming the pole, where the scene is not stable."""
     system, held = engine.system, {hold.target for hold in engine.net.holds}
-    fed_back = any(
-        ((x.lag != 0 and x.name != MOTION) or x.name in held) and system.propagator.N[:, i].any()
+    # Where delayed or held signals drive the state, eigenvalues of the state equation are no poles
+    # of the loop: the characteristic function must be asked.
+    returning = [
+        i
         for i, (x, _) in enumerate(system.drives)
-    )
+        if (x.lag != 0 and x.name != MOTION) or x.name in held
+    ]
+    fed_back = any(system.propagator.N[:, i].any() for i in returning)
     poles = system.poles()
     worst = max(poles, key=lambda p: p.real, default=complex(-inf))
     if is_stable(scene.distortion().perc) is False:
@@ -616,11 +636,15 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
 
         transcendental = fed_back or bool(engine.net.holds)
         pole = rightmost_pole(scene.distortion().perc) if transcendental else worst
+        # A clock's factor 1 - exp(-s T) leaves a pole at 0 that is none: whether a loop grows will
+        # show in the run.
         if engine.net.holds and (pole is None or pole.real < 0):
-            return  # a clock's factor 1 - exp(-s T) leaves a pole at 0 that is none: whether a loop grows will show
+            return
         raise SceneError(
             f"the scene is unstable{_named(pole)}: there is no steady motion to simulate"
         )
+    # H_perc may cancel an unstable mode that the equations of motion still have: it would overflow
+    # in the run. Poles on the axis count up to rounding as stable.
     if not fed_back and worst.real > 1e-9 * max(1.0, float(np.abs(poles).max(initial=0.0))):
         raise SceneError(
             f"the scene has an unstable internal motion{_named(worst)} that H_perc does not contain"
@@ -628,6 +652,7 @@ def _check_poles(scene: Scene, engine: Engine) -> None:
 
 
 def _named(pole: complex | None) -> str:
+    """Return words that name a pole; empty where none is known."""
     if pole is None or not np.isfinite(pole.real):
         return ""
     size = abs(pole.imag)
@@ -635,6 +660,8 @@ def _named(pole: complex | None) -> str:
 
 
 def _check_clocks(net: Network, motion: Motion) -> None:
+    """Raise SceneError for a sine at or above half a clock's rate: its image would be at the same
+    frequency or below."""
     for hold in net.holds:
         if motion.omegas and max(motion.omegas) >= pi / hold.period * (1 - 1e-9):
             raise SceneError(
@@ -664,20 +691,17 @@ def why_approximate(engine: Engine, scene: Scene) -> str:
 
 
 def _friction_reason(system: StateSpace, velocity: str, effect: Effect, motion: Motion) -> str:
-    name, amplitude = (
-        effect.name,
-        next(float(p.value) for p in effect.parameters if p.key == "amplitude"),
-    )
-    row, hand = (
-        system.signal(velocity),
-        system.inputs.index(next(x for x in system.inputs if x.name == MOTION and x.lag == 0)),
-    )
+    """Return why a friction's describing function is not what its simulation gives; empty where it
+    is."""
+    name = effect.name
+    amplitude = next(float(p.value) for p in effect.parameters if p.key == "amplitude")
+    row = system.signal(velocity)
+    present = next(x for x in system.inputs if x.name == MOTION and x.lag == 0)
+    hand = system.inputs.index(present)
+    # The velocity is the hand's exactly if dx/dt of the motion has weight 1 and all else has 0.
     weights = [float_of(c[0, i]) for c in row.inputs for i in range(c.ncols())]
-    prescribed = (
-        len(row.inputs) > 1
-        and float_of(row.inputs[1][0, hand]) == 1.0
-        and sum(map(abs, weights)) == 1.0
-    )
+    has_velocity = len(row.inputs) > 1 and float_of(row.inputs[1][0, hand]) == 1.0
+    prescribed = has_velocity and sum(map(abs, weights)) == 1.0
     if not prescribed or any(row.state[0, i] != 0 for i in range(system.size)):
         return f"{name} does not move as the hand does: its describing function is an approximation"
     if len(motion.omegas) > 1:
@@ -691,10 +715,11 @@ def _friction_reason(system: StateSpace, velocity: str, effect: Effect, motion: 
 
 
 def _jumps_behind(system: StateSpace, net: Network, source: str) -> set[str]:
-    """Clocks and switches that act on a signal, also through delay lines."""
+    """Return the names of what clocks and switches set that acts on a signal, also through delay
+    lines."""
     found: set[str] = set()
     seen, todo = {source}, [source]
-    for name in todo:
+    for name in todo:  # grows while it is walked
         if name in net.jumps:
             found.add(name)
             continue
@@ -710,8 +735,8 @@ _MUCH = 10.0  # times the largest |H_perc| of the band: noise then matters befor
 
 
 def noise_notes(scene: Scene, motion: Motion) -> tuple[str, ...]:
-    """A sentence for a recording where |H_perc| is far larger at its highest frequency than on the
-    band; none otherwise.
+    """Return a sentence for a recording where |H_perc| is far larger at its highest frequency than
+    on the band; none otherwise.
 
     A mass differentiates a motion twice: what is a micrometre of noise grows with omega^2.
     """
@@ -793,12 +818,9 @@ def _simulated(
     try:
         fine = Run(scene, motion, extras, STEP, progress)
     except SceneError as error:
-        late = [
-            x.name
-            for x in scene.effects
-            if x.model == "admittance-display"
-            and any(p.key == "tau" and p.value for p in x.parameters)
-        ]
+        # The one model of the catalogue whose inverse, with a delay, is not causal.
+        displays = [x for x in scene.effects if x.model == "admittance-display"]
+        late = [x.name for x in displays if any(p.key == "tau" and p.value for p in x.parameters)]
         if not late:
             raise
         why = (
@@ -812,6 +834,8 @@ def _simulated(
             _result(fine, ()),
             error=None if isinstance(motion, Sines) or not extras else _error(fine),
         )
+    # The error is estimated from a second run with longer steps. Where clocks or delays set the
+    # steps of both, it would be the same run.
     found = fine.locked(length)
     coarse = Run(scene, motion, extras, STEP * _COARSER, progress)
     other = found if coarse.engine.longest == fine.engine.longest else coarse.again(fine.engine.t)
@@ -851,6 +875,7 @@ def band_frequencies(scene: Scene, count: int) -> list[float]:
     """Frequencies along the band, whole multiples of one, so that they repeat together."""
     low, high = (float(end) for end in scene.band)
     base = high / (2 * count)
+    # Multiples of one base frequency: a lock-in window of whole base periods suits them all.
     multiples = [n for n in range(1, 2 * count + 1) if n * base >= low]
     chosen = np.unique(
         np.round(np.linspace(multiples[0], multiples[-1], min(count, len(multiples)))).astype(int)
@@ -859,14 +884,10 @@ def band_frequencies(scene: Scene, count: int) -> list[float]:
 
 
 def default_amplitude(scene: Scene) -> float:
-    """That of the scene's friction, or 5 cm (0.05 rad)."""
-    given = [
-        float(p.value)
-        for e in scene.effects
-        if e.model == "coulomb-friction"
-        for p in e.parameters
-        if p.key == "amplitude"
-    ]
+    """Return the amplitude for which the scene's friction is given, or 0.05 m (0.05 rad) without
+    one."""
+    frictions = [e for e in scene.effects if e.model == "coulomb-friction"]
+    given = [float(p.value) for e in frictions for p in e.parameters if p.key == "amplitude"]
     return given[0] if given else 0.05
 
 
@@ -896,8 +917,8 @@ def _result(run: Run, estimates: tuple[RecoveredResponse, ...]) -> Simulation:
 
 
 def _error(run: Run) -> ForceError:
-    """Further runs of the same motion: without extras, and without the encoder where there is a
-    limit too."""
+    """Return the error of the force by further runs of the same motion: without extras, and
+    without the encoder where there is a limit too."""
     limits = [x for x in run.extras if isinstance(x, ForceSaturation)]
     record, weights = run.engine.record, run.engine.record.quadrature.ravel()
     weights = weights / weights.sum()
@@ -908,10 +929,9 @@ def _error(run: Run) -> ForceError:
             return 0.0, 0.0
         other = Run(run.scene, run.motion, extras, STEP, run.progress)
         other.advance(run.engine.t)
-        by = (
-            force
-            - other.engine.record.at(times, [other.engine.column(name_of(other.ports[-1].F))])[:, 0]
-        )
+        # The runs step differently: the other one's polynomials are read at this one's nodes.
+        column = other.engine.column(name_of(other.ports[-1].F))
+        by = force - other.engine.record.at(times, [column])[:, 0]
         return float(np.abs(by).max()), float(np.sqrt(weights @ by**2))
 
     everything = off(())
@@ -922,12 +942,15 @@ def _error(run: Run) -> ForceError:
 
 
 def _estimates(run: Run, found: Lock, other: Lock) -> tuple[RecoveredResponse, ...]:
+    """Return H_perc at each excited frequency: of a run, and against one with other steps."""
     assert isinstance(run.motion, Sines)
     omegas = np.array(run.motion.omegas)
     values = run.scene.distortion().compile()(omegas)
     closed = values.perceived_real + 1j * values.perceived_imag
     phasors = np.array([run.motion.phasor(omega) for omega in run.motion.omegas])
     simulated = found.values / phasors
+    # Twice what windows and runs differ by. Small responses next to large ones are known to the
+    # rounding of the largest.
     numeric = 2 * (found.drift + np.abs(found.values - other.values)) / np.abs(phasors)
     error = numeric + np.abs(simulated).max() * (_FLOOR + _fractional_error(run.net, omegas))
     why = (
@@ -942,7 +965,8 @@ def _estimates(run: Run, found: Lock, other: Lock) -> tuple[RecoveredResponse, .
 
 
 def _fractional_error(net: Network, omegas: Array) -> float:
-    """How far the bank of relaxations is from s^alpha, relatively, at its worst."""
+    """Return the largest relative error of the bank of relaxations against s^alpha; 0 without
+    one."""
     if not net.fractional:
         return 0.0
     return 3 * max(bank_error(alpha, (low, high), omegas) for alpha, low, high in net.fractional)

@@ -51,25 +51,26 @@ from haptisym.programs.values import Array
 
 Exact: TypeAlias = fmpq
 SignalKey: TypeAlias = tuple[str, int, fmpq]
-"""A signal's name, how often it is differentiated, and by how many seconds it is late."""
+"""The key of a term: a signal's name, how often it is differentiated, and its delay, s."""
 
 MOTION = "motion"
 """The prescribed motion of the hand, the one signal that is known beforehand."""
 
+# Equations are solved over the rational numbers, so pi must be one: 80 digits, far beyond floats.
 _PI = Rational("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899")
 _ZERO = fmpq(0)
 
 
 def exact(value: Expr | int) -> Exact:
-    """An exact number of a scene as a rational one; pi is cut after 80 digits, everywhere alike, so
-    that it still cancels."""
+    """Return an exact number of a scene as a rational; pi is cut after 80 digits, everywhere in
+    the same way, so that it still cancels."""
     number = Rational(value) if isinstance(value, int) else Rational(value.xreplace({pi: _PI}))
     return fmpq(int(number.p), int(number.q))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SignalSum:
-    """A linear combination of signals, of their derivatives and of what they were some time ago.
+    """A linear combination of signals, of their derivatives and of delayed signals.
 
     >>> x = SignalSum.of("x")
     >>> (2 * x.d(2) - x.late(fmpq(1, 2))).terms == {("x", 2, fmpq(0)): 2, ("x", 0, fmpq(1, 2)): -1}
@@ -80,7 +81,7 @@ class SignalSum:
 
     @classmethod
     def of(cls, name: str) -> SignalSum:
-        """One signal alone."""
+        """Return one signal as a sum."""
         return cls({(name, 0, _ZERO): fmpq(1)})
 
     def __add__(self, other: SignalSum) -> SignalSum:
@@ -99,7 +100,8 @@ class SignalSum:
         return self + -other
 
     def renamed(self, old: tuple[str, Exact], new: tuple[str, Exact]) -> SignalSum:
-        """With another signal, late by another time, in the place of one."""
+        """Replace a signal, late by a time, by another signal and time; both are given as (name,
+        lag)."""
         both = {old: new}
         each = (
             (both.get((name, x), (name, x)), k, value) for (name, k, x), value in self.terms.items()
@@ -113,13 +115,13 @@ class SignalSum:
         )
 
     def late(self, tau: Exact) -> SignalSum:
-        """What it was ``tau`` seconds ago."""
+        """Return the sum delayed by ``tau`` seconds."""
         return SignalSum(
             {(name, order, lag + tau): value for (name, order, lag), value in self.terms.items()}
         )
 
     def through(self, *coefficients: Exact | int) -> SignalSum:
-        """c0 x + c1 dx/dt + c2 d2x/dt2 + ..."""
+        """Return c0 x + c1 dx/dt + c2 d2x/dt2 + ... for the coefficients c0, c1, ..."""
         total = SignalSum({})
         for order, coefficient in enumerate(coefficients):
             total = total + coefficient * self.d(order)
@@ -144,32 +146,44 @@ class Hold:
 
     @cached_property
     def period(self) -> float:
-        """T as a float."""
+        """The period T as a float, s."""
         return float_of(self.T)
 
     @cached_property
     def _weights(self) -> tuple[list[tuple[int, float]], ...]:
-        """Of samples and of what was held, by how many periods ago; without those that are 0."""
-        own = ([x / self.below[0] for x in row] for row in (self.above, (fmpq(0), *self.below[1:])))
-        return tuple([(n + 1, float_of(x)) for n, x in enumerate(row) if x != 0] for row in own)
+        """Weights of samples and of held values, each as (1 + periods ago, weight), without those
+        that are 0."""
+        # Solved for the newest held value: the difference equation divided by its coefficient. The
+        # division is exact; the floats are rounded once.
+        first = self.below[0]
+        rows = self.above, (fmpq(0), *self.below[1:])
+        scaled = ([x / first for x in row] for row in rows)
+        return tuple([(n + 1, float_of(x)) for n, x in enumerate(row) if x != 0] for row in scaled)
 
     def read(self, value: float) -> float:
-        """What is sampled of a value: a whole multiple of the resolution, or the value itself."""
+        """Return a value as it is sampled: a whole multiple of the resolution, or the value
+        itself."""
         return (
             self.resolution * float(np.rint(value / self.resolution)) if self.resolution else value
         )
 
     def computed(self, samples: Sequence[float], given: Sequence[float]) -> float:
-        """What is held after these samples, and after what was held before."""
+        """Return the value to hold after these samples, and after the values that were held
+        before."""
         above, below = self._weights
         return sum(x * samples[-n] for n, x in above) - sum(x * given[1 - n] for n, x in below)
 
     def equation(self, source: SignalSum) -> SignalSum:
-        """What is zero between two samples where they are taken of a signal all the time."""
-        rows = (self.below, SignalSum.of(self.target)), (self.above, -source)
-        return sum(
-            (c * x.late(n * self.T) for row, x in rows for n, c in enumerate(row)), SignalSum({})
-        )
+        """Return a sum that is zero where the difference equation runs in continuous time, each
+        period a delay: what a clock comes to where its source hardly changes."""
+        total = SignalSum({})
+        for coefficients, signal in (
+            (self.below, SignalSum.of(self.target)),
+            (self.above, -source),
+        ):
+            for n, coefficient in enumerate(coefficients):
+                total = total + coefficient * signal.late(n * self.T)
+        return total
 
 
 @dataclass(frozen=True)
@@ -225,33 +239,28 @@ class Network:
     _count: int = 0
 
     def signal(self, label: str) -> SignalSum:
-        """A new signal."""
+        """Return a new signal, named by its label and a number."""
         self._count += 1
         return SignalSum.of(f"{label}.{self._count}")
 
     def hold_whole_delays(self) -> None:
         """Let what is held, and late by whole periods, be held by a clock of its own: no delay line
         keeps it."""
+        # A delay line would store polynomials of what is constant between samples, and each jump in
+        # it would be a break point. In a clock's memory the same delay is exact and costs nothing.
         for hold in tuple(self.holds):
-            lags = {
-                x
-                for e in self.equations
-                for name, _, x in e.terms
-                if name == hold.target and x != 0
-            }
+            keys = [key for equation in self.equations for key in equation.terms]
+            lags = {lag for name, _, lag in keys if name == hold.target and lag != 0}
             for lag in sorted(x for x in lags if (x / hold.T).q == 1):
                 late = name_of(self.signal("late"))
-                self.holds.append(
-                    replace(
-                        hold, target=late, above=((_ZERO,) * int((lag / hold.T).p) + hold.above)
-                    )
-                )
+                above = (_ZERO,) * int((lag / hold.T).p) + hold.above
+                self.holds.append(replace(hold, target=late, above=above))
                 self.equations = [
                     e.renamed((hold.target, lag), (late, _ZERO)) for e in self.equations
                 ]
 
     def zero(self, equation: SignalSum) -> None:
-        """One more equation of motion: this sum is zero."""
+        """Add an equation of motion: this sum is zero at all times."""
         self.equations.append(equation)
 
     def equal(self, one: SignalSum, other: SignalSum) -> None:
@@ -260,7 +269,7 @@ class Network:
 
     @property
     def elements(self) -> tuple[Element, ...]:
-        """Whatever is not a linear equation."""
+        """All elements that no linear equation describes."""
         return (*self.holds, *self.steps, *self.switches)
 
     @property
@@ -270,7 +279,7 @@ class Network:
 
 
 def name_of(signal: SignalSum) -> str:
-    """The name of a plain signal."""
+    """Return the name of a sum that is one signal."""
     [(name, _, _)] = signal.terms
     return name
 
@@ -282,6 +291,8 @@ def combined(
     time, not several."""
     ring = Ring.of(formulas)
     quotients = [ring.convert(formula).reduced() for formula in formulas]
+    # The least common denominator: with the product of all, modes that the formulas share would be
+    # states twice, and unstable ones among them would not cancel.
     common = reduce(lambda x, y: x * (y // x.gcd(y)), (q.denominator for q in quotients))
     total = SignalSum({})
     for q, x in zip(quotients, signals, strict=True):
@@ -290,13 +301,15 @@ def combined(
 
 
 def operator(net: Network, polynomial: Polynomial, ring: Ring, x: SignalSum) -> SignalSum:
-    """A polynomial in s, delays and powers s^alpha, applied to a signal."""
+    """Apply a polynomial in s, delays and powers s^alpha to a signal."""
     total = SignalSum({})
     powers: dict[tuple[Any, int], SignalSum] = {}
     for exponents, coefficient in polynomial.to_dict().items():
         term = x
         factor = coefficient
         for meaning, n in zip(ring.meanings[1:], map(int, exponents[1:]), strict=True):
+            # j comes from a describing function, and free symbols have no value: no motion in time
+            # has either.
             if n and (meaning == I or meaning.free_symbols - {ring.meanings[0]}):
                 raise SceneError(f"{meaning} cannot be simulated in time")
             if isinstance(meaning, exp):
@@ -314,6 +327,7 @@ def _powers(
 ) -> SignalSum:
     """The derivative of order alpha, taken that many times; each is built once."""
     for n in range(1, times + 1):
+        # Each power is a bank of some hundred relaxations: the same one is not built again.
         key = ((tuple(x.terms), alpha), n)
         if key not in made:
             made[key] = fractional(net, x, alpha)
@@ -325,7 +339,7 @@ ExactValues: TypeAlias = Mapping[str, Exact]
 
 
 class Port(NamedTuple):
-    """A place between two elements."""
+    """A port between two elements: force ``F`` and displacement ``X``."""
 
     F: SignalSum
     X: SignalSum
@@ -368,8 +382,9 @@ def _values(element: Environment | Effect) -> dict[str, Exact]:
 
 
 def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
-    """Springs and dampers in a row, whose velocities add up to that of x; perhaps with a spring k0
-    beside them."""
+    """Branches of a spring and a damper in series, whose velocities add up to that of x; perhaps
+    with a spring k0 in parallel."""
+    # The velocity of a branch is the sum of its damper's and its spring's: F/b + F'/k = x'.
     p = _values(element)
     total = p.get("k0", fmpq(0)) * port.X
     for key in p.keys() - {"k0"}:
@@ -381,6 +396,7 @@ def _maxwell_branches(net: Network, element: Environment, port: Port) -> None:
 
 
 def _two_mass(net: Network, element: Environment, port: Port) -> None:
+    """A mass that is held, and a second one that hangs on it by a spring and a damper."""
     p, hanging = _values(element), net.signal("hanging-mass")
     stretch = port.X - hanging
     pull = stretch.through(p["k2"], p["b2"])
@@ -403,6 +419,7 @@ def _series(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 
 def _zero_order_hold(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """A clock that samples the force and holds it until the next sample."""
     net.equal(far.X, near.X)
     net.holds.append(Hold(name_of(near.F), name_of(far.F), _values(element)["T"], element.name))
 
@@ -422,27 +439,31 @@ def build_controller(net: Network, effect: Effect, port: Port, resolution: float
 def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
     """The coefficients of a polynomial in 1/z, ascending."""
     row: dict[int, Exact] = {}
-    for (n, power_of_pi, *_), coefficient in polynomial.to_dict().items():
-        row[int(n)] = row.get(int(n), _ZERO) + coefficient * exact(pi) ** int(power_of_pi)
+    for (n, power_of_pi, *_), number in polynomial.to_dict().items():
+        coefficient = number * exact(pi) ** int(power_of_pi)
+        row[int(n)] = row.get(int(n), _ZERO) + coefficient
     return tuple(row.get(n, _ZERO) for n in range(max(row, default=0) + 1))
 
 
 def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """Nothing but a joint: ``build_controller`` has added the clock in the environment's place."""
     net.equal(far.X, near.X)
     net.equal(far.F, near.F)
 
 
 def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """A dynamic stiffness next to the port: it shares the motion, and its force is added."""
     net.equal(far.X, near.X)
     beside = net.signal("beside")
-    if own := device(element):
-        net.equal(beside, near.X.through(*map(exact, own)))
+    if coefficients := device(element):
+        net.equal(beside, near.X.through(*map(exact, coefficients)))
     else:
         combined(net, [element.matrix[1]], [near.X], beside)
     net.equal(far.F, near.F + beside)
 
 
 def _compliance(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """A spring and a damper between hand and display: both ends feel the same force."""
     p = _values(element)
     net.equal(far.F, near.F)
     net.equal(near.F, (far.X - near.X).through(p.get("k", fmpq(0)), p.get("b", fmpq(0))))
@@ -453,6 +474,7 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
     net.equal(far.X, near.X)
     net.equal(far.F, near.F + force)
     net.equal(velocity, near.X.d())
+    # Without a force there is nothing to switch: a guard on a limit of 0 would fall all the time.
     if limit := float_of(_values(element)["force"]):
         net.switches.append(
             Switch(name_of(force), velocity, name_of(velocity), limit, 0.0, element.name)
@@ -462,38 +484,58 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
+    # From the hand's force to the rendered one: that way is causal, as the display measures the
+    # force and moves. The inverse would differentiate.
     net.equal(far.X, near.X)
-    combined(
-        net, [1 / element.matrix[0]], [far.F], near.F
-    )  # what the hand's force is to the rendered one
+    combined(net, [1 / element.matrix[0]], [far.F], near.F)
 
 
 def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> None:
+    # F + b v runs from the hand to the environment and F - b v back, each delayed by tau. Power is
+    # F v = ((F + b v)^2 - (F - b v)^2)/(4 b), so that the line stores energy and makes none.
     p = _values(element)
-    outward, inward = net.signal("outward-wave"), net.signal("inward-wave")
-    net.equal(inward, far.F + p["b"] * far.X.d())
-    net.equal(outward, near.F - p["b"] * near.X.d())
-    net.equal(near.F + p["b"] * near.X.d(), inward.late(p["tau"]))
-    net.equal(far.F - p["b"] * far.X.d(), outward.late(p["tau"]))
+    tau = p["tau"]
+    outward = net.signal("outward-wave")
+    inward = net.signal("inward-wave")
+    near_flow = p["b"] * near.X.d()
+    far_flow = p["b"] * far.X.d()
+    net.equal(inward, far.F + far_flow)
+    net.equal(outward, near.F - near_flow)
+    net.equal(near.F + near_flow, inward.late(tau))
+    net.equal(far.F - far_flow, outward.late(tau))
 
 
 def _position_force(net: Network, element: Effect, near: Port, far: Port) -> None:
-    p, tau = _values(element), _values(element).get("tau", fmpq(0))
+    # The slave follows the delayed position of the master, which feels the delayed force of the
+    # environment: there is no coupling back to the master's own controller.
+    p = _values(element)
+    tau = p.get("tau", fmpq(0))
     control = (far.X.late(tau) - near.X).through(p["Ks"], p["Bs"])
     net.equal(p["Ms"] * near.X.d(2), control - near.F)
     net.equal(far.F, p["Mm"] * far.X.d(2) + near.F.late(tau))
 
 
 def _position_position(net: Network, element: Effect, near: Port, far: Port) -> None:
-    p, tau = _values(element), _values(element).get("tau", fmpq(0))
-    net.equal(p["Ms"] * near.X.d(2), (far.X.late(tau) - near.X).through(p["Ks"], p["Bs"]) - near.F)
-    net.equal(far.F, p["Mm"] * far.X.d(2) + (far.X - near.X.late(tau)).through(p["Km"], p["Bm"]))
+    # Each side is pulled by a spring and a damper to the delayed position of the other.
+    p = _values(element)
+    tau = p.get("tau", fmpq(0))
+    slave_error = far.X.late(tau) - near.X
+    slave_control = slave_error.through(p["Ks"], p["Bs"])
+    net.equal(p["Ms"] * near.X.d(2), slave_control - near.F)
+    master_error = far.X - near.X.late(tau)
+    master_control = master_error.through(p["Km"], p["Bm"])
+    net.equal(far.F, p["Mm"] * far.X.d(2) + master_control)
 
 
 def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
-    p, tau = _values(element), _values(element).get("tau", fmpq(0))
-    master, slave = (p["Km"], p["Bm"], p["Mm"]), (p["Ks"], p["Bs"], p["Ms"])
-    to_slave, to_master = net.signal("to-slave"), net.signal("to-master")
+    # Each side sends force and motion, the latter through the other side's device. Without a delay
+    # the last two equations give (master + slave)(near.X - far.X) = 0: ideal transparency.
+    p = _values(element)
+    tau = p.get("tau", fmpq(0))
+    master = p["Km"], p["Bm"], p["Mm"]
+    slave = p["Ks"], p["Bs"], p["Ms"]
+    to_slave = net.signal("to-slave")
+    to_master = net.signal("to-master")
     net.equal(to_slave, far.F + far.X.through(*slave))
     net.equal(to_master, near.F - near.X.through(*master))
     net.equal(near.X.through(*slave), to_slave.late(tau) - near.F)
@@ -501,12 +543,13 @@ def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
 
 
 def _two_port(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """A chain matrix as it is given: [far.F; far.X] = matrix [near.F; near.X]."""
     for row, signal in ((element.matrix[:2], far.F), (element.matrix[2:], far.X)):
         combined(net, row, near, signal)
 
 
 def float_of(number: Exact) -> float:
-    """The nearest float."""
+    """Return a rational as a float."""
     return int(number.p) / int(number.q)
 
 
@@ -549,14 +592,20 @@ def rates_and_weights(
     >>> abs(value / 3j**0.5 - 1) < 1e-8
     True
     """
+    # A relaxation much slower than s is a constant, but for (rate/s)^(1 + alpha) of s^alpha; one
+    # much faster is a damper, but for (s/rate)^(2 - alpha). So far the bank must reach.
     slowest = span[0] * _ACCURACY ** (1 / (1 + alpha))
     fastest = span[1] * _ACCURACY ** (-1 / (2 - alpha))
-    first, last = floor(log(slowest) / _STEP), ceil(log(fastest) / _STEP)
+    first = floor(log(slowest) / _STEP)
+    last = ceil(log(fastest) / _STEP)
     scale = _STEP * sin(math.pi * alpha) / math.pi
     rates = [math.exp(_STEP * n) for n in range(first, last + 1)]
     weights = [scale * rate**alpha for rate in rates]
-    spring = scale * rates[0] ** alpha / (math.exp(_STEP * alpha) - 1)
-    damper = scale * rates[-1] ** (alpha - 1) / (math.exp(_STEP * (1 - alpha)) - 1)
+    # The sums of all slower and of all faster relaxations, which are geometric series.
+    slower = math.exp(_STEP * alpha) - 1
+    faster = math.exp(_STEP * (1 - alpha)) - 1
+    spring = scale * rates[0] ** alpha / slower
+    damper = scale * rates[-1] ** (alpha - 1) / faster
     return rates, weights, spring, damper
 
 
@@ -608,20 +657,24 @@ def at_rest(net: Network, position: float) -> dict[str, float]:
     """
     ratios = _ratios(net, {})
     values = {name: position * float_of(ratio) for name, ratio in ratios.items()}
+    # First as if no force were limited; then those beyond their limit are set to it.
     beyond = [x for x in net.switches if x.offset and abs(values[x.driver]) > x.limit]
     if beyond:
         limits = {
             x.target: _rational(math.copysign(x.limit, values[x.driver]) / position) for x in beyond
         }
         values = {name: position * float_of(ratio) for name, ratio in _ratios(net, limits).items()}
+    # A signal that moves on grows as 1/s, at this s as 1e40: far beyond whatever rests.
     if not all(abs(value) < 1e15 for value in values.values()):
         raise SceneError("motion: the scene does not rest at the first sample: begin at 0")
     return values
 
 
 def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
-    """Each signal as a fraction of the hand's position; ``limits`` : the same of the forces that
-    stand at their limit."""
+    """Return each signal as a fraction of the hand's position; ``limits`` : the same for the
+    forces that are at their limit."""
+    # For s -> 0 a hold is (1 - exp(-s T))/(s T) = exp(-s T/2) to first order. That order matters
+    # where a loop integrates, as what delay lines hold then depends on it.
     held = [x.equation(SignalSum.of(x.source).late(x.T / 2)) for x in net.holds]
     passed = [*held, *(SignalSum.of(x.target) - SignalSum.of(x.source) for x in net.steps)]
     at_limit = {
@@ -633,11 +686,8 @@ def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
         for x in net.switches
     ]
     equations = [*net.equations, *passed, *switched]
-    names = list(
-        dict.fromkeys(
-            name for equation in equations for name, _, _ in equation.terms if name != MOTION
-        )
-    )
+    keys = [key for equation in equations for key in equation.terms]
+    names = list(dict.fromkeys(name for name, _, _ in keys if name != MOTION))
     if len(equations) != len(names):
         raise SceneError("the effects do not determine the motion")
     place = {name: i for i, name in enumerate(names)}
@@ -649,12 +699,12 @@ def _ratios(net: Network, limits: Mapping[str, Exact]) -> dict[str, Exact]:
             else:
                 left[row, place[key[0]]] += value * _factor(key)
     try:
-        found = left.solve(right)
+        solution = left.solve(right)
     except ZeroDivisionError:
         raise SceneError(
             "motion: the scene has no state of rest at the first sample: begin at 0"
         ) from None
-    return {MOTION: fmpq(1), **{name: found[i, 0] for name, i in place.items()}}
+    return {MOTION: fmpq(1), **{name: solution[i, 0] for name, i in place.items()}}
 
 
 def _factor(key: SignalKey) -> Exact:

@@ -1,16 +1,15 @@
-"""Held displaced, and let go: whether hand and display come to rest or shake, by their equations of
-motion in time.
+"""A release test: a display is held displaced and let go. Does it come to rest, shake, or rattle?
 
 The hand has held the display displaced for so long that everything rests; then the force with which
 it holds fades within a moment, and its mass, damping and stiffness alone stay. Clocks, delay lines
 and friction are real ones; the closed form of H_perc is not used. From the motion that follows,
 rate and frequency of what lasts longest are read by a matrix pencil (Hua and Sarkar, 1990) on even
-samples, and held against the rightmost root of H_perc(s) + m s^2 + b s + k.
+samples (``slowest``), and compared with the rightmost root of H_perc(s) + m s^2 + b s + k.
 
 With an encoder, friction or a limit of the force the loop is not linear. It comes to rest, grows,
 or rattles: a motion whose size stays as it is while the linear loop's would not. Amplitude and
 frequency of that are read from the last half of the run; what is proven is still the verdict on the
-linear loop.
+linear loop. Read from ``release`` and ``_Run``.
 """
 
 from __future__ import annotations
@@ -55,29 +54,32 @@ from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
 
 FRICTION = "coulomb-friction"
 _WINDOWS = 6
-_PER_TURN = 1.5  # radians between samples, at the most
+# Radians between two samples, at the most: beyond pi a sampled oscillation looks like a slower one.
+_PER_TURN = 1.5
+# Samples of a window, at the most and usually: the singular value decomposition of the Hankel
+# matrix grows with their cube.
 _MOST = 480
-_COUNT = 240  # samples of a window
+_COUNT = 240
 _RANK = 1e-9  # relative: smaller singular values are rounding
 _SHARE = 1e-3  # of the largest amplitude at the end of the window: less is no mode of the motion
 
 
 @dataclass(frozen=True)
 class Mode:
-    """x = a exp(rate t) cos(omega t + phase): 1/s and rad/s; ``samples`` how many it was read
-    from."""
+    """A mode x = a exp(rate t) cos(omega t + phase) of a motion, with s = rate + j omega in 1/s
+    and rad/s, read from that many samples."""
 
     s: complex
     samples: int
 
     @property
     def rate(self) -> float:
-        """Of growth, 1/s."""
+        """The rate of growth, 1/s; negative where the mode decays."""
         return self.s.real
 
     @property
     def omega(self) -> float:
-        """At which it swings, rad/s."""
+        """The frequency at which the mode oscillates, rad/s."""
         return self.s.imag
 
 
@@ -90,25 +92,27 @@ def slowest(
     waving: bool = False,
     turn: float = 0.0,
 ) -> Mode | None:
-    """The mode that is left at the end of a record, read from what comes after that share of it;
-    None where nothing moves.
+    """Return the mode that is left at the end of a record, read from what comes after the share
+    ``start`` of it; None where nothing moves.
 
-    ``waving`` : among those that oscillate, beside a creep that fades as a power of time.
-    ``period`` : that of a clock, s, so that every sample sees the clock alike; 0 without one.
-    ``turn`` : a frequency, rad/s, that samples must still tell.
+    ``waving`` : only modes that oscillate count, as a creep that fades as a power of time is none.
+    ``period`` : of a clock, s; 0 without one. ``turn`` : a frequency, rad/s, that the samples must
+    still resolve.
     """
     last = record.count - 1
     end = float(record.times[last] + record.lengths[last])
     first = start * end
     if period:
+        # A sampled loop repeats with its clock: it is linear and does not change with time only
+        # from one instant to another that is whole periods later.
         most = int(_PER_TURN / (turn * period)) if turn else _COUNT
         step = period * max(1, min(int((end - first) / (_COUNT * period)), most))
         first = max(first, end - _MOST * step)
     else:
         step = (end - first) / _COUNT
-    times = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64) * np.float64(
-        step
-    )
+    # Whole multiples of the step, and so of the period: samples at one phase of the clock.
+    numbers = np.arange(np.ceil(first / step), np.floor(end / step), dtype=np.float64)
+    times = numbers * np.float64(step)
     if len(times) < 8:
         return None
     x = record.at(times, [column])[:, 0]
@@ -117,25 +121,30 @@ def slowest(
     s, weights = modes(x, step)
     if not len(s):
         return None
+    # What is small at the end of the window has decayed, or stands for noise in the pencil.
     last_sizes = np.abs(weights) * np.exp(s.real * step * (len(x) - 1))
     strong = last_sizes > _SHARE * last_sizes.max()
     if waving:
-        strong = (np.abs(weights) > _SHARE * _SHARE * np.abs(weights).max()) & (
-            np.abs(s.imag) > np.abs(s.real) / 10
-        )
+        # Creep outlasts every exponential, so that an oscillation may be small at the end: sizes
+        # are compared where the window begins, and slow real exponents, which imitate creep, left
+        # out.
+        is_large = np.abs(weights) > _SHARE * _SHARE * np.abs(weights).max()
+        strong = is_large & (np.abs(s.imag) > np.abs(s.real) / 10)
     if not strong.any():
         return None
-    found = max(s[strong], key=lambda y: y.real)
-    return Mode(complex(found.real, abs(found.imag)), len(x))
+    rightmost = max(s[strong], key=lambda y: y.real)
+    return Mode(complex(rightmost.real, abs(rightmost.imag)), len(x))
 
 
 def envelope(record: Record, column: int, start: float) -> tuple[Mode, float]:
-    """The rate at which the largest values rise or fall after that share of a record, and how far
-    it varies, of many modes."""
+    """Return the mean rate at which the largest values rise or fall after the share ``start`` of
+    a record, and by how much it varies, 1/s; for motions of so many modes that none can be
+    singled out."""
     values = np.abs(record.values[: record.count, :, column])
     times = record.times[: record.count]
     end = float(times[-1])
     edges = np.linspace(start * end, end, _WINDOWS + 1)
+    # The logarithm of the largest value of each window over time; its slope is the rate.
     places = np.searchsorted(times, edges)
     sizes = [float(values[a : max(b, a + 1)].max()) for a, b in pairwise(places)]
     steps = np.diff(np.log(np.maximum(sizes, 1e-300))) / (edges[1] - edges[0])
@@ -153,14 +162,21 @@ def modes(x: Array, step: float) -> tuple[Array, Array]:
     ([-7.0, 7.0], -0.5)
     """
     n = len(x)
+    # The pencil's width: from a third of the samples on the exponents vary least with noise.
     width = n // 3
     hankel = np.lib.stride_tricks.sliding_window_view(x, width + 1)
     _, sizes, v = np.linalg.svd(hankel, full_matrices=False)
+    # The columns of a Hankel matrix of r exponentials span r dimensions, and shifting it by a
+    # sample multiplies each exponential by its z = exp(s step): z are eigenvalues of that shift
+    # within the span.
     rank = max(1, int((sizes > _RANK * sizes[0]).sum()))
     basis = v[:rank].T
     z = np.linalg.eigvals(np.linalg.lstsq(basis[:-1], basis[1:], rcond=None)[0])
+    # z = 0 is an exponential that is over after one sample, and has no logarithm.
     z = z[np.abs(z) > 0]
     powers = np.vander(z, n, increasing=True).T
+    # Columns z^n of growing and decaying motions differ by many powers of ten: scaled alike, least
+    # squares loses none of them.
     scale = np.abs(powers).max(axis=0)
     weights = np.linalg.lstsq(powers / scale, x.astype(complex), rcond=None)[0] / scale
     return np.log(z) / step, weights
@@ -188,30 +204,41 @@ def rattle(time: Array, x: Array) -> tuple[float, float, float | None]:
     >>> f"{size:.4f} {change:.3f} {omega:.4f}"
     '2.0000 0.000 5.0000'
     """
-    places = np.searchsorted(time, np.linspace(time[0], time[-1], _WINDOWS + 1))
-    sizes = np.array([np.ptp(x[a : max(b, a + 1)]) / 2 for a, b in pairwise(places)])
+    edges = np.searchsorted(time, np.linspace(time[0], time[-1], _WINDOWS + 1))
+    windows = [x[a : max(b, a + 1)] for a, b in pairwise(edges)]
+    sizes = np.array([np.ptp(window) / 2 for window in windows])
     first, last = np.maximum((sizes[:3].mean(), sizes[3:].mean()), 1e-300)
+    change = float(np.log(last / first))
     size = float(np.ptp(x)) / 2
+    # Two levels, as of a trigger with hysteresis: ripple about a single one, of an encoder or a
+    # clock, would be counted as crossings.
     above = float(x.min() + x.max()) / 2 + _LEVEL * size
-    sides = np.where(x > above, 1, np.where(x < above - 2 * _LEVEL * size, -1, 0))
+    below = above - 2 * _LEVEL * size
+    sides = np.where(x > above, 1, np.where(x < below, -1, 0))
     clear = np.flatnonzero(sides)
-    up = clear[1:][(sides[clear[1:]] == 1) & (sides[clear[:-1]] == -1)]
+    before, after = sides[clear[:-1]], sides[clear[1:]]
+    up = clear[1:][(after == 1) & (before == -1)]
     if len(up) < _LEAST_CROSSINGS:
-        return size, float(np.log(last / first)), None
-    at = time[up] - (x[up] - above) / (x[up] - x[up - 1]) * (time[up] - time[up - 1])
-    return size, float(np.log(last / first)), float(2 * pi * (len(at) - 1) / (at[-1] - at[0]))
+        return size, change, None
+    # The sample before each crossing is not above the level: a line between both samples crosses
+    # it.
+    share = (x[up] - above) / (x[up] - x[up - 1])
+    crossings = time[up] - share * (time[up] - time[up - 1])
+    omega = float(2 * pi * (len(crossings) - 1) / (crossings[-1] - crossings[0]))
+    return size, change, omega
 
 
 _LEVEL = 0.2  # of the amplitude: how far from the middle a crossing counts
 _LEAST_CROSSINGS = 20
-_FAST = 1e3  # rad/s
+# rad/s. Roots above it may belong to the chain itself: the chain is compared with slower ones.
+_FAST = 1e3
 _NEAR = 1e-6  # relative: how well a mode is read at best
 
 
 @dataclass(frozen=True)
 class Closed:
-    """The rightmost root of H_perc(s) + m s^2 + b s + k, as far as it is proven
-    (``root.certified``).
+    """The closed form's prediction: the rightmost root of H_perc(s) + m s^2 + b s + k, proven where
+    ``root.certified``.
 
     With a clock: ln z/T of the largest root z of the loop through controller, hold and what moves.
     Friction is in neither.
@@ -226,23 +253,24 @@ class Closed:
 
     @property
     def rate(self) -> float:
-        """1/s: > 0 grows."""
+        """The real part, 1/s; where it is positive the motion grows."""
         return self.root.s.real
 
     @property
     def omega(self) -> float:
-        """rad/s."""
+        """The imaginary part, rad/s."""
         return self.root.s.imag
 
     @property
     def chain(self) -> float | None:
-        """To which rate infinitely many roots tend, of a neutral system."""
+        """The real part, 1/s, to which infinitely many roots tend, of a neutral system; None
+        where there is no such chain or it is not computed."""
         return self.root.function.chain if self.root.function else None
 
     @property
     def is_endless(self) -> bool:
-        """Whether infinitely many roots lie, or end, right of all that are not fast: no one of them
-        lasts longest."""
+        """Whether a chain of infinitely many roots lies right of all slow roots, or ends there:
+        then no single one of them lasts longest."""
         chain = self.chain
         slow = [x.real for x in self.root.others if abs(x) < _FAST]
         return chain is not None and chain > max(slow, default=-inf) - _NEAR
@@ -279,16 +307,17 @@ class Release(Answer):
     approximate: str
     held: Held
     rattle: Rattle | None = None
-    """With an encoder, friction or a limit of the force: the motion that stays."""
+    """The motion that neither grows nor decays, with an encoder, friction or a limit of the
+    force; None where there is none."""
     extras: tuple[Extra, ...] = ()
 
     def _line(self) -> str:
-        told = (
+        verdict = (
             "rattles"
             if self.rattle
             else {True: "grows", False: "dies away", None: "is left open"}[self.grows]
         )
-        return f"{titled(self.scene.title)} in {self.hand.name}, let go: {told}"
+        return f"{titled(self.scene.title)} in {self.hand.name}, let go: {verdict}"
 
     @property
     def certified(self) -> bool:
@@ -297,26 +326,27 @@ class Release(Answer):
 
     @property
     def settled(self) -> bool:
-        """Whether it does not disagree with the closed form."""
+        """Whether neither the motion nor its sign contradicts the closed form; True where there
+        is nothing to compare."""
         return self.agrees is not False and self.sign_agrees is not False
 
     @property
     def sign_agrees(self) -> bool | None:
         """Whether the motion grows exactly if the display is not stable in this hand; None where
         either is open."""
-        near = (
-            self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
-        )  # far beyond what a release moves
+        # A chain that ends near the axis crosses it, if at all, at frequencies far above those that
+        # a release excites: the run cannot show the sign.
+        near = self.held.roots is not None and self.held.roots.chain is RootChain.NEAR
         if self.grows is None or self.held.stable is None or near or self.rattle:
             return None
         agrees = self.grows is not self.held.stable
-        return (
-            None if self.approximate and not agrees else agrees
-        )  # what is not linear may do otherwise
+        # Friction and limits of the force may hold what the linear loop would let grow: no
+        # contradiction.
+        return None if self.approximate and not agrees else agrees
 
     @property
     def unit(self) -> str:
-        """Of the displacement."""
+        """The unit of the displacement, m or rad."""
         return "rad" if self.scene.motion is Kind.ROTATION else "m"
 
     @property
@@ -348,9 +378,9 @@ class Release(Answer):
             return (
                 self.grows == (chain > 0) if abs(chain) > _NEAR and self.grows is not None else None
             )
-        near = _NEAR ** (
-            1 / self.closed.root.order
-        )  # roots that coincide are read off as if each were moved apart
+        # An error e of the samples moves an n-fold root by about e^(1/n): so coarse is what can be
+        # read of roots that coincide.
+        near = _NEAR ** (1 / self.closed.root.order)
         return bool(
             abs(self.closed.s - self.fitted.s) <= 3 * self.error + near * abs(self.closed.s)
         )
@@ -389,8 +419,8 @@ class Release(Answer):
         if self.closed is None:
             return None
         rate, omega = self.closed.root.digits()
-        found = {"rate": self.closed.rate, "omega": self.closed.omega, "digits": [rate, omega]}
-        return {**found, "chain": self.closed.chain, "certified": self.closed.root.certified}
+        root = {"rate": self.closed.rate, "omega": self.closed.omega, "digits": [rate, omega]}
+        return {**root, "chain": self.closed.chain, "certified": self.closed.root.certified}
 
 
 _SETTLED = 16.0  # powers of e by which a motion falls or grows in a run
@@ -402,9 +432,9 @@ _CHUNKS = 60
 _NOTHING = 1e-25  # N: what the limit of statics leaves of no force
 _CLEAR = 0.02  # relative: readings further apart are none
 _HIGHEST = 1e4  # rad/s: what is faster is not what a hand is let go with
-_LONGER = (
-    4  # times that a run may be doubled while a motion that is not linear neither settles nor grows
-)
+# Times that a run may be doubled while a motion that is not linear neither settles nor grows: it
+# has no rate from which its duration would follow.
+_LONGER = 4
 _STEADY = 0.02  # change of the amplitude, as a logarithm, up to which a motion stays as it is
 _LINEAR = 0.2  # of the change that the linear loop's motion would have
 _BROAD = 10  # times the scale: the frequencies at which a release moves anything
@@ -469,6 +499,7 @@ def closed_form(scene: Scene, hand: Hand) -> Closed | None:
     It is that of the loop without friction, whose describing function has j among its numbers, and
     no roots in s.
     """
+    # Left out before the loop is made: with j in a coefficient the roots would not be conjugate.
     scene = replace(scene, effects=tuple(x for x in scene.effects if x.model != FRICTION))
     if clocks(scene):
         sampled = clocked_root(scene, hand)
@@ -477,13 +508,14 @@ def closed_form(scene: Scene, hand: Hand) -> Closed | None:
     ring = ring_of(perceived)
     top = characteristic(perceived, ring.convert(hand.Z))
     need_roots(top, ring)
+    # What H_perc = N/D shares with its denominator at s = 0 cancels, and is no root of the loop.
     shared = min(order_at_0(top, ring), order_at_0(perceived.denominator, ring))
-    found = rightmost_root(top, ring, at_least(shared))
-    return None if found is None else Closed(found)
+    root = rightmost_root(top, ring, at_least(shared))
+    return None if root is None else Closed(root)
 
 
 class _Run:
-    """A release that is being simulated."""
+    """A release test that is being simulated: network, engine, and how its motion is read."""
 
     def __init__(
         self,
@@ -501,10 +533,13 @@ class _Run:
             tuple(extras),
         )
         self.periods = [float(x) for x in clocks(scene)]
-        found = abs(closed.s) if closed and closed.chain is None else 0.0
-        self.scale = max(found if found < _HIGHEST else 0.0, float(scene.band[1]) / 3)
+        # A root of a chain says nothing of how fast the release moves, and one that is too fast
+        # would only make the steps short: then the band alone does.
+        modulus = abs(closed.s) if closed and closed.chain is None else 0.0
+        self.scale = max(modulus if modulus < _HIGHEST else 0.0, float(scene.band[1]) / 3)
         """The frequency, rad/s, on which steps and the fading of the force are laid out."""
         self.lead = self._lead()
+        # Frequencies for which fractional derivatives are built: slow creep to fast ripple.
         span = (1e-3 * self.scale, max(30 * self.scale, 3 * float(scene.band[1])))
         self.net = Network(span)
         self.port = _held(self.net, scene, hand, self.extras)
@@ -520,28 +555,32 @@ class _Run:
         try:
             self.engine = Engine(self.net, letting_go, outputs, _STEP / (3 * self.scale), rest)
         except SceneError as error:
+            # Raised by the engine without a word of the hand, which is what made the equations so.
             raise SceneError(
                 f"with the hand {hand.name} there is no motion in time: {error}"
             ) from None
 
     def _lead(self) -> complex:
-        """What the motion is expected to last as: how long a run takes follows from it, and nothing
-        else."""
+        """Return the exponent, 1/s, that is expected to last longest: only the duration of a run
+        follows from it."""
         if self.closed is None:
             return complex(0, self.scale)
         low = [x for x in self.closed.root.others if abs(x) < _BROAD * self.scale]
         return low[0] if low else complex(self.closed.chain or 0, self.scale)
 
     def _rest(self, span: tuple[float, float]) -> dict[str, float]:
-        """Every signal while the display is held displaced, and the force that holds it."""
+        """Return every signal while the display is held displaced; the force that holds it
+        replaces the prescribed motion."""
         net = Network(span)
         port = build(net, self.scene, self.extras)[-1]
         net.equal(port.X, SignalSum.of(MOTION))
-        found = at_rest(net, self.size)
-        force = found[name_of(port.F)] + float(self.hand.k.value) * self.size
-        return {**found, MOTION: force}
+        signals = at_rest(net, self.size)
+        # At rest of the hand's dynamics only its spring acts.
+        force = signals[name_of(port.F)] + float(self.hand.k.value) * self.size
+        return {**signals, MOTION: force}
 
     def go(self, length: float | None, progress: Callable[[float, float], None] | None) -> Release:
+        """Simulate for ``length`` seconds, or as long as a verdict needs, and read the motion."""
         most = _MOST_STEPS * self.engine.longest
         until, stopped = min(length or self._duration(), most), ""
         for _ in range(1 if length or self.linear else 1 + _LONGER):
@@ -557,13 +596,14 @@ class _Run:
         may_end: bool,  # noqa: FBT001
         progress: Callable[[float, float], None] | None,
     ) -> str:
-        """Go on until then; why the run ended before."""
+        """Simulate up to a time, s; return why the run ended before, or an empty text."""
         for end in np.linspace(self.engine.t, until, _CHUNKS + 1)[1:]:
             try:
                 self.engine.advance(
                     float(end), None if progress is None else lambda t: progress(t, until)
                 )
             except SceneError as error:
+                # Overflow is an answer here: the motion grows. What was recorded is kept.
                 if "without bound" not in str(error):
                     raise
                 return "grown beyond all measure"
@@ -572,17 +612,17 @@ class _Run:
         return ""
 
     def _stays(self) -> Rattle | None:
-        """The motion of the run's last half, where it stays as it is though the linear loop's would
-        not."""
+        """Return the motion of the run's last half where it keeps its size although the linear
+        loop's would not; else None."""
         x, time = (
             y.ravel()
             for y in (self.engine.signal(name_of(self.port.X)), self.engine.record.instants)
         )
         half = int(np.searchsorted(time, time[-1] / 2))
         size, change, omega = rattle(time[half:], x[half:])
-        linear = (
-            abs(self.lead.real) * time[-1] / 4 or inf
-        )  # between the middles of the two quarters
+        # The change is measured between the middles of the run's third and fourth quarter. So much
+        # would the linear loop's motion grow or fall in that time; a rattle changes by far less.
+        linear = abs(self.lead.real) * time[-1] / 4 or inf
         if (
             self.linear
             or omega is None
@@ -593,20 +633,24 @@ class _Run:
         return Rattle(size, omega)
 
     def _duration(self) -> float:
+        """Return how long a verdict needs, s."""
         s = self.lead
+        # Heavily damped motions have no period to speak of: a fifth of |s| stands for the
+        # frequency.
         period = 2 * pi / max(abs(s.imag), 0.2 * abs(s), 1e-9)
         wanted = _SETTLED / max(abs(s.real), 1e-9)
         return min(max(wanted, _PERIODS[0] * period), _PERIODS[1] * period)
 
     def _ended(self, end: float, until: float) -> str:
+        """Return why the run may end now, or an empty text."""
         record = self.engine.record
         ending = self.engine.signal(name_of(self.port.X))[-max(8, record.count // 20) :]
         last = np.abs(ending).max()
         if last > _GROWN * self.size and end > 0.2 * until:
             return "grown ten million times"
-        resting = (
-            last if self.linear else np.ptp(ending)
-        )  # an encoder or friction lets it rest elsewhere, too
+        # A linear motion rests at 0. Within a step of an encoder, or with friction, it may rest
+        # elsewhere: then the motion left counts, not the place.
+        resting = last if self.linear else np.ptp(ending)
         return "come to rest" if resting < _GONE * self.size else ""
 
     def _result(self, stopped: str) -> Release:
@@ -616,6 +660,7 @@ class _Run:
         fitted, error = self._read(x)
         if np.ptp(x[-max(8, len(x) // 20) :]) < _GONE * self.size and not stopped:
             stopped, fitted = "come to rest", None
+        # What rests, or rattles, decays at no rate that could be compared with the closed form's.
         stays = None if stopped else self._stays()
         if stays or (stopped == "come to rest" and not self.linear):
             fitted = None
@@ -638,12 +683,15 @@ class _Run:
         )
 
     def _read(self, x: Array) -> tuple[Mode | None, float]:
-        """What lasts longest, and how far two readings of it are apart, 1/s."""
+        """Return the mode that lasts longest and how far two readings of it are apart, 1/s.
+        Where they do not agree: None and infinity of a linear loop, of another one the envelope."""
         record, column = self.engine.record, self.engine.column(name_of(self.port.X))
         if self.closed and self.closed.is_endless:
             return envelope(record, column, 0.3)
         period, waving = max(self.periods, default=0.0), bool(self.net.fractional)
         turn = abs(self.lead.imag)
+        # Two windows, of which the later begins later: what decays faster is still in the first
+        # one, so that their difference estimates the error.
         one, other = (
             slowest(record, column, part, period, waving=waving, turn=turn) for part in (0.35, 0.5)
         )
@@ -671,6 +719,6 @@ def _held(net: Network, scene: Scene, hand: Hand, extras: Sequence[Extra]) -> Po
     """The display with the hand on it, and a force that holds both: F + m x'' + b x' + k x = the
     force."""
     port = build(net, scene, extras)[-1]
-    own = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
-    net.equal(port.F + own, SignalSum.of(MOTION))
+    hand_force = port.X.through(*(exact(p.value) for p in (hand.k, hand.b, hand.m)))
+    net.equal(port.F + hand_force, SignalSum.of(MOTION))
     return port

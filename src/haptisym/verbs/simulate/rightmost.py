@@ -1,14 +1,13 @@
-"""The rightmost root of a characteristic function: of a polynomial, of one with delays and powers
-of s, of a loop with a clock.
+"""The rightmost root of a characteristic function: whether the slowest motion decays or grows.
 
-Of a polynomial all roots are enclosed, also where several coincide (``enclosed_roots``), and so are
-all roots z of a loop with a clock, the largest of which is the rate and frequency of the motion
-that lasts longest.
+Of a polynomial all roots are enclosed, also where several coincide (``enclosed_roots``). So are all
+roots z of a sampled loop; the largest gives s = ln z/T, the growth rate and frequency of the motion
+that lasts longest (``clocked_root``).
 
-With delays or powers of s Newton's iteration in floating point runs from many starts. Interval
-Newton encloses the roots that it found furthest to the right, and the argument principle proves
-that there are no others: the proof is written out at
-``QuasiPolynomial.is_rightmost``.
+With delays or powers of s the function is sum of c_k s^p_k exp(-s lag_k), which may have infinitely
+many roots. Newton's iteration in floating point runs from many starts. Interval Newton encloses the
+roots that it found furthest to the right, and the argument principle proves that there are no
+others: the proof is written out at ``QuasiPolynomial.is_rightmost``. Read from ``rightmost_root``.
 """
 
 from __future__ import annotations
@@ -36,18 +35,24 @@ from haptisym.model.scene import Scene
 from haptisym.programs.values import Array
 from haptisym.verbs.stability.clockedloop import loop_of
 
+# Interval Newton begins with boxes of relative radius 2^-100 (``enclosed``): 192 bits leave some 90
+# for what cancels between the terms.
 _BITS = 192
+# A step is at most half of |s|: some twenty take a start from the largest modulus to the smallest,
+# the others are for convergence.
 _ITERATIONS = 80
 _TURNS = 12  # of the longest delay, as far as Newton's method starts
 _MOST_PIECES = 40_000  # of a contour
 _MOST_DOUBLINGS = 34  # of the radius beyond which there is no root, from 2^-10 rad/s on
 _MOST_POWER = 400  # of exp(-s unit), up to which a chain's polynomial is solved
+# Roots of smaller modulus are those at 0, which are counted exactly, by the order of the polynomial
+# at 0, and not by floats.
 _SLACK = 1e-9
 
 
 @dataclass(frozen=True)
 class Term:
-    """coefficient s^power exp(-s lag)."""
+    """A term coefficient s^power exp(-s lag) of a quasi-polynomial, exact; lag in s."""
 
     coefficient: Expr
     power: Rational
@@ -68,15 +73,18 @@ class Rightmost:
     certified: bool
     function: QuasiPolynomial | None = field(default=None, repr=False)
     others: tuple[complex, ...] = ()
-    """All roots that were found, from the right to the left."""
+    """All roots that were found, this one too, from right to left."""
     order: int = 1
-    """Of how many roots, as far as balls tell, this may be one: a motion t^(order - 1) exp(s t)."""
+    """Number of roots that balls do not distinguish from this one, itself included: the motion may
+    be t^(order - 1) exp(s t)."""
 
     @classmethod
     def of_all(cls, found: Sequence[tuple[Any, int]]) -> Rightmost:
-        """Among balls around all roots that there are, each with its order."""
+        """Return the rightmost of all roots, given balls around each of them with its order."""
         balls = [ball for ball, _ in found]
         enclosure = _furthest(balls)
+        # Any of the balls that overlap in their real parts may be the rightmost: the largest order
+        # among them is the safe one.
         order = max(n for ball, n in found if ball.real.overlaps(enclosure.real))
         others = sorted(map(_middle, balls), key=lambda x: -x.real)
         return cls(_middle(enclosure), enclosure, certified=True, others=tuple(others), order=order)
@@ -103,6 +111,8 @@ def rightmost_pole(dynamics: RationalFunction) -> complex | None:
     """
     ring = dynamics.ring
     assert isinstance(ring, Ring)
+    # A float cannot tell whether a root at 0 cancels against the numerator: all roots near 0 are
+    # dropped, and 0 is put back where the orders at 0, which are exact, leave a pole there.
     roots = [x for x in QuasiPolynomial.of(dynamics.denominator, ring).roots() if abs(x) > _SLACK]
     if order_at_0(dynamics.denominator, ring) > order_at_0(dynamics.numerator, ring):
         roots.append(0j)
@@ -118,17 +128,21 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     order is what it counts in all.
     """
     is_root = at_least(order_at_0(polynomial, ring)) > at_0
-    bare = (
-        polynomial / polynomial.term_content()
-    )  # without what all terms share, powers of s and delays
+    # Without what all terms share, powers of s and delays: it has no roots but s = 0, which are
+    # counted above.
+    bare = polynomial / polynomial.term_content()
+    # Interval Newton needs f' != 0, so it encloses simple roots alone: each root is looked for in
+    # the product of the square-free factors, where it is simple.
     factors = bare.factor_squarefree()[1]
+    # In s alone all roots can be enclosed at once, and no contour is needed.
     if not any(degree_in([bare], i) for i in range(ring.size, len(ring.meanings))):
         with flint.ctx.workprec(_BITS_ALL):
             rows = [([expression_ball(c) for c in ring.coefficients(x)], n) for x, n in factors]
+            # Coefficients are real, roots conjugate in pairs: one of each pair says all.
             roots = [
-                (ball, n * own)
+                (ball, n * nearby)
                 for row, n in rows
-                for ball, own in enclosed_roots(row)
+                for ball, nearby in enclosed_roots(row)
                 if ball.imag.mid() >= 0
             ]
         return Rightmost.of_all([*roots, *[(acb(0), 1)] * is_root]) if roots or is_root else None
@@ -139,10 +153,13 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     if not listed:
         return None
     first = listed[0]
+    # Floats do not order roots whose real parts differ by less than the strip: all roots in it are
+    # enclosed, and the line of the proof runs left of them.
     following = next(
         (x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf
     )
     balls = [function.enclosed(x) if x else acb(0) for x in listed if x.real > following]
+    # Which factor the rightmost root is of is not known any more: the largest exponent is safe.
     order = max(n for _, n in factors)
     if any(ball is None for ball in balls):
         return Rightmost(
@@ -153,14 +170,17 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     return Rightmost(_middle(enclosure), enclosure, certified, function, tuple(listed), order)
 
 
-_STRIP = 1e-7  # relative: of roots so near to one vertical line floats do not tell which is the rightmost
+# Relative to 1 + |s|. Newton's last step is below 1e-9 of |s|: what differs by 1e-7 in its real
+# part is surely ordered by floats, what differs by less may not be.
+_STRIP = 1e-7
 
 
 def _furthest(balls: Sequence[Any]) -> Any:
-    """Of the balls furthest to the right the one nearest to the real axis, with the real parts of
-    all of them."""
+    """Return, of the balls furthest to the right, the imaginary part nearest to the real axis,
+    with the real parts of all of them united."""
     furthest = max(balls, key=lambda x: x.real.mid())
     level = [x for x in balls if x.real.overlaps(furthest.real)]
+    # The union of the real parts holds the largest one whichever of the balls it belongs to.
     with flint.ctx.workprec(_BITS):
         return acb(
             reduce(arb.union, (x.real for x in level)),
@@ -169,12 +189,14 @@ def _furthest(balls: Sequence[Any]) -> Any:
 
 
 def _middle(ball: Any) -> complex:
-    """That of a ball; 0 for a part that cannot be told from it."""
+    """Return the middle of a ball as floats, with 0 for a part whose interval contains 0."""
     return complex(*(0.0 if x.contains(0) else float(x.mid()) for x in (ball.real, ball.imag)))
 
 
 _BITS_ALL = 512
-_APART = 200  # bits after which a polynomial may differ from the one whose roots are enclosed, so that its own lie apart
+# The constant coefficient is changed by this many bits less than itself: an n-fold root then falls
+# apart into n that are about 2^(-200/n) of their size away, and no product of differences is 0.
+_APART = 200
 
 
 def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
@@ -198,11 +220,15 @@ def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
     points = [x.mid() for x, _ in beside.numer().complex_roots()]
     balls = []
     for i, x in enumerate(points):
-        apart = reduce(
+        # The radius of the disc about x_i, in balls, and rounded up. The square around the disc is
+        # kept: real and imaginary part are then intervals.
+        product = reduce(
             lambda a, b: a * b, (x - y for j, y in enumerate(points) if j != i), coefficients[n]
         )
-        away = arb(0, (n * abs(polynomial(x) / apart)).upper())
-        balls.append(acb(x.real + away, x.imag + away))
+        radius = arb(0, (n * abs(polynomial(x) / product)).upper())
+        balls.append(acb(x.real + radius, x.imag + radius))
+    # The coefficients are real, so the balls are conjugate in pairs. One that contains a real
+    # number meets its own mirror image: if it meets no other ball, its one root is real.
     met = [sum(x.overlaps(y) for y in balls) for x in balls]
     return [
         (acb(x.real) if m == 1 and x.imag.contains(0) else x, m)
@@ -211,28 +237,35 @@ def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
 
 
 def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:
+    """Yield the terms of a polynomial of a ring: its exponents are of s, of pi, then of the delays
+    exp(-s lag), then of the powers s^order."""
     lags = len(ring.lags)
     for exponents, value in polynomial.to_dict().items():
-        own = [int(n) for n in exponents]
-        turns, powers = own[ring.size : ring.size + lags], own[ring.size + lags :]
-        lag = sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
-        power = sum((n * x for n, x in zip(powers, ring.orders, strict=False)), Integer(own[0]))
-        yield Term(Rational(int(value.p), int(value.q)) * ring.meanings[1] ** own[1], power, lag)
+        powers = [int(n) for n in exponents]
+        times_late = powers[ring.size : ring.size + lags]
+        times_power = powers[ring.size + lags :]
+        lag = sum((n * x for n, x in zip(times_late, ring.lags, strict=True)), Integer(0))
+        # Not strict: a generator that stands for j may follow the powers of s.
+        pairs = zip(times_power, ring.orders, strict=False)
+        power = sum((n * x for n, x in pairs), Integer(powers[0]))
+        number = Rational(int(value.p), int(value.q))
+        yield Term(number * ring.meanings[1] ** powers[1], power, lag)
 
 
 @dataclass(frozen=True)
 class QuasiPolynomial:
-    """A sum of terms, as floats and as balls."""
+    """A quasi-polynomial: a sum of terms c s^p exp(-s lag), evaluated in floats and in balls."""
 
     terms: tuple[Term, ...]
 
     @classmethod
     def of(cls, polynomial: Polynomial, ring: Ring) -> QuasiPolynomial:
-        """That of a polynomial of a ring, with numbers only."""
-        found: dict[tuple[Rational, Expr], Expr] = {}
-        for t in _terms(polynomial, ring):  # several powers of pi may stand before one power of s
-            found[t.power, t.lag] = found.get((t.power, t.lag), Integer(0)) + t.coefficient
-        return cls(tuple(Term(c, *place) for place, c in found.items()))
+        """Return the function of a polynomial of a ring that has numbers only."""
+        merged: dict[tuple[Rational, Expr], Expr] = {}
+        # Several powers of pi may stand before one power of s: as one term their sum may cancel.
+        for t in _terms(polynomial, ring):
+            merged[t.power, t.lag] = merged.get((t.power, t.lag), Integer(0)) + t.coefficient
+        return cls(tuple(Term(c, *place) for place, c in merged.items()))
 
     @cached_property
     def chain(self) -> float | None:
@@ -243,16 +276,18 @@ class QuasiPolynomial:
         is multiplied by: those of a polynomial, if the delays are multiples of one.
         """
         degree = max(t.power for t in self.terms)
-        own = {t.lag: float(t.coefficient) for t in self.terms if t.power == degree}
-        first = min(own, key=float)
-        later = {(lag - first).expand(): c for lag, c in own.items() if lag != first}
+        leading = {t.lag: float(t.coefficient) for t in self.terms if t.power == degree}
+        first = min(leading, key=float)
+        later = {(lag - first).expand(): c for lag, c in leading.items() if lag != first}
         if not later:
             return None
         unit = _common_measure(later)
         if unit is None or max(later, key=float) / unit > _MOST_POWER:
             return None
+        # For large |s| the roots tend to those of the leading coefficient, a polynomial in x =
+        # exp(-s unit) where the delays have a common measure: Re s = -ln|x|/unit.
         row = np.zeros(int(max(later, key=float) / unit) + 1)
-        row[0] = own[first]
+        row[0] = leading[first]
         for lag, c in later.items():
             row[int(lag / unit)] = c
         return float(max(-np.log(np.abs(np.roots(row[::-1])))) / float(unit))
@@ -272,8 +307,10 @@ class QuasiPolynomial:
             ]
 
     def values(self, s: Array) -> tuple[Array, Array]:
-        """The function and its derivative, each over the largest term: no overflow where
-        exponentials are large."""
+        """Return the function and its derivative, both divided by the largest term's modulus.
+
+        Newton's step, their quotient, is unchanged by that, and no exponential overflows.
+        """
         c, p, lag = self._floats
         logs = np.log(np.abs(c)) + p * np.log(s[:, None]) - lag * s[:, None]
         top = logs.real.max(axis=1, keepdims=True)
@@ -283,6 +320,8 @@ class QuasiPolynomial:
     def roots(self) -> list[complex]:
         """Roots with Im s >= 0, each once: where Newton's method ends that starts from many
         places."""
+        # Far from a root, where f' is small, Newton's step leaps: it is cut to half of |s|, so that
+        # a start stays among sizes where the function has digits.
         s = self._starts()
         with np.errstate(all="ignore"):
             for _ in range(_ITERATIONS):
@@ -293,22 +332,30 @@ class QuasiPolynomial:
                     size > 0.5 * np.abs(s) + 1e-12, step * (0.5 * np.abs(s) + 1e-12) / size, step
                 )
             value, slope = self.values(s)
+            # Converged where one more step would change less than a billionth.
             good = np.isfinite(value) & (np.abs(value / slope) < 1e-9 * np.abs(s) + 1e-13)
         found: list[complex] = [0j] if min(t.power for t in self.terms) > 0 else []
+        # Ends within 1e-7 are taken as one root. Two roots so close would be missed here, and then
+        # the count of the argument principle differs: nothing wrong is certified.
         for x in sorted(map(complex, s[good]), key=lambda x: -x.real):
-            own = (
+            root = (
                 complex(x.real, abs(x.imag)) if abs(x.imag) > 1e-9 * abs(x) else complex(x.real, 0)
             )
-            if all(abs(own - y) > 1e-7 * (abs(own) + 1e-9) for y in found):
-                found.append(own)
+            if all(abs(root - y) > 1e-7 * (abs(root) + 1e-9) for y in found):
+                found.append(root)
         return found
 
     def _starts(self) -> Array:
+        """Return starts of Newton's iteration with Im s >= 0."""
         _, _, lags = self._floats
         longest, shortest = lags.max(initial=0.0), min((x for x in lags if x > 0), default=0.0)
+        # Rays, most of them close to the imaginary axis: there lie the lightly damped roots, of
+        # which one is the rightmost.
         sizes = np.geomspace(1e-2, 1e5, 57)
         turns = np.exp(1j * np.pi * np.array([0.0, 0.2, 0.4, 0.47, 0.5, 0.53, 0.6, 0.8, 0.99]))
         starts = [np.multiply.outer(sizes, turns).ravel()]
+        # The roots of a delay are about 2 pi/lag apart along the imaginary axis, with real parts of
+        # some 1/lag: a grid of these units, two heights to a turn.
         for lag in {longest, shortest} - {0.0}:
             heights = np.arange(0.25, 2 * _TURNS, 0.5) * pi / lag
             widths = np.array([-8.0, -3.0, -1.0, -0.2, 0.2, 1.0, 3.0, 8.0]) / lag
@@ -316,10 +363,11 @@ class QuasiPolynomial:
         return np.concatenate(starts)
 
     def ball(self, s: Any) -> Any:
-        """A ball around the values at a ball."""
+        """Return a ball that contains all values of the function on a ball."""
         return self._sum(s)[0]
 
     def _sum(self, s: Any) -> tuple[Any, Any]:
+        """Return balls around the values of the function and of its derivative on a ball."""
         value, slope = acb(0), acb(0)
         for c, p, lag in self._balls:
             wave = c * (-lag * s).exp()
@@ -330,16 +378,24 @@ class QuasiPolynomial:
         return value, slope
 
     def enclosed(self, near: complex) -> Any:
-        """A ball in which there is one root, by interval Newton; None where that is not shown."""
+        """Return a ball that is proven to hold exactly one root, by interval Newton from a float
+        nearby; None where that is not proven."""
         with flint.ctx.workprec(_BITS):
+            # Newton's steps at a point, its rounding dropped each time: they bring the float to the
+            # digits of the working precision.
             middle = acb(near.real, near.imag)
             for _ in range(8):
                 value, slope = self._sum(middle)
                 if slope.contains(0):
                     return None
                 middle = (middle - value / slope).mid()
+            # A root that the floats call real is enclosed on the axis: ``_both`` counts it once,
+            # without a conjugate.
             if near.imag == 0:
                 middle = acb(middle.real)
+            # N(X) = m - f(m)/f'(X) inside X proves that X holds exactly one root, and N(X) holds
+            # it. A box hardly wider than rounding does not map into itself, so it grows until it
+            # does.
             radius = arb(2) ** -100 * (abs(middle).mid() + arb(2) ** -40)
             for _ in range(40):
                 box = acb(middle.real + arb(0, radius), middle.imag + arb(0, radius))
@@ -367,12 +423,16 @@ class QuasiPolynomial:
         there are no others. ``at_0`` : how often 0 is a root, which is in R if line < 0, and in
         none of ``found``.
         """
+        # Halfway to the next roots, as on the contour the function must be told from 0, and near a
+        # root that takes many pieces. The gap is bounded where no other root was found.
         gap = min(first.real - following, 0.2 * abs(first) + 1e-3)
         line = first.real - gap / 2
         if line <= 0 and any(not t.power.is_Integer for t in self.terms):
             return False  # powers of s have a cut on the negative real axis
-        own = [x for x in found if x.real > line]
-        balls = [ball for x in own for ball in self._both(x)]
+        right = [x for x in found if x.real > line]
+        balls = [ball for x in right for ball in self._both(x)]
+        # Each ball holds one root only if it exists, lies right of the line and is not around 0,
+        # and different roots are counted only if no two balls meet.
         if any(
             ball is None or not ball.real > line or (at_0 and ball.contains(0)) for ball in balls
         ):
@@ -382,16 +442,21 @@ class QuasiPolynomial:
         return self._count_right_of(line) == len(balls) + (at_0 if line < 0 else 0)
 
     def _both(self, root: complex) -> list[Any]:
-        """A ball around a root, and one around its conjugate where it is not real."""
+        """Return a ball around a root, and one around its conjugate where it is not real; None
+        in the list where a root is not enclosed."""
         ball = self.enclosed(root)
         return [ball] if ball is None or not root.imag else [ball, ball.conjugate()]
 
     def _count_right_of(self, line: float) -> int | None:
-        """How many roots are right of a line, each as often as it counts; None where that is not
-        shown."""
+        """Count the roots right of a line, with multiplicity; None where the count is not proven.
+
+        By the argument principle: the turns of f along a rectangle that holds all of these roots.
+        """
         radius = self._radius(line)
         if radius is None:
             return None
+        # No root right of the line has |s| >= radius. The right side must therefore not lie nearer
+        # than at Re s = radius, also where the line itself is left of 0.
         right = max(line, 0.0) + radius
         corners = [
             complex(line, -radius),
@@ -399,10 +464,12 @@ class QuasiPolynomial:
             complex(right, radius),
             complex(line, radius),
         ]
+        # 64 bits are enough to tell an integer from the next one. The allowance of pieces is shared
+        # by the four sides.
         with flint.ctx.workprec(64):
-            total, left = arb(0), [_MOST_PIECES]
+            total, allowance = arb(0), [_MOST_PIECES]
             for a, b in zip(corners, [*corners[1:], corners[0]], strict=True):
-                turned = self._turned(a, b, left)
+                turned = self._turned(a, b, allowance)
                 if turned is None:
                     return None
                 total += turned
@@ -410,16 +477,18 @@ class QuasiPolynomial:
         whole = round(float(turns))
         return whole if abs(turns - whole) < arb(1) / 4 else None
 
-    def _turned(self, start: complex, end: complex, left: list[int]) -> Any:
-        """By how much the function turns along a segment; None where that is not shown with so many
-        pieces."""
+    def _turned(self, start: complex, end: complex, allowance: list[int]) -> Any:
+        """Return a ball around the change of arg f along a segment, rad; None where the allowance
+        of pieces, from which those used are taken, is not enough."""
         total, pieces = arb(0), Waiting([(acb(start.real, start.imag), acb(end.real, end.imag))])
         for a, b in pieces:
-            left[0] -= 1
-            if left[0] < 0:
+            allowance[0] -= 1
+            if allowance[0] < 0:
                 return None
             over = self.ball(a.union(b))
             middle = over.mid()
+            # Over the piece f stays in the half plane around f's middle value: its argument
+            # relative to that lies in (-pi/2, pi/2), where the principal value has no jump.
             if not over.contains(0) and (over / middle).real > 0:
                 total += (self.ball(b) / middle).arg() - (self.ball(a) / middle).arg()
                 continue
@@ -428,7 +497,7 @@ class QuasiPolynomial:
         return total
 
     def _radius(self, line: float) -> float | None:
-        """A modulus at and beyond which no root has Re s >= line; None where none is found.
+        """Return a modulus at and beyond which no root has Re s >= line; None where none is found.
 
         There |c s^p exp(-s lag)| <= |c| |s|^p exp(-lag line). With n the highest power it is 0 for
         no s where the term of s^n without a delay outweighs all others, each over |s|^n; and as
@@ -438,11 +507,15 @@ class QuasiPolynomial:
         with flint.ctx.workprec(_BITS):
             floor, others = arb(0), []
             for c, p, lag in self._balls:
+                # Of the highest power the delayed terms may cancel the undelayed one: they count
+                # against it.
                 size = abs(c) * (-lag * line).exp()
                 if p < degree:
                     others.append((size, expression_ball(p - degree)))
                 else:
                     floor += abs(c) if lag == 0 else -size
+            # A power of two is exact as a float. Any larger radius serves, too: what is compared
+            # with the floor only falls.
             for n in range(_MOST_DOUBLINGS):
                 radius = arb(2) ** (n - 10)
                 if floor > sum((size * radius**power for size, power in others), arb(0)):
@@ -461,7 +534,7 @@ def _common_measure(lags: Iterable[Expr]) -> Rational | None:
 
 
 def _lower(s: Any, p: Rational) -> Any:
-    """p s^(p - 1)."""
+    """Return p s^(p - 1), the derivative of s^p."""
     if p == 0:
         return acb(0)
     return (
@@ -472,18 +545,19 @@ def _lower(s: Any, p: Rational) -> Any:
 
 
 def clocked_root(scene: Scene, hand: Hand) -> Rightmost | None:
-    """ln z/T of the largest root z, all of them being enclosed; None where that loop is not known.
+    """Return s = ln z/T for the largest root z of a sampled loop; None where its polynomial is not
+    known.
 
-    It is ``certified`` as it stands: each root of the polynomial in w = 1/z is in one of the balls,
-    and the real part that is given holds those of all whose real parts are not certain to be less
-    than another's.
+    It is ``certified``: all roots of the polynomial in w = 1/z are enclosed, and the real part that
+    is given holds those of all roots whose real parts are not certain to be less than another's.
     """
     try:
         loop = loop_of(scene, hand)
         with flint.ctx.workprec(_BITS_ALL):
             roots, T = enclosed_roots(loop.balls()), expression_ball(loop.T)
+            # s = ln z/T = -ln w/T: a ball around w that contains 0 has no logarithm.
             if any(w.contains(0) for w, _ in roots):
-                return None  # 1/w is not known
+                return None
             found = [(-w.log() / T, order) for w, order in roots]
     except (UndecidedError, ValueError):
         return None

@@ -1,5 +1,4 @@
-"""From equations of motion to a state equation, exactly, and its time steps, exact for the
-equation.
+"""Exact reduction of equations of motion to a state equation, and time steps that are exact for it.
 
 The equations of a network are a descriptor system E x' = A x + B w, in which masses beside masses,
 rigid connections and prescribed motions make E singular (differential-algebraic, of any index).
@@ -26,6 +25,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
+from itertools import chain
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -43,15 +43,19 @@ NODES, WEIGHTS = (np.asarray(x) / 2 for x in legendre.leggauss(POINTS))
 NODES = NODES + 0.5
 """Places of the Gauss points on a step from 0 to 1, and weights that integrate over it."""
 
+# Powers of 2 x - 1, on [-1, 1]: there the matrix of ten nodes has a condition number of 2e3, on
+# [0, 1] it would have one of 5e6.
 _POWERS = np.arange(POINTS)
 _TO_SERIES = np.linalg.inv(np.power.outer(2 * NODES - 1, _POWERS))
 _TO_LEGENDRE = np.linalg.inv(legendre.legvander(2 * NODES - 1, POINTS - 1))
-_LEFT_ENDS = (-1.0) ** _POWERS[None, :]  # of the Legendre polynomials
+# P_k(-1) = (-1)^k: the input at the beginning of a step, from its Legendre coefficients.
+_LEFT_ENDS = (-1.0) ** _POWERS[None, :]
 _DERIVATIVE = 2 * legendre.legder(np.eye(POINTS), axis=0)  # with respect to a step from 0 to 1
 _DERIVATIVE = np.vstack([_DERIVATIVE, np.zeros((1, POINTS))])
 _AT_END = np.ones((1, POINTS)) @ _TO_SERIES
 
-_TERMS, _SHORT = 20, 1.0  # of the series, for steps of such a norm of h M: 1/20! is left
+# Terms of the series, for steps of such a norm of h M: what is left of exp is 1/20! = 4e-19.
+_TERMS, _SHORT = 20, 1.0
 _PLACES = np.array([*NODES, 1.0])
 _FACTORIALS = np.cumprod([1.0, *range(1, _TERMS + 1)])
 _FREE = _PLACES ** np.arange(_TERMS)[:, None] / _FACTORIALS[:-1, None]
@@ -59,15 +63,16 @@ _STEADY = _PLACES ** np.arange(1, _TERMS + 1)[:, None] / _FACTORIALS[1:, None]
 
 
 def _repeated_integrals() -> Array:
-    """int_0^x (x - s)^k/k! l(s) ds at the places x, l being 1 at one node and 0 at the others:
-    (terms, places, nodes)."""
+    """Return int_0^x (x - s)^k/k! l(s) ds at the places x, where l is 1 at one node and 0 at the
+    others; shape (terms, places, nodes)."""
+    # The integrand has degree 19 + 9 at the most; 20 Gauss points are exact up to degree 39.
     x, weights = legendre.leggauss(POINTS + _TERMS // 2)
     s = np.multiply.outer(_PLACES, (x + 1) / 2)
     basis = legendre.legvander(2 * s - 1, POINTS - 1) @ _TO_LEGENDRE
-    powers = (_PLACES[:, None] - s) ** np.arange(_TERMS)[:, None, None] / _FACTORIALS[
-        :-1, None, None
-    ]
-    result: Array = np.einsum("kps,psi->kpi", powers * weights * _PLACES[:, None] / 2, basis)
+    exponents = np.arange(_TERMS)[:, None, None]
+    powers = (_PLACES[:, None] - s) ** exponents / _FACTORIALS[:-1, None, None]
+    weighted = powers * weights * _PLACES[:, None] / 2
+    result: Array = np.einsum("kps,psi->kpi", weighted, basis)
     return result
 
 
@@ -113,7 +118,7 @@ class Propagator:
 
     @cached_property
     def _balance(self) -> Array:
-        """Units for the states in which the numbers of the matrix are of like size."""
+        """Units of the states in which the entries of M are of similar size."""
         from scipy.linalg import matrix_balance  # SciPy is an extra: asked for where it is needed
 
         _, (scale, _) = matrix_balance(self.M, permute=False, separate=True)
@@ -128,16 +133,21 @@ class Propagator:
         """
         from scipy.linalg import expm
 
+        # The two ways agree to rounding. A matrix exponential is expensive, so that a short step,
+        # as between two switches, whose length comes only once, is summed as a series of known
+        # terms.
         n, (varying, steady) = len(self.M), self._driving
         width = n + len(varying) * POINTS + len(steady)
         if h * self._size <= _SHORT:
-            maps = ((h * self._size) ** np.arange(_TERMS) @ self._series).reshape(
-                len(_PLACES), n, width
-            )
+            weights = (h * self._size) ** np.arange(_TERMS)
+            maps = (weights @ self._series).reshape(len(_PLACES), n, width)
+            # An integral over a step has one factor h more than the powers of h M.
             maps[:, :, n:] *= h
             return maps
         unchanged, per_second, from_values = self._extended
         scale = self._balance
+        # One exponential for each node: with the polynomial's coefficients as further states, which
+        # a nilpotent block differentiates, exp gives the response to the input exactly.
         whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
         return np.concatenate([free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]], axis=2)
@@ -149,20 +159,25 @@ class Propagator:
 
     @cached_property
     def _series(self) -> Array:
-        """The same maps as series in h times the size: of (h M)^k, and of (h M)^k N, each with its
-        repeated integrals."""
-        n, scale, (varying, steady) = len(self.M), self._balance, self._driving
+        """Coefficients of the same maps as power series in h times the norm of M: of (h M)^k,
+        and of (h M)^k N with the inputs' repeated integrals."""
+        n, scale = len(self.M), self._balance
+        varying, steady = self._driving
         M = self._extended[1][:n, :n] / self._size
-        parts = [np.hstack([np.eye(n), self.N[:, [*varying, *steady]] / scale[:, None]])]
+        N = self.N[:, [*varying, *steady]] / scale[:, None]
+        # M^k and M^k N side by side, in balanced units and divided by the norm: no power overflows.
+        parts = [np.hstack([np.eye(n), N])]
         for _ in range(_TERMS - 1):
             parts.append(M @ parts[-1])
-        free, moved, held = (
-            x[:, None] for x in np.split(np.stack(parts), [n, n + len(varying)], axis=2)
-        )
-        free = _FREE[:, :, None, None] * free * scale[:, None] / scale[None, :]
+        blocks = np.split(np.stack(parts), [n, n + len(varying)], axis=2)
+        free, moved, held = (block[:, None] for block in blocks)
+        free = _FREE[:, :, None, None] * free
+        free = free * scale[:, None] / scale[None, :]
         moved = np.einsum("kpi,kqnm->kpnim", _VARYING, moved)
-        moved = moved.reshape(_TERMS, len(_PLACES), n, len(varying) * POINTS) * scale[:, None]
-        held = _STEADY[:, :, None, None] * held * scale[:, None]
+        moved = moved.reshape(_TERMS, len(_PLACES), n, len(varying) * POINTS)
+        moved = moved * scale[:, None]
+        held = _STEADY[:, :, None, None] * held
+        held = held * scale[:, None]
         return np.concatenate([free, moved, held], axis=3).reshape(_TERMS, -1)
 
     @cached_property
@@ -172,18 +187,23 @@ class Propagator:
         too."""
         scale, (varying, steady) = self._balance, self._driving
         N = self.N / scale[:, None]
-        size = np.abs(N).max(
-            axis=0, initial=0.0
-        )  # a large input would cost the exponential its small entries
-        n, m, count = len(self.M), len(varying), len(varying) * POINTS
+        # Inputs are scaled to columns of size 1: a large one would cost the exponential its small
+        # entries, as its error is relative to the largest.
+        size = np.abs(N).max(axis=0, initial=0.0)
+        n, m = len(self.M), len(varying)
+        count = m * POINTS
+        inputs = slice(n, n + count)
         unchanged = np.zeros((n + count + len(steady),) * 2)
-        unchanged[:n, n : n + count] = np.kron(_LEFT_ENDS, N[:, varying] / size[varying])
+        by_varying = N[:, varying] / size[varying]
+        unchanged[:n, inputs] = np.kron(_LEFT_ENDS, by_varying)
         unchanged[:n, n + count :] = N[:, steady] / size[steady]
-        unchanged[n : n + count, n : n + count] = np.kron(_DERIVATIVE, np.eye(m))
+        unchanged[inputs, inputs] = np.kron(_DERIVATIVE, np.eye(m))
         per_second = np.zeros_like(unchanged)
         per_second[:n, :n] = self.M / scale[:, None] * scale[None, :]
-        from_values = np.diag(np.concatenate([np.zeros(count), size[steady]]))
-        from_values[:count, :count] = np.kron(_TO_LEGENDRE, np.diag(size[varying]))
+        constant = np.concatenate([np.zeros(count), size[steady]])
+        from_values = np.diag(constant)
+        by_nodes = np.diag(size[varying])
+        from_values[:count, :count] = np.kron(_TO_LEGENDRE, by_nodes)
         return unchanged, per_second, from_values
 
     def march(
@@ -199,6 +219,8 @@ class Propagator:
         varying, steady = self._driving
         maps = self.step(h) if n else np.zeros((len(_PLACES), 0, 0))
         values, states = w[..., varying].reshape(steps, -1), np.empty((steps + 1, n))
+        # Only the states at the ends follow from each other, one after the other; those at the
+        # nodes follow from these, all steps in one product below.
         last, moved, held = np.split(maps[-1], [n, n + values.shape[1]], axis=1)
         driven = values @ moved.T
         for k in range(steps):
@@ -215,12 +237,12 @@ class Propagator:
 
 @dataclass
 class Record:
-    """Signals as polynomials, step by step: appended to at the end, read anywhere before it;
-    constant before the start."""
+    """A record of signals as polynomials, step by step: appended to at the end, read anywhere
+    before it; constant before the start."""
 
     width: int
     before: Array = field(init=False)
-    """What they were before the start; 0 if not said."""
+    """The constant values before the start; 0 unless set."""
     times: Array = field(default_factory=lambda: np.zeros(1024))
     lengths: Array = field(default_factory=lambda: np.zeros(1024))
     values: Array = field(default_factory=lambda: np.zeros((0, POINTS, 0)))
@@ -235,6 +257,7 @@ class Record:
     def append(self, start: float, h: float, values: Array) -> None:
         """Steps of length h from a start on, with values (steps, nodes, signals)."""
         steps = len(values)
+        # Doubling keeps the cost of copying proportional to what is recorded.
         while self.count + steps > len(self.times):
             for name in ("times", "lengths", "values", "coefficients"):
                 old: Array = getattr(self, name)
@@ -245,15 +268,21 @@ class Record:
         self.count += steps
 
     def at(self, t: Array, columns: Sequence[int]) -> Array:
-        """Signals at given times, along a new last axis; what they were before, before the first
-        step."""
+        """Return signals at given times, along a new last axis; before the first step what they
+        were before the start."""
+        before = self.before[list(columns)]
         if self.count == 0:
-            return np.broadcast_to(self.before[list(columns)], (*t.shape, len(columns)))
-        last = np.maximum(np.searchsorted(self.times[: self.count], t, side="right") - 1, 0)
-        place = np.clip(2 * (t - self.times[last]) / self.lengths[last] - 1, -1.0, 1.0)
-        basis = np.power.outer(place, _POWERS)[..., None, :]
-        found = (basis @ self.coefficients[last][..., columns])[..., 0, :]
-        return np.where((t < self.times[0])[..., None], self.before[list(columns)], found)
+            return np.broadcast_to(before, (*t.shape, len(columns)))
+        later = np.searchsorted(self.times[: self.count], t, side="right")
+        step = np.maximum(later - 1, 0)
+        place = 2 * (t - self.times[step]) / self.lengths[step] - 1
+        # A time that lies beyond its step by rounding is read at the end: a polynomial of degree 9
+        # must not be extrapolated.
+        basis = np.power.outer(np.clip(place, -1.0, 1.0), _POWERS)
+        coefficients = self.coefficients[step][..., columns]
+        values = (basis[..., None, :] @ coefficients)[..., 0, :]
+        is_before = (t < self.times[0])[..., None]
+        return np.where(is_before, before, values)
 
     @property
     def instants(self) -> Array:
@@ -272,12 +301,12 @@ class Record:
 RationalMatrix: TypeAlias = Any  # flint.fmpq_mat, which ships no types
 
 HIGHEST_ORDER = 12
-"""Of derivatives of an input: beyond it equations lead around a loop of pure derivatives."""
+"""The highest derivative of an input: beyond it equations lead around a loop of pure
+derivatives."""
 
 
 class Input(NamedTuple):
-    """Something that drives the equations: a signal that is known at any time, and by how much it
-    is late."""
+    """An input of the equations: a signal that is known at any time, and its delay, s."""
 
     name: str
     lag: Exact
@@ -309,13 +338,17 @@ class StateSpace:
     shifts: tuple[RationalMatrix, ...]
 
     def signal(self, name: str, order: int = 0) -> SignalRow:
-        """A signal, differentiated that many times."""
+        """Return a signal, differentiated that many times."""
         known = max((k for n, k in self.columns if n == name), default=-1)
         column = self.columns[name, min(order, known)]
-        row = SignalRow(_row(self.K, column), tuple(_row(c, column) for c in self.C))
+        inputs = tuple(_row(c, column) for c in self.C)
+        row = SignalRow(_row(self.K, column), inputs)
+        # d/dt (a z + sum of c_k w^(k)) = a M z + sum of (a N_k + c_(k-1)) w^(k).
         for _ in range(order - known):
-            moved = [row.state * n for n in self.N]
-            row = SignalRow(row.state * self.M, tuple(_added(moved, [0 * moved[0], *row.inputs])))
+            by_state = [row.state * n for n in self.N]
+            by_inputs = [0 * by_state[0], *row.inputs]
+            derived = _added(by_state, by_inputs)
+            row = SignalRow(row.state * self.M, tuple(derived))
         return row
 
     def reach(self, name: str, order: int, channel: Input) -> int | None:
@@ -325,6 +358,8 @@ class StateSpace:
         direct = [k for k, c in enumerate(row.inputs) if c[0, index] != 0]
         if direct:
             return max(direct)
+        # a M^j n for j below the number of states: by Cayley and Hamilton the input reaches the
+        # signal only if one of them is not 0.
         for n in self.N:
             moved = fmpq_mat(self.size, 1, [n[i, index] for i in range(self.size)])
             for _ in range(self.size):
@@ -340,12 +375,12 @@ class StateSpace:
 
     @cached_property
     def size(self) -> int:
-        """How many unknowns it has."""
+        """Number of states."""
         return int(self.M.nrows())
 
 
 def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> StateSpace:
-    """The state equation of as many equations of motion as there are unknown signals.
+    """Return the state equation of as many equations of motion as there are unknown signals.
 
     ``known``: signals that are inputs beside the motion and everything late. Raises SceneError
     where the equations contradict each other or leave a signal open.
@@ -371,7 +406,8 @@ def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> St
 
 @dataclass(frozen=True, eq=False)
 class _Descriptor:
-    """E x' = A x + B_0 w + B_1 dw/dt + ...: the rows of the matrices."""
+    """The equations as E x' = A x + B_0 w + B_1 dw/dt + ...; ``columns`` : where each unknown,
+    (name, order), is in x."""
 
     inputs: tuple[Input, ...]
     columns: dict[tuple[str, int], int]
@@ -387,11 +423,12 @@ class _Descriptor:
         ordered = sorted(orders, key=lambda name: orders[name] > 0)
         listed = [(name, k) for name in ordered for k in range(max(orders[name], 1))]
         columns = {key: i for i, key in enumerate(listed)}
+        # x^(k+1) is the derivative of x^(k): one more equation for each unknown derivative.
         chains = [key for key in listed if key[1] + 1 < orders[key[0]]]
-        size, rows = len(columns), len(equations) + len(chains)
-        depth = 1 + max(
-            (k for e in equations for n, k, lag in e.terms if Input(n, lag) in inputs), default=0
-        )
+        size = len(columns)
+        rows = len(equations) + len(chains)
+        keys = [key for equation in equations for key in equation.terms]
+        depth = 1 + max((k for n, k, lag in keys if Input(n, lag) in inputs), default=0)
         E, A = fmpq_mat(rows, size), fmpq_mat(rows, size)
         B = tuple(fmpq_mat(rows, len(inputs)) for _ in range(depth))
         for i, equation in enumerate(equations):
@@ -403,11 +440,16 @@ class _Descriptor:
                 else:
                     A[i, columns[name, order]] -= value
         for i, (name, order) in enumerate(chains, len(equations)):
-            E[i, columns[name, order]], A[i, columns[name, order + 1]] = fmpq(1), fmpq(1)
+            E[i, columns[name, order]] = fmpq(1)
+            A[i, columns[name, order + 1]] = fmpq(1)
         return cls(inputs, columns, E, A, B)
 
 
 def _reduced(system: _Descriptor) -> StateSpace:
+    """Reduce a descriptor system to a state equation; SceneError where it has no unique solution.
+
+    In each round the variables are K z + C_0 w + C_1 dw/dt + ... of those, z, that are left.
+    """
     E, A, B = system.E, system.A, list(system.B)
     size, width = E.ncols(), len(system.inputs)
     if E.nrows() != size:
@@ -416,10 +458,11 @@ def _reduced(system: _Descriptor) -> StateSpace:
             f"determine the motion"
         )
     chosen = list(range(size))
-    K, C = (
-        fmpq_mat(size, size, [fmpq(int(i == k)) for i in range(size) for k in range(size)]),
-        [fmpq_mat(size, width)],
-    )
+    K, C = fmpq_mat(size, size), [fmpq_mat(size, width)]
+    for i in range(size):
+        K[i, i] = fmpq(1)
+    # A round takes out the equations without a derivative, and what it puts in their place may have
+    # none again. When no equation is algebraic E has full rank: the echelon form is solved for z'.
     while True:
         upper, lower = _row_reduced(E, A, B)
         if not lower:
@@ -432,11 +475,9 @@ def _reduced(system: _Descriptor) -> StateSpace:
         K, C = K * back, _added(C, [K * f for f in forward])
         chosen = [chosen[i] for i in keep]
     rows = _stack(upper, len(chosen) * 2 + width * len(B))
-    M = -1 * (_columns(rows, len(chosen), 2 * len(chosen)))
-    N = [
-        -1 * (_columns(rows, 2 * len(chosen) + k * width, 2 * len(chosen) + (k + 1) * width))
-        for k in range(len(B))
-    ]
+    inputs = 2 * len(chosen)  # the column where they begin
+    M = -1 * (_columns(rows, len(chosen), inputs))
+    N = [-1 * (_columns(rows, inputs + k * width, inputs + (k + 1) * width)) for k in range(len(B))]
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
@@ -444,13 +485,15 @@ def _row_reduced(
     E: RationalMatrix, A: RationalMatrix, B: Sequence[RationalMatrix]
 ) -> tuple[list[list[Any]], list[list[Any]]]:
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
-    beside = zip(*(part.tolist() for part in (E, -1 * A, *(-1 * b for b in B))), strict=True)
-    form, _ = _stack(
-        [[x for part in row for x in part] for row in beside],
-        2 * E.ncols() + sum(b.ncols() for b in B),
-    ).rref()
+    parts = [E, -1 * A, *(-1 * b for b in B)]
+    side_by_side = zip(*(part.tolist() for part in parts), strict=True)
+    width = 2 * E.ncols() + sum(b.ncols() for b in B)
+    table = [[*chain.from_iterable(row)] for row in side_by_side]
+    form, _ = _stack(table, width).rref()
     rows = [row for row in form.tolist() if any(x != 0 for x in row)]
     size = E.ncols()
+    # A row of inputs alone would prescribe what is given, and fewer rows than unknowns leave a
+    # signal free. Numbers are exact: that an entry is 0 is known.
     lower = [row for row in rows if all(x == 0 for x in row[:size])]
     if any(all(x == 0 for x in row[: 2 * size]) for row in lower) or len(rows) < size:
         raise SceneError("the effects contradict each other, or do not determine a signal")
@@ -488,13 +531,15 @@ def _substituted(
     """The remaining equations in the remaining variables; a derivative of a replaced one raises the
     inputs' order."""
     table = _stack(upper, 2 * size + width * len(forward))
-    E, A = _columns(table, 0, size), -1 * (_columns(table, size, 2 * size))
-    B = [
-        -1 * (_columns(table, 2 * size + k * width, 2 * size + (k + 1) * width))
-        for k in range(len(forward))
-    ]
+    E = _columns(table, 0, size)
+    A = -1 * (_columns(table, size, 2 * size))
+    starts = [2 * size + k * width for k in range(len(forward))]
+    B = [-1 * (_columns(table, start, start + width)) for start in starts]
+    # x = back x' + sum of forward_k w^(k): A x adds to the inputs' orders as they are, E dx/dt to
+    # those one higher.
     B = _added(B, [A * f for f in forward])
-    B = _added(B, [fmpq_mat(len(upper), width), *(-1 * (E * f) for f in forward)])
+    derived = [-1 * (E * f) for f in forward]
+    B = _added(B, [fmpq_mat(len(upper), width), *derived])
     while len(B) > 1 and B[-1] == fmpq_mat(len(upper), width):
         B.pop()
     return E * back, A * back, B
@@ -508,11 +553,13 @@ def _without_derivatives(
     C: list[RationalMatrix],
     chosen: tuple[int, ...],
 ) -> StateSpace:
-    """The same with z moved, so that of all inputs but the motion no derivative drives it.
+    """Return the state equation with z shifted, so that no derivative of an input but the motion
+    drives it.
 
     From the highest k down z - N_k w^(k-1) takes the place of z. For the motion this is left
     undone: it would make large numbers that cancel where the equations are stiff.
     """
+    # The inputs that are moved: a projection onto all but the hand's motion.
     moving = fmpq_mat(len(system.inputs), len(system.inputs))
     for i, channel in enumerate(system.inputs):
         moving[i, i] = fmpq(int(channel.name != MOTION))
@@ -544,7 +591,7 @@ def _row(matrix: RationalMatrix, index: int) -> RationalMatrix:
 
 
 def _added(one: Sequence[RationalMatrix], other: Sequence[RationalMatrix]) -> list[RationalMatrix]:
-    """Sums order by order; the shorter list counts as zero beyond its end."""
+    """Return the sums order by order; the shorter list counts as zero beyond its end."""
     longer, shorter = (one, other) if len(one) >= len(other) else (other, one)
     return [a + shorter[i] if i < len(shorter) else a for i, a in enumerate(longer)]
 
@@ -578,13 +625,13 @@ class Linear:
     rows: Array
     """(readings, state + drives): a reading is this times [z; w]."""
     everything: Array = field(repr=False)
-    """The same for every variable of the equations, from which another system's state is taken."""
+    """The rows of every variable of the equations, from which another system's state is taken."""
     back: Array = field(repr=False)
     """(state, drives): what is subtracted from the chosen variables to give the state."""
 
     @cached_property
     def columns(self) -> dict[Reading, int]:
-        """Where each reading is."""
+        """The position of each reading among the rows."""
         return {reading: i for i, reading in enumerate(self.readings)}
 
     @cached_property
@@ -594,18 +641,19 @@ class Linear:
 
     @cached_property
     def groups(self) -> tuple[DriveGroup, ...]:
-        """The inputs by their lag."""
-        found: dict[float, DriveGroup] = {}
+        """The inputs, grouped by their delay."""
+        # Read from the record or from the motion once for each lag, not once for each input.
+        groups: dict[float, DriveGroup] = {}
         for i, (x, order) in enumerate(self.drives):
             lag = int(x.lag.p) / int(x.lag.q)
-            own = found.setdefault(lag, DriveGroup(lag, [], [], [], []))
+            group = groups.setdefault(lag, DriveGroup(lag, [], [], [], []))
             if x.name == MOTION:
-                own.hand.append(i)
-                own.orders.append(order)
+                group.hand.append(i)
+                group.orders.append(order)
             else:
-                own.others.append(i)
-                own.columns.extend([self.readings.index((x.name, order))] if lag else ())
-        return tuple(found.values())
+                group.others.append(i)
+                group.columns.extend([self.readings.index((x.name, order))] if lag else ())
+        return tuple(groups.values())
 
     def outputs(self, z: Array, w: Array) -> Array:
         """The readings, from states (..., state) and inputs (..., drives)."""
@@ -614,13 +662,13 @@ class Linear:
         return result
 
     def weight(self, row: Array, name: str, order: int) -> float:
-        """That of a derivative of an input, as it is now, in a row of ``rows``."""
+        """Return the weight of a derivative of an undelayed input in a row of ``rows``."""
         here = ((x.name, k) == (name, order) and x.lag == 0 for x, k in self.drives)
         return float(sum(row[self.exact.size + i] for i, is_it in enumerate(here) if is_it))
 
     def poles(self) -> Any:
-        """The eigenvalues of the state equation without what comes back through delay lines,
-        1/s."""
+        """Return the eigenvalues of the state equation, 1/s, as if nothing came back through
+        delay lines."""
         return (
             np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
         )
@@ -631,17 +679,22 @@ def linear_systems(
 ) -> dict[frozenset[int], Linear | None]:
     """The state equation for each set of closed switches; None where it would stop the prescribed
     motion itself."""
-    sets = [
-        frozenset(i for i in range(len(net.switches)) if bits >> i & 1)
-        for bits in range(1 << len(net.switches))
-    ]
+    # All 2^n sets of n switches (at most 3): the exact reduction is slow and is never made in a
+    # run.
+    count = len(net.switches)
+    sets = [frozenset(i for i in range(count) if bits >> i & 1) for bits in range(1 << count)]
     exact = {closed: _exact(net, closed) for closed in sets}
     present = [x for x in exact.values() if x is not None]
     wanted = _followed(present, net, readings)
-    return {closed: None if x is None else _floats(x, net, wanted) for closed, x in exact.items()}
+    systems: dict[frozenset[int], Linear | None] = {}
+    for closed, system in exact.items():
+        systems[closed] = None if system is None else _floats(system, net, wanted)
+    return systems
 
 
 def _exact(net: Network, closed: frozenset[int]) -> StateSpace | None:
+    """Return the state equation with these switches closed; None where they contradict each other
+    or the prescribed motion."""
     known = set(net.jumps) - {net.switches[i].target for i in closed}
     try:
         return state_space([*net.equations, *(net.switches[i].closed for i in closed)], known)
@@ -654,9 +707,12 @@ def _exact(net: Network, closed: frozenset[int]) -> StateSpace | None:
 def _followed(
     systems: Sequence[StateSpace], net: Network, readings: Sequence[Reading]
 ) -> tuple[Reading, ...]:
-    """All signals to record: those asked for, and whatever delay lines need of others."""
+    """Return all signals to record: the requested ones, and those of which delay lines need the
+    past."""
     wanted = list(dict.fromkeys(readings))
     for reading in wanted:  # grows while it is walked
+        # An advanced equation needs a higher derivative of its own delayed past in each round: the
+        # list would never end.
         if reading[1] > HIGHEST_ORDER:
             raise SceneError(
                 f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of a "
@@ -677,25 +733,23 @@ def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
         return driving
     row = system.signal(*reading)
-    direct = [
-        (x, k)
-        for k, c in enumerate(row.inputs)
-        for i, x in enumerate(system.inputs)
-        if c[0, i] != 0
-    ]
-    back = [
-        (x, k)
-        for k, c in enumerate(system.shifts)
-        for i, x in enumerate(system.inputs)
-        if any(c[r, i] != 0 for r in range(c.nrows()))
-    ]
+    inputs = list(enumerate(system.inputs))
+    direct = [(x, k) for k, c in enumerate(row.inputs) for i, x in inputs if c[0, i] != 0]
+    # What shifts the state is needed to take it over from another system when a switch moves.
+    back = []
+    for k, c in enumerate(system.shifts):
+        for i, x in inputs:
+            if any(c[r, i] != 0 for r in range(c.nrows())):
+                back.append((x, k))
     return [*driving, *direct, *back]
 
 
 def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> Linear:
-    found = [drive for reading in readings for drive in _drives_of(system, reading, net)]
-    drives = tuple(dict.fromkeys([*found, *((x, 0) for x in system.inputs)]))
-    own = [_row_in_linear(system, reading, drives, net) for reading in readings]
+    """Return a system in floats: exact numbers are rounded here, once, after all that cancels has
+    cancelled."""
+    needed = [drive for reading in readings for drive in _drives_of(system, reading, net)]
+    drives = tuple(dict.fromkeys([*needed, *((x, 0) for x in system.inputs)]))
+    wanted = [_row_in_linear(system, reading, drives, net) for reading in readings]
     every = [_row_in_linear(system, key, drives, net) for key in system.columns]
     back = np.zeros((system.size, len(drives)))
     for k, matrix in enumerate(system.shifts):
@@ -716,7 +770,7 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
         drives,
         readings,
         Propagator(_array(system.M), N, steady),
-        np.array(own).reshape(-1, width),
+        np.array(wanted).reshape(-1, width),
         np.array(every).reshape(-1, width),
         back,
     )
@@ -726,14 +780,16 @@ def _row_in_linear(
     system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: Network
 ) -> list[float]:
     if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
-        own = (next(x for x in system.inputs if x.name == reading[0] and x.lag == 0), reading[1])
-        return [0.0] * system.size + [float(drive == own) for drive in drives]
+        # An element sets this signal, so that it is an input and no variable of the equations.
+        present = next(x for x in system.inputs if x.name == reading[0] and x.lag == 0)
+        itself = (present, reading[1])
+        return [0.0] * system.size + [float(drive == itself) for drive in drives]
     row: SignalRow = system.signal(*reading)
     state = [float_of(row.state[0, i]) for i in range(system.size)]
-    direct = [
-        float_of(row.inputs[k][0, system.inputs.index(x)]) if k < len(row.inputs) else 0.0
-        for x, k in drives
-    ]
+    direct = []
+    for x, k in drives:
+        weight = row.inputs[k][0, system.inputs.index(x)] if k < len(row.inputs) else fmpq(0)
+        direct.append(float_of(weight))
     return state + direct
 
 

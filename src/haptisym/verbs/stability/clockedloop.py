@@ -1,5 +1,11 @@
-"""A display with a clock in a hand: its loop, through controller, hold and what moves, and the
-roots of that."""
+"""The loop of a display with a clock in a hand: controller A/B, hold, and the plant N/Q that moves.
+
+One sampler, at one place of the chain. What lies before it, seen from the hand, is the controller
+or, behind a zero-order hold, continuous; device, compliance and hand are the plant, in continuous
+time, exactly discretized by ``SampledLoop``. UndecidedError for what such a loop cannot be: two
+samplers, friction, or a delay or power of s that returns between sampler and hand, so that the
+plant is no quotient of polynomials behind pure delays. Begin with ``loop_of``.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +44,8 @@ def series_alone(scene: Scene) -> bool:
 
 
 def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
-    """Controller, delay, hold, then device, compliance and hand in continuous time; symbols that
-    are left may stay.
+    """The loop of a scene in a hand: controller, delay, hold, then device, compliance and hand in
+    continuous time; symbols for parameters may stay in it.
 
     A ``sampled-loop`` samples the position, a ``zero-order-hold`` the force that comes to it:
     before it all is continuous.
@@ -62,7 +68,8 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
         for effect in before:
             a, b, c, d = map(ring.convert, effect.matrix)
             H = ((a * H + b) / (c * H + d)).reduced()
-        if H.is_zero:  # the clock holds nothing, and what moves has its own modes alone
+        # The clock holds no force: the loop has the modes of what moves, alone.
+        if H.is_zero:
             above = (Integer(0),)
         else:
             G = _seen_by_the_clock(G * H)
@@ -70,7 +77,7 @@ def loop_of(scene: Scene, hand: Hand) -> SampledLoop:
 
 
 def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
-    """What moves and the force before the clock, in a row, without modes that cancel and fade.
+    """The product of what moves and the force before the clock, without modes that cancel and fade.
 
     What the force does not see remains a mode of what moves, and what the motion does not reach one
     of the force: exp(p T) is a root of the loop for each p that cancels. Those that do not fade are
@@ -78,6 +85,7 @@ def _seen_by_the_clock(G: RationalFunction) -> RationalFunction:
     """
     ring, common = G.ring, G.numerator.gcd(G.denominator)
     cancelled = RationalFunction(ring, ring.one.numerator, common)
+    # With an open parameter in what cancels, it may fade for some values alone: it stays.
     is_open = any(degree_in([common], i) for i in range(2, ring.size))
     return (
         G.monic() if is_open or not (common.is_constant() or is_stable(cancelled)) else G.reduced()
@@ -103,11 +111,14 @@ def impedance(ring: Ring, effects: tuple[Effect, ...], hand: RationalFunction) -
 
 
 def plant_of(G: RationalFunction, ring: Ring) -> Plant:
-    """A dynamics between clock and sampler as a plant: delays stand over it alone."""
+    """A dynamics between clock and sampler as a plant: a quotient with delays in its numerator
+    alone, once those that all terms of the denominator share are taken off."""
     first, last = ring.size, ring.size + len(ring.lags)
     if degree_in([G.numerator, G.denominator], ring.meanings.index(I)) if I in ring.meanings else 0:
         raise UndecidedError("the roots of a loop with friction")
     for i in range(first, len(ring.meanings)):
+        # One power of a delay in all of the denominator is a pure advance, which the numerator may
+        # undo; several would be a delay that returns.
         powers = {int(e[i]) for e in G.denominator.monoms()}
         if len(powers) > 1 or (
             i >= last and (powers != {0} or any(int(e[i]) for e in G.numerator.monoms()))

@@ -1,5 +1,10 @@
-"""Does it shake: whether a display is stable under prescribed motion, in a hand, and with any
-passive operator; certificates."""
+"""The command ``stability``: whether a display is stable under prescribed motion, in each hand, and
+with any passive operator; and the certificate of such an answer.
+
+The three are decided separately (``held``), then how far each parameter may go (``limits``), then
+margins (``margins``). Proven, for the model as written; what is not is None, with a reason. Begin
+with ``stability``.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +43,9 @@ from haptisym.verbs.stability.margins import Margins, margins
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
-_PART = 0.5  # of the time that is left, for one number or for passivity
+# The share of the time that is left which one parameter, or passivity, may take: so that one that
+# is slow leaves time for the others.
+_PART = 0.5
 
 
 def has_plane(scene: Scene) -> bool:
@@ -103,7 +110,7 @@ class Stability(Answer):
 
     @property
     def sampled(self) -> SampledPassivity | None:
-        """With a clock, Colgate and Schenkel's condition."""
+        """Colgate and Schenkel's condition of a display with a clock; else None."""
         return self.every_passive_hand.sampled
 
     @property
@@ -181,7 +188,7 @@ class Stability(Answer):
         return own | ({"undecided": left} if left else {}) | chain | reason
 
     def _critical(self, path: str, values: ValueSet) -> Iterator[dict[str, Any]]:
-        """Where what is stable next to the present value ends."""
+        """The rows of a document for the ends of what is stable next to the present value."""
         for piece in values.feasible:
             for x in (x for x in piece.ends if x in values.ends):
                 value = {
@@ -304,7 +311,10 @@ def _number(scene: Scene, x: Knob) -> Knob:
 
 
 def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dict[str, ValueSet]:
-    """Of the hand's own numbers, and of those that were asked about."""
+    """The stable values of the hand's own parameters and of those that were asked about, by path.
+
+    ``after`` : how many hands still follow, which share the time that is left.
+    """
     if x.roots is None:
         return {}
     own = [
@@ -313,14 +323,15 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dic
         if knob.is_of_hand and knob.symbol in {p.symbol for p in x.hand.parameters}
     ]
     others = [knob for knob in free if not knob.is_of_hand]
+    # Where the display drifts at its present value it is never stable: steady is asked for instead.
     criterion = stable_in(x.hand, STABLE if x.drifts == 0 else STEADY)
     found = dict[str, ValueSet]()
     numbers = [*own, *others]
     for i, knob in enumerate(numbers):
-        left = (
-            len(numbers) * (1 + after) - i
-        )  # with those of further hands; margins come after them
-        with share(1 / (left + 1)):  # of the time that is left, so that all are told alike
+        # An equal share of the time that is left for each parameter still to come, of further
+        # hands too, and one for the margins after them.
+        left = len(numbers) * (1 + after) - i
+        with share(1 / (left + 1)):
             found[knob.path] = stable_values(
                 scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True
             )
@@ -374,7 +385,8 @@ def certificate(found: Stability) -> str:
 
 
 def _told(hand: Hand, own: list[Hand]) -> str | dict[str, Any]:
-    """By its name where the scene file has it, else by its numbers."""
+    """A hand as the certificate names it: by its name where the scene file has it, else by its
+    numbers. SceneError where these are not rational."""
     numbers = {p.key: p.value for p in hand.parameters}
     if any(x.name == hand.name and {p.key: p.value for p in x.parameters} == numbers for x in own):
         return hand.name

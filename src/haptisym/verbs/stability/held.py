@@ -1,9 +1,12 @@
-"""Coupled to a hand, to hands in ranges, to any passive operator: how many roots H_perc + m s^2 + b
-s + k has in Re s >= 0.
+"""Is a display stable in a hand, in all hands of given ranges, with any passive operator: how many
+roots H_perc + m s^2 + b s + k has in Re s >= 0.
 
-Of a hand given by ranges: roots lie on the axis, at omega, for some hand of the box where four
-functions of omega are not negative: -Im H_perc/omega lies in the range of b, and -Re H_perc is some
-k - m omega^2 of the box. Where that is nowhere so, one count holds for all.
+The count is exact, for the model as written; None is undecided. Of hands in ranges, a box of m, b
+and k: one of them puts roots on the axis, at omega, where four functions of omega are all >= 0,
+which say that -Im H_perc/omega lies in the range of b, and -Re H_perc among the k - m omega^2 of
+the box. Where that is at no omega so, one count holds for all hands. Begin with ``held``;
+``whole_box`` is for ranges, ``every_passive_hand`` for any operator, ``imposed`` for prescribed
+motion.
 """
 
 from __future__ import annotations
@@ -53,8 +56,8 @@ def unstable_roots(scene: Scene, hand: Hand) -> Roots:
 
 
 def roots_in_hand(perceived: RationalFunction, hand: Hand, *, at_rest: bool = False) -> Roots:
-    """The same of a dynamics without a clock; ``at_rest``: whether none but one at 0 can lie in Re
-    s >= 0."""
+    """The roots of a dynamics without a clock in a hand; ``at_rest``: whether none but one at 0 can
+    lie in Re s >= 0."""
     ring = ring_of(perceived)
     return zeros_of(
         characteristic(perceived, ring.convert(hand.Z)), perceived.denominator, ring, rests=at_rest
@@ -62,8 +65,11 @@ def roots_in_hand(perceived: RationalFunction, hand: Hand, *, at_rest: bool = Fa
 
 
 def characteristic(perceived: RationalFunction, Z: RationalFunction) -> Polynomial:
-    """The numerator of H_perc + Z. H_perc being in lowest terms, so is this over its denominator,
-    but at s = 0."""
+    """The numerator of H_perc + Z, over the denominator of H_perc.
+
+    They share no zero, as H_perc is in lowest terms, but at s = 0, where 1 - exp(-s tau) vanishes
+    with s though no factor is common.
+    """
     return perceived.numerator * Z.denominator + Z.numerator * perceived.denominator
 
 
@@ -81,6 +87,7 @@ def zeros_of(top: Polynomial, bottom: Polynomial, ring: Ring, *, rests: bool = F
     shared = min(order, order_at_0(bottom, ring))
     if found.number is None or not shared:
         return found
+    # Frequencies ascend: the first one is that at 0, which goes if top vanishes there no more.
     on_axis = found.on_axis if order > shared else found.on_axis[1:]
     return Roots(
         found.number - at_least(order) + at_least(order - shared), found.right, on_axis, found.chain
@@ -165,7 +172,7 @@ def held(scene: Scene, hand: Hand) -> Held:
 
 
 def moved(scene: Scene, hand: Hand, free: Knob, value: Expr) -> tuple[Scene, Hand]:
-    """Display and hand at a value of a number of either."""
+    """Display and hand with a parameter of either at a value."""
     if any(p.symbol == free.symbol for p in hand.parameters):
         return scene, hand.with_values({free.symbol.name: value})
     return scene.with_values({free.path: value}), hand
@@ -175,9 +182,9 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
     """How many roots lie at s = 0 (z = 1) as nothing holds the handle in place; None where that is
     not decided.
 
-    Those that are there, exactly, at the given numbers and again where every number that is not 0
-    is another one, so that a spring that a negative one happens to cancel is none. One other set is
-    asked, which is no proof for all values.
+    The roots that are there at the given numbers and again where every number that is not 0 is
+    another one: so springs that happen to cancel each other count as no drift. Both counts are
+    exact; that one other set of numbers is asked is no proof for all.
     """
     try:
         here = _at_rest(scene, hand)
@@ -187,7 +194,7 @@ def drifts(scene: Scene, hand: Hand) -> int | None:
 
 
 def _at_rest(scene: Scene, hand: Hand) -> int:
-    """The number of roots at s = 0, or z = 1."""
+    """The number of roots at s = 0, with a clock at z = 1."""
     scene = unclocked(scene)
     if clocks(scene):
         return loop_of(scene, hand).roots_at_one
@@ -199,8 +206,10 @@ def _at_rest(scene: Scene, hand: Hand) -> int:
 
 
 def _otherwise(scene: Scene, hand: Hand) -> tuple[Scene, Hand]:
-    """With every number another one, by a share of its own; what is 0 stays 0, as do whole
-    numbers."""
+    """Display and hand with every number changed by a small share of its own; what is 0 stays 0,
+    and whole numbers stay as they are."""
+    # Shares of 1/71, 1/73, ...: small, so that the scene stays one, and of primes, so that no two
+    # numbers keep a ratio by which they might cancel.
     primes = (Integer(prime(n)) for n in count(20))
     moved = {
         x.path: x.value * (1 - 1 / next(primes))
@@ -216,8 +225,8 @@ class Imposed:
     """Whether the force under prescribed motion is stable, and the number of poles of H_perc in Re
     s >= 0; None: not decided.
 
-    ``chain`` : of infinitely many poles; of a stable force it may come as near to the axis as one
-    likes. ``reason`` : why it was not decided in time.
+    ``chain`` : where infinitely many poles lie; those of a stable force may come near to the axis
+    without end. ``reason`` : why it was not decided in time.
     """
 
     stable: bool | None
@@ -233,7 +242,7 @@ class Imposed:
 
 
 def imposed(scene: Scene) -> Imposed:
-    """The poles of H_perc."""
+    """Whether the force under prescribed motion is stable, by the poles of H_perc."""
     try:
         perceived = scene.closed.perc
         stable = force_is_stable(scene, scene.closed)
@@ -252,11 +261,10 @@ def imposed(scene: Scene) -> Imposed:
 
 @dataclass(frozen=True)
 class EveryPassiveHand:
-    """Whether the display is passive, by its ``passivity``; None where that stayed open, for the
-    ``reason``.
+    """Whether a display is stable with any passive operator: whether it is passive.
 
-    ``sampled`` : with a clock Colgate and Schenkel's condition, which then decides, but where Im
-    H_perc < 0 tells already.
+    ``passivity`` : of H_perc; None where that stayed open, for the ``reason``. ``sampled`` : with a
+    clock, Colgate and Schenkel's condition, which decides unless Im H_perc < 0 does already.
     """
 
     passivity: Passivity | None
@@ -265,12 +273,13 @@ class EveryPassiveHand:
 
     @property
     def holds(self) -> bool | None:
-        """Of H_perc/s: positive real; with a clock, Colgate and Schenkel's condition."""
+        """Whether H_perc/s is positive real, with a clock Colgate and Schenkel's condition; None
+        where undecided."""
         return None if self.passivity is None else self.passivity.holds
 
     @property
     def is_decided(self) -> bool:
-        """Whether both that and b* were decided."""
+        """Whether both passivity and b*, the damping that would make it passive, were decided."""
         p = self.passivity
         if self.sampled is not None:
             return self.holds is not None
@@ -308,7 +317,8 @@ class EveryPassiveHand:
         return own | again | why
 
     def _sampled(self, x: SampledPassivity, digits: int) -> dict[str, Any]:
-        """With a clock: ``active`` below its Nyquist frequency, for prescribed motion."""
+        """The row of a document with a clock; its ``active`` frequencies are below the Nyquist
+        frequency, for prescribed motion."""
         theta = x.needed.omega if x.needed else None
         omega = (
             None
@@ -337,7 +347,7 @@ def every_passive_hand(scene: Scene) -> EveryPassiveHand:
     try:
         found = passivity(unclocked(scene))
         sampled = found.sampled
-        # what either asks may stay open
+        # Asked for here, so that what raises does so now and not when the answer is shown.
         _ = (found.holds, found.damping) if sampled is None else (found.holds, sampled.hand_needed)
     except UndecidedError as error:
         return EveryPassiveHand(None, str(error))
@@ -345,7 +355,7 @@ def every_passive_hand(scene: Scene) -> EveryPassiveHand:
 
 
 class Share(Enum):
-    """Of the hands of a box those in which a display is stable."""
+    """In how many hands of a box a display is stable."""
 
     ALL = "all"
     SOME = "some"
@@ -379,8 +389,8 @@ def whole_box(scene: Scene, hand: Hand) -> HandsOfBox | None:
 
 
 def _sampled(scene: Scene, hand: Hand) -> HandsOfBox:
-    """With a clock: corners counted, and no root on the unit circle anywhere in the box, or both
-    kinds among the corners."""
+    """The answer with a clock: some, by two corners that differ; all or none, as no root is on the
+    unit circle anywhere in the box."""
     verdicts = {clocked_roots(scene, x).number == 0 for x in _corners(hand)}
     if len(verdicts) > 1:
         return HandsOfBox(Share.SOME)
@@ -396,6 +406,7 @@ def _sampled(scene: Scene, hand: Hand) -> HandsOfBox:
 
 
 def _decided(perceived: RationalFunction, hand: Hand) -> HandsOfBox:
+    """The answer without a clock, by the corners and by whether roots meet the axis in between."""
     counts = [roots_in_hand(perceived, x) for x in _corners(hand)]
     stable = [x.number == 0 for x in counts]
     try:
@@ -411,19 +422,22 @@ def _decided(perceived: RationalFunction, hand: Hand) -> HandsOfBox:
             "whether any hand of the box is stable: its corners are not, and the count "
             "changes within"
         )
+    # No root meets the axis, and still the count changes: roots come from infinity. That matters
+    # only where all corners give one verdict, which inside may be another.
     if len({(x.number, x.chain) for x in counts}) > 1 and any(stable) == all(stable):
         raise UndecidedError("the count of roots that come from infinity within the box")
     return HandsOfBox(Share.ALL if all(stable) else Share.SOME if any(stable) else Share.NONE)
 
 
 def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
-    """A frequency at which roots lie on the axis for some hand of the box."""
+    """A frequency at which roots lie on the axis for some hand of the box; None: there is none."""
     functions = _functions(perceived, hand)
     reaches = [
         x.radius
         for f in functions
         if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius
     ]
+    # One function that is negative from some frequency on suffices: no hand has roots there.
     if not reaches:
         raise UndecidedError(
             "whether roots meet the imaginary axis at ever higher frequencies for some hand "
@@ -437,19 +451,24 @@ def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
     if table.undecided:
         raise UndecidedError("whether the box of the hand touches the boundary of stability")
     found = table.where(lambda signs: all(sign >= 0 for sign in signs.values()))
+    # A single frequency that is a pole of one of them is no place where roots lie on the axis.
     finite = [x for x in found if x.low is not x.high or all(n >= 0 for n in x.low.orders.values())]
     return finite[0].low.omega if finite else None
 
 
 def _functions(perceived: RationalFunction, hand: Hand) -> list[RationalFunction]:
-    """Of omega, over squares: all >= 0 where roots lie on the axis for some hand of the box."""
+    """Four functions of omega, over squares, which are all >= 0 where roots lie on the axis for
+    some hand of the box."""
     response = on_axis(perceived)
     (m, m_high), (b, b_high), (k, k_high) = map(_ends, hand.parameters)
 
-    def with_hand(own: RationalFunction, sign: int, more: Expr) -> RationalFunction:
-        x = own.ring.convert(more)
-        top = own.numerator * sign * x.denominator + x.numerator * own.denominator
-        return own.ring.function(top, own.denominator * x.denominator)
+    def with_hand(part: RationalFunction, sign: int, more: Expr) -> RationalFunction:
+        x = part.ring.convert(more)
+        top = part.numerator * sign * x.denominator + x.numerator * part.denominator
+        return part.ring.function(top, part.denominator * x.denominator)
+
+    # b <= -Im H/omega <= b_high and k - m_high omega^2 <= -Re H <= k_high - m omega^2: each of m,
+    # b and k enters by one end of its range, so that these four say all about the box.
 
     return [
         with_hand(response.raw_imag, -1, -b * omega),

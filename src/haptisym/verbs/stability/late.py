@@ -1,11 +1,15 @@
-"""A loop with a clock whose delay is open: d whole samples and a rest theta, z^d Q(z) + N(z; theta)
-= 0.
+"""A sampled loop whose delay is the open parameter: all delays that put a root on the unit circle.
 
-On z = exp(j omega T) that asks for log(-N/Q) = j (omega d T - 2 pi k). Its real part is 0 on a few
-curves omega(theta), whatever d is: boxes of both are cut until none is there, or just one omega for
-each theta. Along them the imaginary part tells at which delays, however many samples they are: for
-each k Newton's step in balls closes in on them. Which way a root then goes is the sign of a
-derivative, so that one exact count tells all others.
+A delay is d whole samples and a rest theta, 0 <= theta < T, and the loop is z^d Q(z) + N(z; theta)
+= 0. On the circle, z = exp(j omega T), that asks for log(-N/Q) = j (omega d T - 2 pi k) for some
+whole k. The real part, |N| = |Q|, does not depend on d: it holds on a few curves omega(theta).
+Boxes of omega and theta are cut until none is there, or just one omega for each theta
+(``curves``). Along a curve the imaginary part tells at which delays, however many samples these
+are: for each k interval Newton in balls closes in on them (``Turn``). Which way a root then goes is
+the sign of a derivative, so that one exact count tells the number for all other delays
+(``Lateness``, where to begin).
+
+All that is returned is proven. UndecidedError, or ``left``, for what is not.
 """
 
 from __future__ import annotations
@@ -41,17 +45,21 @@ from haptisym.verbs.stability.opened import Opened, Passage, Span
 _BITS, _MOST_BITS = 128, 1 << 10
 _MOST_BOXES, _DEEPEST, _MOST_STEPS = 1200, 200, 8
 _MOST_PASSAGES = 64
-_MANY = 8  # samples between which a root may be on the circle after some turns: a curve that is not told
-_PI = 3.1415926535897936  # a little more
+# A piece of a curve whose delays after k turns spread over more samples is too wide to be followed.
+_MANY = 8
+# The next float above pi: up to the Nyquist frequency, and rather a little more.
+_PI = 3.1415926535897936
 _ROUNDING = 2.0**-50
-_NARROW = 32  # times as narrow as its frequency is a curve
+# How many times narrower than its frequency a piece of a curve is to be.
+_NARROW = 32
 
 Box: TypeAlias = tuple[Ball, Ball]
 Sides: TypeAlias = tuple[float, float]
 
 
 class Log(NamedTuple):
-    """log(-N/Q) in the middle of a box, and its slopes along omega and theta all over it."""
+    """log(-N/Q): its value in the ``middle`` of a box, and its slopes ``along`` omega and with
+    theta, ``later``, all over the box."""
 
     middle: acb
     along: acb
@@ -60,38 +68,50 @@ class Log(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class AngleCurve:
-    """One omega for each theta, in a ``box`` of both, where ``turn`` is the angle of -N/Q plus
-    omega theta."""
+    """A piece of a curve on which |N| = |Q|: at most one omega for each theta in a ``box`` of both.
+
+    ``turn`` : the angle of -N/Q plus omega theta, all over the box: the phase by which a delay of
+    turn/omega, and of each whole turn more, puts a root on the circle.
+    """
 
     loop: Opened
     box: Box
     turn: Ball
 
     def delays(self, k: int) -> Ball:
-        """Those at which a root is on the circle, after k turns."""
+        """The delays, s, at which a root is on the circle after k whole turns, all over the box."""
         return (self.turn + 2 * k * arb.pi()) / self.box[0]
 
     def log(self, omega: Ball, theta: Ball) -> Log | None:
-        """In a part of the box, its angle that of the curve; None where it has no bounds."""
-        found = log_of(self.loop, omega, theta)[1]
-        if found is None:
+        """log(-N/Q) in a part of the box, on the branch of the curve's angle; None where it has no
+        bounds."""
+        log = log_of(self.loop, omega, theta)[1]
+        if log is None:
             return None
-        turn = found.middle.imag + omega.mid() * theta.mid()
-        whole = round(
-            float((self.turn.mid() - turn.mid()) / (2 * arb.pi()))
-        )  # the turn is told to less than half of one
-        return found._replace(middle=found.middle + acb(0, 2 * whole * arb.pi()))
+        turn = log.middle.imag + omega.mid() * theta.mid()
+        # The curve's turn is known to less than half of one: rounding finds the branch.
+        whole = round(float((self.turn.mid() - turn.mid()) / (2 * arb.pi())))
+        return log._replace(middle=log.middle + acb(0, 2 * whole * arb.pi()))
 
 
 @lru_cache(maxsize=512)
 def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly]:
-    """Polynomials in z - 1: N in the middle; all over, one and up to so much of another one; its
-    slope; and Q."""
+    """Polynomials in z - 1: N at the middle theta; two of which N, all over, is the first give or
+    take the second; its slope along theta; and Q."""
+    # The working precision is part of what is asked, so that the cache does not give away coarser
+    # balls.
     assert bits == flint.ctx.prec
-    lines = over_circle(lambda x: loop.loop.sides({loop.symbol: x})[0].coeffs(), middle, radius)
+
+    def numerator(theta: Ball) -> list[Ball]:
+        coefficients: list[Ball] = loop.loop.sides({loop.symbol: theta})[0].coeffs()
+        return coefficients
+
+    lines = over_circle(numerator, middle, radius)
     N, Q = loop.loop.sides({loop.symbol: middle})
-    start = (N[0], arb(0), arb(0))  # at z = 1 nothing is late
-    at, more, rates = (arb_poly(list(x)) for x in zip(start, *lines[1:], strict=True))
+    # At z = 1 a delay changes nothing: the value there is exact, with no width and no slope.
+    start = (N[0], arb(0), arb(0))
+    columns = zip(start, *lines[1:], strict=True)
+    at, more, rates = (arb_poly(list(column)) for column in columns)
     return [N, at, more, rates * (1 / radius), Q]
 
 
@@ -99,13 +119,14 @@ def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
     """Whether no root is on the circle in a box, as |N| and |Q| differ; and log(-N/Q), None where
     that has no bounds."""
     T, bits = expression_ball(loop.loop.T), flint.ctx.prec
+    # z - 1 = exp(j angle) - 1 without cancellation at low frequencies.
     x, middle = (
         acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, (omega * T).mid())
-    )  # z - 1
-    # of a shorter piece the slope, a difference, would have fewer digits
+    )
+    # The slope is a difference over the radius: of a shorter one it would have fewer digits.
     radius = theta.rad().max(T.lower() * arb(2) ** (-bits // 4)).mid()
-    # about the middle: powers of a ball, and balls that cancel far from 0, grow faster than what
-    # they are of
+    # Shifted to the middle: powers of a wide ball, and balls that cancel far from 0, grow faster
+    # than the range of what they enclose.
     parts = [acb_poly(p)(acb_poly([middle, 1])) for p in _sides(loop, theta.mid(), radius, bits)]
     here, at, more, slope, below = (p(x - middle) for p in parts)
     above = at + more * arb(0, 1)
@@ -114,6 +135,8 @@ def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
     if above.contains(0) or below.contains(0):
         return False, None
     there = -parts[0][0] / parts[-1][0]
+    # Away from the cut of the logarithm, along the negative numbers, where a ball would hold both
+    # ends.
     log = there.log() if not there.real < 0 else (-there).log() + acb(0, arb.pi())
     rises, risen, rising, falls = (parts[i].derivative()(x - middle) for i in (0, 1, 3, 4))
     risen += parts[2].derivative()(x - middle) * arb(0, 1)
@@ -123,15 +146,15 @@ def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
 
 
 def _off(x: Ball) -> Ball:
-    """By how much it may be off its middle."""
+    """The ball about 0 that is as wide as another: how far a point may be off the middle."""
     return x - x.mid()
 
 
 def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[AngleCurve]:
-    """All of them for rests between two, as far as a root is on the circle at delays of up to
-    ``most``.
+    """All pieces of curves for rests theta between two, s, but those with roots on the circle at
+    delays beyond ``most`` alone.
 
-    UndecidedError where that is not settled.
+    UndecidedError where a box is neither clear nor holds one piece.
     """
     with flint.ctx.workprec(_BITS):
         highest = float(arb(_PI) / expression_ball(loop.loop.T).lower())
@@ -146,6 +169,8 @@ def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iter
             if isinstance(found, AngleCurve):
                 yield found
             elif found is not None:
+                # Cut along theta where the box is wider there, relative to the whole, than four
+                # times along omega.
                 width = (delays[1] - delays[0]) / float(end - start)
                 is_wide = 4 * (frequencies[1] - frequencies[0]) < width * frequencies[1]
                 waiting.add(*_halves(frequencies, delays, int(is_wide)))
@@ -158,7 +183,7 @@ def _ball(low: float, high: float) -> Ball:
 
 
 def _halves(frequencies: Sides, delays: Sides, cut: int) -> list[tuple[Sides, Sides]]:
-    """Of one side or of the other."""
+    """A box cut in two, along omega (0) or along theta (1)."""
     low, high = (frequencies, delays)[cut]
     middle = (low + high) / 2
     if cut:
@@ -167,32 +192,35 @@ def _halves(frequencies: Sides, delays: Sides, cut: int) -> list[tuple[Sides, Si
 
 
 def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
-    """The angle of -N/Q plus omega theta, all over a box."""
+    """The angle of -N/Q plus omega theta, all over a box, by the mean value theorem."""
     middle = log.middle.imag + omega.mid() * theta.mid()
     return middle + (log.along.imag + theta) * _off(omega) + (log.later.imag + omega) * _off(theta)
 
 
 def _is_later(curve: AngleCurve, most: Fraction) -> bool:
-    """Whether a root is on the circle at longer delays alone: at a low frequency they take long to
-    turn it round."""
+    """Whether a curve has roots on the circle at delays beyond ``most`` alone, as a low frequency
+    takes long for a turn."""
     if not curve.turn.rad() < 1:
         return False
-    turn = (
-        curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()
-    )  # the first that is not below 0
+    # The first turn that is not below 0; the one before it is, so that no delay is missed.
+    turn = curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()
     lowest = turn - 2 * arb.pi()
     return bool(lowest < 0 and turn > curve.box[0].upper() * fraction_ball(most))
 
 
 def _followed(loop: Opened, box: Box, log: Log | None) -> AngleCurve | Box | None:
-    """A piece of a curve, narrowed down; None where none is in a box; the box where that is not
-    told."""
+    """The piece of a curve in a box; None where there is none; a box where neither is shown.
+
+    Interval Newton for Re log(-N/Q) = 0 in omega, for all theta of the box at once: as the slope is
+    not 0 there is at most one omega for each.
+    """
     omega, theta = box
     while log is not None and not log.along.real.contains(0):
         near = omega.mid() - (log.middle.real + log.later.real * _off(theta)) / log.along.real
         if not near.overlaps(omega):
             return None
         before, omega = omega, omega.intersection(near)
+        # It shrinks no further: what is left is how far omega goes along the curve itself.
         if 4 * omega.rad() > 3 * before.rad():
             turn = _turn(log, before, theta)
             is_narrow = turn.rad() < 1 and _NARROW * omega.rad() < omega.mid()
@@ -205,8 +233,8 @@ def _followed(loop: Opened, box: Box, log: Log | None) -> AngleCurve | Box | Non
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """Of a curve with so many whole ``samples`` after k turns: Newton's step for omega and the
-    delay."""
+    """The equation log(-N/Q) = j (omega d T - 2 pi k) on a curve, for d = ``samples`` and one k: in
+    the unknowns omega and delay, s. ``pairs`` are its solutions."""
 
     curve: AngleCurve
     samples: int
@@ -218,23 +246,25 @@ class Turn:
         return self.samples * self.curve.loop.loop.T
 
     def step(self, omega: Ball, delay: Ball) -> Box | None:
-        """A box around all in a box; None where that is not told."""
+        """The step of interval Newton: a box that holds all solutions of a box; None where it has
+        no bounds."""
         whole = expression_ball(self.whole)
         log = self.curve.log(omega, delay - whole)
         if log is None:
             return None
         off = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
         a, b, c, d = log.along.real, log.later.real, log.along.imag - whole, log.later.imag
-        size = a * d - b * c
-        if size.contains(0):
+        determinant = a * d - b * c
+        if determinant.contains(0):
             return None
         return (
-            omega.mid() - (d * off.real - b * off.imag) / size,
-            delay.mid() - (a * off.imag - c * off.real) / size,
+            omega.mid() - (d * off.real - b * off.imag) / determinant,
+            delay.mid() - (a * off.imag - c * off.real) / determinant,
         )
 
     def pairs(self) -> Iterator[Pair]:
-        """All in the curve's box, each once. UndecidedError where that is not told."""
+        """All solutions in the curve's box, each once. UndecidedError where that is not settled, as
+        at a double one."""
         omega, theta = self.curve.box
         waiting = Waiting([(omega, theta + expression_ball(self.whole))], most=_DEEPEST)
         for box in waiting:
@@ -251,7 +281,7 @@ class Turn:
             raise UndecidedError("whether a root comes to the unit circle and goes back")
 
     def _closed(self, omega: Ball, delay: Ball) -> Pair | Box | None:
-        """The one in a box, None where none is, or a smaller box."""
+        """The one solution in a box, None where there is none, or the smaller box that is left."""
         for _ in range(_MOST_STEPS):
             after = self.step(omega, delay)
             if after is None:
@@ -264,7 +294,10 @@ class Turn:
         return omega, delay
 
     def sense(self, pair: Pair) -> int:
-        """1 of a root that goes out as the delay grows, -1 of one that comes in."""
+        """1 if the root leaves the unit circle outward as the delay grows, -1 if inward.
+
+        UndecidedError where balls do not tell.
+        """
         found = at_rising_precision(lambda bits: self._sense(*pair.at(bits)), _BITS, _MOST_BITS)
         if found is None:
             raise UndecidedError("which way a root goes on the unit circle")
@@ -274,17 +307,20 @@ class Turn:
         log = self.curve.log(omega, delay - expression_ball(self.whole))
         if log is None:
             return None
+        # With L = log(-N/Q) the root obeys d log z = L, and L changes with log z = j omega T by
+        # L_omega/(j T): so d(log z)/d theta = L_theta/(d + j L_omega/T), of which the real part is
+        # the growth of log |z|.
         late = self.samples + acb(0, 1) * log.along / expression_ball(self.curve.loop.loop.T)
         return sign_of((log.later / late).real) or None
 
 
 @dataclass(eq=False)
 class Lateness:
-    """The delays of a loop with a root on the circle, in ascending order as far as they are
-    ``found``, and up to where all are.
+    """The critical delays of a loop: those ``found`` by now, and up to which delay, ``frontier``,
+    they are all (None: everywhere).
 
-    ``senses`` : of each how many roots more are outside beyond it; ``left`` : between which delays
-    others may be.
+    ``own`` : the delay that the scene has. ``senses`` : how many roots more are outside of the
+    circle beyond each delay. ``left`` : intervals of delays in which others may be.
     """
 
     loop: Opened
@@ -297,7 +333,7 @@ class Lateness:
 
     @classmethod
     def of(cls, loop: Opened, own: Expr, most: Fraction) -> Lateness | None:
-        """None where its curves are not settled."""
+        """The search, with all of its curves; None where these are not settled."""
         at, period = Fraction(0), Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
         found = list[AngleCurve]()
         try:
@@ -310,9 +346,11 @@ class Lateness:
         return cls(loop, Rational(own), found)
 
     def known(self, end: Fraction) -> Iterator[Fraction]:
-        """Find them one after the other, up to a delay; again and again up to where they are
-        known."""
+        """Find the critical delays one after the other, up to ``end``; yield up to where all are
+        known, after each."""
         with flint.ctx.workprec(_BITS):
+            # The curve with the earliest next turn comes first, so that delays are complete up to
+            # its bound.
             heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
             heapify(heap)
             while heap and len(self.found) < _MOST_PASSAGES:
@@ -328,7 +366,8 @@ class Lateness:
             self.frontier = None
 
     def _ahead(self, curve: AngleCurve, n: int, k: int) -> tuple[float, int, int]:
-        """The next turn after k, and from which delay on it is."""
+        """The next turn of a curve after k whose delays are not all < 0, with a lower bound on
+        them: as the heap has it."""
         while True:
             k += 1
             delays = curve.delays(k)
@@ -336,7 +375,8 @@ class Lateness:
                 return float(delays.lower()) * (1 - _ROUNDING), n, k
 
     def _look(self, curve: AngleCurve, k: int) -> None:
-        """Put down all that is on a curve after k turns."""
+        """Add the critical delays of a curve after k turns to what was ``found``, or to
+        ``left``."""
         T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
         first, last = (
             int(x.floor().unique_fmpz())
@@ -356,8 +396,8 @@ class Lateness:
                 self.left.append(bounds(delays))
 
     def holds(self, value: Rational) -> bool | None:
-        """Whether it is stable with a delay, by a count of another one; None where what is between
-        is not known."""
+        """Whether the loop is stable with a delay, by the exact count at its own one and the roots
+        that cross in between; None where these are not all known."""
         if not self._is_told(value):
             return None
         low, high = sorted((self.own, value))
@@ -369,7 +409,7 @@ class Lateness:
         return self._home + (1 if value > self.own else -1) * sum(between) == 0
 
     def _is_told(self, value: Rational) -> bool:
-        """Whether all on the way to a delay from the own one is known."""
+        """Whether all critical delays between the loop's own delay and another one are known."""
         last = max(self.own, value)
         return not self.left and (
             self.frontier is None

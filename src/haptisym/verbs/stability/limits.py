@@ -1,11 +1,13 @@
-"""For which values of a number is a display stable in a hand, or steady: the one question of
+"""For which values of one parameter is a display stable in a hand, or steady: the one question of
 requirements, limits and margins.
 
 *Stable*: no root of H_perc + m s^2 + b s + k lies in Re s >= 0. *Steady*: none but those at s = 0
-that are there as nothing holds the handle in place. Roots are counted exactly at one value between
-each two at which some meet the imaginary axis, and from there on by those that come and go. All
-values are searched that are asked about; a *near* set only as far as the ends of what holds about
-the present value, or of what holds next to it where that fails.
+that are there as nothing holds the handle in place. The number of roots in Re s >= 0 is the same
+for all values between two critical ones, at which some meet the imaginary axis (``critical``): it
+is counted exactly at one of these values, and from there on by the pairs that cross. All values are
+searched that are asked about; a *near* set only as far as the ends of what holds about the present
+value, or of what holds next to it where that fails. What is not proven is undecided, with a reason.
+Begin with ``stable_values``; loops with a clock are in ``sampled``.
 """
 
 from __future__ import annotations
@@ -47,7 +49,8 @@ from haptisym.verbs.stability.loops import Loop, Meeting, Tendency
 from haptisym.verbs.stability.sampled import clocked_question
 
 _BITS = 256
-_FIRST = 7  # windows about a value that are looked at anyway, be they larger than what is searched
+# Windows about a value that are looked at without telling of them, as the next one replaces each.
+_FIRST = 7
 
 
 def stable_values(
@@ -77,16 +80,17 @@ def stable_values(
 def _found(
     scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool
 ) -> ValueSet:
-    """The same. UndecidedError where nothing is known."""
+    """The values that are stable, or steady. UndecidedError where nothing is known."""
     if free.parts:  # a threshold moves no root
         return ValueSet.all_of(asked, holds=_holds_at(scene, hand, criterion))
     bare = unclocked(moved(scene, hand, free, free.symbol)[0])
     if clocks(scene) and not clocks(bare):
         scene = unclocked(scene)
-        if not free.is_of_hand and free.path not in {
-            x.path for x in scene.knobs
-        }:  # it acts on nothing
+        # The clock held no force and is gone, and with it the parameters that acted on it alone.
+        if not free.is_of_hand and free.path not in {x.path for x in scene.knobs}:
             return ValueSet.all_of(asked, holds=_holds_at(scene, hand, criterion))
+    # Of a display with nothing to feel the loop need exist, but not the distortion, a ratio to the
+    # environment.
     in_air = criterion.name == STEADY or scene.closed.env.is_zero
     ends = [x for x in (asked.low, asked.high) if isinstance(x, Rational)]
     gone = missing(scene, free, in_air=in_air)
@@ -98,6 +102,7 @@ def _found(
         loop = Loop.of(scene, hand, free)
         gone += [ExactNumber(x) for x in ends if not loop.exists(x)]
         question = _Asked(scene, hand, free, asked, criterion, loop, near, in_air).question
+    # An end at which there is no display does not belong to what holds, be it asked about or not.
     first, last = (x is not None and not any(not ordered(x, y) for y in gone) for x in asked.ends)
     asked = replace(
         asked, holds_low=asked.holds_low and first, holds_high=asked.holds_high and last
@@ -106,8 +111,8 @@ def _found(
 
 
 def open_beside(knob: Knob, found: ValueSet) -> list[str]:
-    """Why it is not known, of values next to those about the present one, whether they are like it:
-    on each side."""
+    """The reasons why the values next to those about the present one are undecided, at most one for
+    each side; none where they are decided."""
     pieces = dict.fromkeys(x for x, is_open in _unknown(knob, found) if x is not None and is_open)
     return [_why(knob, found, x) for x in pieces]
 
@@ -121,8 +126,8 @@ def looked_at(knob: Knob, found: ValueSet) -> tuple[RealNumber | None, RealNumbe
 
 
 def _unknown(knob: Knob, found: ValueSet) -> list[tuple[Piece | None, bool]]:
-    """Of which values below, and above, nothing is known; and whether that leaves open what is so
-    about the present value.
+    """The first undecided piece below and above the present value (None: none), and whether it
+    leaves the answer about that value open.
 
     Where it fails there, and holds beside that, the rest is a matter of how far was looked.
     """
@@ -137,7 +142,7 @@ def _unknown(knob: Knob, found: ValueSet) -> list[tuple[Piece | None, bool]]:
 
 
 def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
-    """The reason, and between which values that is."""
+    """The reason of an undecided piece, with the values between which it lies."""
     unit = knob.shown_unit(knob.motion)
     low, high = (
         "" if end is None else f"{printed(in_unit(end, unit.size), 4, way)} {unit.text}".rstrip()
@@ -145,18 +150,13 @@ def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
     )
     if sum(not y.is_single for y in found.pieces) == 1 or not (low or high):  # that is all there is
         return x.reason
-    where = (
-        f", from {low} to {high}"
-        if low and high
-        else f", above {low}"
-        if low
-        else f", below {high}"
-    )
-    return f"{x.reason}{where}"
+    if low and high:
+        return f"{x.reason}, from {low} to {high}"
+    return f"{x.reason}, above {low}" if low else f"{x.reason}, below {high}"
 
 
 def _holds_at(scene: Scene, hand: Hand, criterion: Criterion) -> bool | None:
-    """Whether a display is stable in a hand, or steady."""
+    """Whether a display is stable in a hand, or steady; None where the roots at rest stay open."""
     number = unstable_roots(scene, hand).number
     if not number or criterion.name != STEADY:
         return number == 0
@@ -166,7 +166,10 @@ def _holds_at(scene: Scene, hand: Hand, criterion: Criterion) -> bool | None:
 
 @dataclass(frozen=True)
 class _Asked:
-    """What is asked of a display without a clock."""
+    """One question about a display without a clock, for ``solve``.
+
+    ``near`` : as of ``stable_values``. ``in_air`` : whether a value may leave no force at all.
+    """
 
     scene: Scene
     hand: Hand
@@ -179,11 +182,14 @@ class _Asked:
 
     @property
     def question(self) -> Question:
-        """Between the values that put roots on the axis one count tells all."""
+        """The question: critical values, a verdict between each two of them, and intervals without
+        any stable value."""
         loop = self.loop
         tally, one_way = Tally(loop, drifts=self._drifts), Tendency(loop)
 
         def changes() -> Iterator[CriticalValues]:
+            # Each window replaces the one before it: the first ones are held back, unless they are
+            # complete, or an end next to the present value is all that is asked for.
             held_back: CriticalValues | None = None
             try:
                 for n, found in enumerate(meetings(loop, self.free.value, self.asked)):
@@ -209,7 +215,8 @@ class _Asked:
         return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
 
     def _is_there(self, value: Rational, window: CriticalValues | None) -> bool:
-        """Whether the scene is there at a value that may be critical: formulas may divide by 0."""
+        """Whether the scene exists at a value: looked at where that is critical or 0, as a formula
+        may be divided by 0 there."""
         places = () if window is None else (x.value for x in window.values)
         critical = {x.value for x in places if isinstance(x, ExactNumber)} | {Integer(0)}
         return value not in critical or allowed(self.scene, self.free, value, in_air=self.in_air)
@@ -222,7 +229,8 @@ class _Asked:
         )
 
     def _named(self, found: CriticalValues) -> CriticalValues:
-        """With what binds at each value."""
+        """The critical values, each with what binds there: a root on the axis at a frequency, or at
+        infinity."""
         return replace(
             found, values=[CriticalValue(x.value, (self._binding(x),)) for x in found.values]
         )
@@ -234,11 +242,11 @@ class _Asked:
 
 @dataclass
 class Tally:
-    """How many roots a loop has in Re s >= 0, at one value of its open number after the other.
+    """The number of roots of a loop in Re s >= 0, at one value of its parameter after the other.
 
-    ``window`` : the values that put roots on the axis, as far as they are known. ``known`` : the
-    numbers that were counted, by value. ``drifts`` : of a value, how many roots at 0 are not
-    counted, as they only drift.
+    ``window`` : the critical values that are known by now. ``known`` : the numbers that were
+    counted, by value. ``drifts`` : of a value, how many roots at 0 are not counted, as they are
+    there because nothing holds the handle in place.
     """
 
     loop: Loop
@@ -254,6 +262,7 @@ class Tally:
             return found
         roots = self.loop.at(value)
         number = roots.number
+        # Frequencies ascend: only if the first one is 0 is there a root at rest.
         if number and roots.on_axis and not ordered(roots.on_axis[0], ExactNumber(Integer(0))):
             still = self.drifts(value)
             if still is None:
@@ -264,8 +273,8 @@ class Tally:
         return number
 
     def _from_another(self, value: Expr) -> int | None:
-        """From the nearest value that was counted, where all that moves over the axis on the way
-        there is known."""
+        """The number by that at the nearest value that was counted; None where not all that crosses
+        the axis on the way there is known."""
         if value in self.known or not self.known or self.window is None:
             return self.known.get(value)
         nearest = min(self.known, key=lambda x: abs(x - value))
@@ -278,22 +287,25 @@ class Tally:
             if ordered(low, x.value) >= 0 and ordered(x.value, high) >= 0
         ]
         senses = [x.sense for x in between if isinstance(x, Meeting) and x.sense is not None]
+        # At an end that is critical itself some roots lie on the axis: no sum of crossings tells
+        # how many.
         if len(senses) < len(between) or any(
             not ordered(x.value, end) for x in between for end in (low, high)
         ):
             return None
+        # Each crossing above omega = 0 has its mirror image below: two roots for one sense.
         return self.known[nearest] + (1 if value > nearest else -1) * 2 * sum(senses)
 
 
 def _meets(part: Open, low: RealNumber, high: RealNumber) -> bool:
-    """Whether there is what is open between two values."""
+    """Whether an open interval reaches between two values."""
     before = part.high is not None and ordered(part.high, low) >= 0
     return not before and not (part.low is not None and ordered(high, part.low) >= 0)
 
 
 def _is_clear(loop: Loop, x: CriticalValue) -> bool:
-    """Whether no root lies on the axis at a value after all: as where all but the hand's damping
-    vanish at omega = 0."""
+    """Whether no root lies on the axis at a critical value after all, as where all but the hand's
+    damping vanish at omega = 0. False proves nothing."""
     places = [b.omega for b in x.bindings]
     return not loop.turns and all(
         y is not None and not _on_axis(loop, x.value, y).contains(0) for y in places
@@ -301,10 +313,12 @@ def _is_clear(loop: Loop, x: CriticalValue) -> bool:
 
 
 def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
-    """A ball around the characteristic function at a frequency."""
+    """A ball around C(j omega; q), the numerator of the loop, at a value and a frequency."""
     with flint.ctx.workprec(_BITS):
-        at = acb(0, omega.ball(_BITS))
-        known: dict[Expr, Any] = {s: at, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
-        known |= {exp(-s * lag): (-at * expression_ball(lag)).exp() for lag in loop.ring.lags}
-        known |= {s**order: at ** acb(expression_ball(order)) for order in loop.ring.orders}
+        place = acb(0, omega.ball(_BITS))
+        known: dict[Expr, Any] = {s: place, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
+        for lag in loop.ring.lags:
+            known[exp(-s * lag)] = (-place * expression_ball(lag)).exp()
+        for order in loop.ring.orders:
+            known[s**order] = place ** acb(expression_ball(order))
         return acb(loop.ring.ball(loop.top, known))

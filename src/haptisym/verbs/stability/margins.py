@@ -1,5 +1,5 @@
-"""Margins: by how much the rendered force may be larger, later or turned until the display shakes
-in a hand.
+"""Margins: by how much the rendered force may be larger, later or turned in phase before the
+display becomes unstable in a hand.
 
 The force is that of the environment, or of ``[rendered]``, before all effects. With g of it the
 loop is A + g B = 0, linear in g, however the force comes through the effects: they make a Moebius
@@ -62,8 +62,8 @@ _LATE = delayed(0, name="margin-of-delay")
 
 @dataclass(frozen=True, repr=False)
 class Margins(Shown):
-    """Of a display in a hand: for which factors on the rendered force, delays (s) and angles
-    (degrees) of it it is stable.
+    """The margins of a display in a hand: the factors on the rendered force, the delays (s) and the
+    angles (degrees) of it for which the display is stable.
 
     Each as far as the ends next to the present value: a factor of 1, no delay, no angle. ``phase``
     : None with a clock.
@@ -90,7 +90,7 @@ class Margins(Shown):
 
     @property
     def undecided(self) -> tuple[tuple[str, str], ...]:
-        """By the name of a margin why it is not known, or not on one side."""
+        """Pairs of the name of a margin and the reason why it is undecided, maybe on one side."""
         sets = (
             ("gain", self.gain, _ONE),
             ("delay", self.delay, _ZERO),
@@ -109,6 +109,7 @@ class Margins(Shown):
     def row(self) -> dict[str, Any]:
         """As documents have it."""
         below, above = self.below, self.above
+        # The nearer of the two by ratio: above/1 against 1/below.
         nearest = (
             below
             if below and not (above and float(above.value) * float(below.value) < 1)
@@ -137,7 +138,7 @@ def _ends(x: Domain) -> list[float]:
 
 
 def margins(scene: Scene, hand: Hand) -> Margins:
-    """Of a display that does not shake in a hand.
+    """The margins of a display that is stable in a hand, or only drifts.
 
     >>> from haptisym.model.catalogue import hands
     >>> from haptisym.model.scenefile import load_scene
@@ -145,6 +146,7 @@ def margins(scene: Scene, hand: Hand) -> Margins:
     <Margins gain 0.00100000 to 1.99852, delay 0 to 0.0665486 s, phase 0 to 59.1051 deg>
     """
     if (scene.rendered or scene.environment).H.is_zero:
+        # A force that is zero stays zero, however large, late or turned.
         return Margins(*(ValueSet.all_of(x, holds=True) for x in (GAINS, DELAYS, ANGLES)))
     if clocks(scene):
         return Margins(
@@ -159,24 +161,29 @@ def margins(scene: Scene, hand: Hand) -> Margins:
     return Margins(gain, delay, _told(ANGLES, lambda: _phase(scene, hand, criterion)))
 
 
-# Without a clock: the same scene with one more effect, nearest the environment
-
-
 def _opened(scene: Scene, hand: Hand, effect: Effect) -> tuple[Scene, Hand, Knob]:
-    """The scene with an effect before all others, and the number of that."""
+    """The scene with one more effect, nearest the environment, and the parameter of that effect.
+
+    A factor or a delay of the rendered force is thus a parameter like any other, and its limits are
+    those of ``stable_values``.
+    """
     own = replace(scene, effects=(effect, *scene.effects))
     knob = own.knobs[f"effects.{effect.name}.{effect.parameters[0].key}"]
     return own, hand, replace(knob, rule=Rule.NONNEGATIVE)
 
 
 def _phase(scene: Scene, hand: Hand, criterion: Criterion) -> ValueSet:
-    """The angles up to the least one where |A/B| = 1."""
+    """The phase margin, as a set of angles from 0 up: to the least angle at a frequency with |A/B|
+    = 1."""
     found = _turned(Loop.of(*_opened(scene, hand, _FACTOR)), criterion)
     return _up_to(ANGLES, min(found, key=lambda x: float(x.value), default=None))
 
 
 def _turned(loop: Loop, criterion: Criterion) -> list[CriticalValue]:
-    """The angles where |A/B| = 1, each with its frequency."""
+    """The angles of the loop at all frequencies with |A/B| = 1, each with its frequency.
+
+    UndecidedError where such frequencies may be without end, or one is only touched.
+    """
     if len(loop.powers) != 2:
         return []
     ratio = RationalFunction(loop.ring, loop.powers[0], loop.powers[1]).reduced()
@@ -196,7 +203,7 @@ def _turned(loop: Loop, criterion: Criterion) -> list[CriticalValue]:
 
 
 def _up_to(asked: Domain, limit: CriticalValue | None) -> ValueSet:
-    """All values up to a limit, beyond which nothing more is needed."""
+    """The set of values from the low end up to a limit; all values where there is none."""
     question = Question(
         lambda x: limit is None or ordered(ExactNumber(x), limit.value) > 0,
         asked.low,
@@ -208,8 +215,7 @@ def _up_to(asked: Domain, limit: CriticalValue | None) -> ValueSet:
 
 @dataclass(frozen=True, repr=False)
 class Turned(RealNumber):
-    """The angle, degrees, of the loop A/B from 1 + A/B = 0, at a frequency: that of -A/B, whatever
-    its sign."""
+    """The angle, degrees, by which A/B at a frequency is off -1: |arg(-A/B)|, from 0 to 180."""
 
     ratio: tuple[RealFunction, RealFunction]
     omega: RealNumber
@@ -218,6 +224,8 @@ class Turned(RealNumber):
         with ctx.workprec(bits + 32):
             x = self.omega.ball(bits + 32)
             real, imag = (part.ball(x) for part in self.ratio)
+            # By the half plane that keeps away from the cut of the argument, where a ball would
+            # hold all angles.
             angle = (
                 abs(acb(real, imag).arg()) if real > 0 else arb.pi() - abs(acb(-real, imag).arg())
             )

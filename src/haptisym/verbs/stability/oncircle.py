@@ -1,7 +1,10 @@
-"""A display with a clock and numbers in ranges: whether a root is on the unit circle for some of
-their values.
+"""A sampled loop with parameters in ranges: whether a root is on the unit circle for any of their
+values.
 
-Cells of values, in balls, are cut until each is clear of the circle, or too small.
+The number of roots in |z| >= 1 changes only where one is on the circle: where none is, for any
+values, one exact count holds for all of them. Cells of values, in balls, are cut until each is
+proven clear of the circle (by the tests of ``opened``), or there are too many. Begin with
+``OnCircle.left``; what is left proves nothing.
 """
 
 from __future__ import annotations
@@ -34,14 +37,15 @@ Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
 
 @dataclass(frozen=True)
 class OnCircle:
-    """A loop with a clock over the values that some of its symbols may have."""
+    """A sampled loop with symbols for some of its parameters, and the ``ranges`` of these."""
 
     loop: SampledLoop
     ranges: Mapping[Symbol, tuple[Expr, Expr]]
 
     @classmethod
     def of(cls, scene: Scene, hand: Hand, ranges: Mapping[Symbol, tuple[Expr, Expr]]) -> OnCircle:
-        """UndecidedError where such a loop is not decided."""
+        """The loop of a scene in a hand. UndecidedError where a root stays at z = 1 for all values,
+        so that no cell would ever be clear."""
         display = {p.path: p.symbol for p in scene.parameters if p.symbol in ranges}
         own = {p.symbol.name: p.symbol for p in hand.parameters if p.symbol in ranges}
         found = cls(loop_of(scene.with_values(display), hand.with_values(own)), ranges)
@@ -52,8 +56,10 @@ class OnCircle:
         return found
 
     def left(self) -> list[Cell]:
-        """Cells outside which no root is on the circle, and in which there may be: none where that
-        is proven."""
+        """The cells in which a root may be on the circle; outside of them none is, proven.
+
+        An empty list proves that none is anywhere.
+        """
         waiting, looked = [((Fraction(0), Fraction(1)),) * len(self.ranges)], 0
         while waiting and looked < _MOST_CELLS:
             tick(looked, _MOST_CELLS, "cells of ranges")
@@ -71,18 +77,15 @@ class OnCircle:
                 return False
 
     def is_stable(self, values: Mapping[Symbol, Expr]) -> bool | None:
-        """Whether it is for some values and all that clear cells join to them, or for none of
-        these; None where not known.
+        """Whether the loop is stable for some values and all that clear cells join to them, or for
+        none of these; None where that is not known.
 
-        Counted before anything cancels: what is hidden at these values alone is not at others.
+        The roots are counted before anything cancels. So none at all proves that it is stable; one
+        may cancel at some of the values, which would be stable, unless ``hides_none``.
         """
-        return (
-            True
-            if self.loop.at(values).unstable() == (0, 0)
-            else False
-            if self.hides_none
-            else None
-        )
+        if self.loop.at(values).unstable() == (0, 0):
+            return True
+        return False if self.hides_none else None
 
     @cached_property
     def hides_none(self) -> bool:
@@ -95,10 +98,14 @@ class OnCircle:
         with flint.ctx.workprec(_BITS_OF_CELLS):
             known = self._at(((Fraction(0), Fraction(1)),) * len(self.ranges))
             plant = list(self.loop.plant.denominator)
+            # Poles at s = 0 are taken off: what they hide would be a root at z = 1, on the circle.
             while plant[0] == 0:
                 plant.pop(0)
+            # Hurwitz' criterion asks for a positive leading coefficient.
             if expression_ball(plant[-1], known) < 0:
                 plant = [-x for x in plant]
+            # A polynomial whose first coefficient outweighs the sum of all others, all in size, has
+            # no root beyond the unit circle.
             first, *others = (expression_ball(x, known) for x in self.loop.below)
             return (
                 self._is_never_negative(plant[0])
@@ -107,7 +114,8 @@ class OnCircle:
             )
 
     def _is_never_negative(self, formula: Expr) -> bool:
-        """Whether it is a sum of products of what is not negative, for any values."""
+        """Whether a formula is shown not to be negative for any values: a sum of products of
+        nonnegative numbers and symbols. False proves nothing."""
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
         return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(
@@ -134,8 +142,8 @@ def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
 
 
 def _is_hurwitz(row: Sequence[Ball]) -> bool:
-    """Whether a polynomial with ascending coefficients, the first of them >= 0, has all roots in Re
-    s < 0, or one at 0."""
+    """Whether a polynomial with ascending coefficients, the first of them >= 0, is proven to have
+    all roots in Re s < 0, or one at 0: by Hurwitz' determinants."""
     down, n = list(row)[::-1], len(row) - 1
     if not all(x > 0 for x in down[:-1]):
         return False
@@ -146,4 +154,5 @@ def _is_hurwitz(row: Sequence[Ball]) -> bool:
         ]
         for i in range(n)
     ]
+    # But the last one: it is that before it times the first coefficient, which may be 0.
     return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))

@@ -1,12 +1,16 @@
-"""A sampled loop with one number left open: for which values of it a root is on the unit circle.
+"""A sampled loop with one open parameter: for which values of it a root is on the unit circle.
 
-In v, z = (1 + v)/(1 - v), the circle is the imaginary axis. There is no root at z = 1 where B(1)
-Q(0) + A(1) N(0) is not 0, D = A/B and G = N/Q: a polynomial in the number, whose zeros are found by
-themselves. There is none at z = -1 where the highest coefficient in v is not 0, and no pair where a
-determinant of Hurwitz is not. A stretch of values is *clear* where both are proven not to be 0 for
-any of its values, in balls: it is cut until it is, or until each of the two is 0 once at most. Then
-the signs at its ends tell which one is, and two counts whether what adds up to 0 is a pair on the
-circle.
+With z = (1 + v)/(1 - v) the circle becomes the imaginary axis of v, and three numbers tell whether
+a root is on it. At z = 1: B(1) Q(0) + A(1) N(0), for the controller A/B and the plant N/Q, a
+polynomial in the parameter whose zeros are found by themselves. At z = -1: the highest coefficient
+in v. A pair: Hurwitz' determinant of order n - 1, which vanishes where two roots v add up to 0
+(Orlando's formula), as a pair on the axis does, and two real ones may.
+
+An interval of values is *clear* where the last two are proven not to be 0 for any of its values, in
+balls. It is cut until it is, or until each of the two is 0 once at most, as its slope has one sign:
+then the signs at its ends tell whether it is, and the counts there whether what adds up to 0 is a
+pair on the circle. Intervals that are too short for that stay open. Begin with
+``Opened.passages``.
 """
 
 from __future__ import annotations
@@ -40,12 +44,12 @@ from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.stability.loops import zeros
 
 _BITS, _MOST_BITS = 96, 1 << 12
-_FINEST = Fraction(1, 1 << 24)  # of a value: shorter stretches stay open
-_CLOSEST, _MOST_CLOSER = (
-    Fraction(1, 1 << 44),
-    200,
-)  # of those in which the number of roots is known to change
-_ONE, _MINUS_ONE, _PAIR = range(3)  # the tests
+# Intervals that are shorter, relative to their values, stay open.
+_FINEST = Fraction(1, 1 << 24)
+# The same where the number of roots is known to change in one, and how many are then looked at.
+_CLOSEST, _MOST_CLOSER = Fraction(1, 1 << 44), 200
+# The three tests, in the order of ``tests``.
+_ONE, _MINUS_ONE, _PAIR = range(3)
 
 Span = tuple[Fraction, Fraction]
 
@@ -60,7 +64,7 @@ class Passage:
 
 @dataclass(frozen=True)
 class Looked:
-    """What was ``found`` up to an ``end`` in a ``number`` of stretches, and which of them are
+    """What was ``found`` up to an ``end`` in a ``number`` of intervals, and which of them are
     ``left`` open."""
 
     found: list[Passage]
@@ -71,7 +75,7 @@ class Looked:
 
 @dataclass(frozen=True)
 class Opened:
-    """A loop in which a symbol stands for one number."""
+    """A sampled loop in which a symbol stands for its open parameter."""
 
     loop: SampledLoop
     symbol: Symbol
@@ -93,9 +97,8 @@ class Opened:
     @cached_property
     def always(self) -> int:
         """How many roots lie at 1 whatever the number is."""
+        # At a value that is none of a simple kind, as at one of these a root may come to 1.
         return 0 if self.loop.at_one != 0 else self.at(Rational(7919, 6007)).roots_at_one
-
-    # A number that changes how many whole samples a delay is
 
     @cached_property
     def _ratios(self) -> list[Expr]:
@@ -110,16 +113,17 @@ class Opened:
 
     @cached_property
     def is_late(self) -> bool:
-        """Whether the number is a delay of all that moves, and of nothing else, and the period
-        rational."""
+        """Whether the parameter is a delay of all that moves, and in nothing else, and the period
+        is rational."""
         others = self.loop.T, *self.loop.above, *self.loop.below, *self.loop.plant.denominator
         terms = self.loop.plant.terms
-        apart = any(x.has(self.symbol) for x in (*others, *(x for _, row in terms for x in row)))
-        late = all(
-            lag.diff(self.symbol) == 1 and lag.xreplace({self.symbol: Integer(0)}).is_Rational
-            for lag, _ in terms
+        coefficients = (x for _, row in terms for x in row)
+        is_elsewhere = any(x.has(self.symbol) for x in (*others, *coefficients))
+        none = {self.symbol: Integer(0)}
+        is_delay = all(
+            lag.diff(self.symbol) == 1 and lag.xreplace(none).is_Rational for lag, _ in terms
         )
-        return late and not apart and bool(self.loop.T.is_Rational) and not self.always
+        return is_delay and not is_elsewhere and bool(self.loop.T.is_Rational) and not self.always
 
     def piece(self, start: Fraction, end: Fraction) -> tuple[Opened, Fraction]:
         """The loop from a value on towards another one as far as its delays keep their whole
@@ -127,6 +131,8 @@ class Opened:
         if not self._ratios:
             return self, end
         q, last, side = _exact(start), _exact(end), 1 if end > start else -1
+        # A delay has a new number of whole samples where its ratio to the period comes to the next
+        # whole number: linear in the parameter, or not looked for.
         turns = list[Expr]()
         for ratio in self._ratios:
             here = ratio.xreplace({self.symbol: q})
@@ -136,8 +142,11 @@ class Opened:
             n = floor(here) + 1 if grows else ceiling(here) - 1
             above, below = (Poly(x, self.symbol) for x in (ratio - n).together().as_numer_denom())
             if n >= 0 and above.degree() == 1 and below.degree() < 2:
-                turns += [x for x in (-above.nth(0) / above.nth(1),) if (x - q) * side > 0]
+                turn = -above.nth(0) / above.nth(1)
+                turns += [turn] if (turn - q) * side > 0 else []
         stop = min((last, *turns), key=lambda x: (x - q) * side)
+        # At the ends of the piece a delay may be a whole number of samples; amid it floors are
+        # certain.
         middle = {self.symbol: (q + stop) / 2}
         period, plant = self.loop.T.xreplace(middle), self.loop.plant
         whole = tuple(int(floor(lag.xreplace(middle) / period)) for lag, _ in plant.terms)
@@ -146,12 +155,10 @@ class Opened:
             int(stop.p), int(stop.q)
         )
 
-    # Where roots are on the circle
-
     @cached_property
     def at_rest(self) -> tuple[Passage, ...]:
-        """The values that put a root at z = 1; and 0 where that swings without the clock, as it
-        then holds no force."""
+        """The values that put a root at z = 1; and 0 where the clock then holds no force and what
+        moves swings by itself."""
         form, _ = self.loop.at_one.together().as_numer_denom()
         try:
             row = [] if self.always or self.is_fixed else Poly(form, self.symbol).all_coeffs()[::-1]
@@ -169,8 +176,8 @@ class Opened:
 
     @cached_property
     def swing(self) -> RealNumber | None:
-        """The frequency, rad/s, with which it swings at the value 0, where the clock then holds no
-        force."""
+        """The frequency, rad/s, of an undamped mode at the value 0, where the clock then holds no
+        force; None where there is none."""
         try:
             here = self.at(Integer(0))
         except ZeroDivisionError:
@@ -186,8 +193,8 @@ class Opened:
         )
 
     def most(self, span: Span) -> int | None:
-        """For how many values each test is 0 at most, but for that at z = 1: 0, with no root on the
-        circle, or 1; None: open."""
+        """For how many values of an interval each test (but that at z = 1) is 0 at most: 0, so that
+        no root is on the circle, or 1; None: open."""
         with flint.ctx.workprec(_BITS):
             q = fraction_ball(span[0]).union(fraction_ball(span[1]))
             try:
@@ -196,17 +203,17 @@ class Opened:
                 return None
 
     def passages(self, span: Span, most: int) -> Looked:
-        """Where roots come to the circle beside z = 1, from the first end on, towards the other
-        one."""
+        """All values of an interval with a root on the circle, but at z = 1: from its first end on,
+        in ``most`` intervals at most."""
         looked = self._cut(span, most, _FINEST)
         found, left = looked.found, list[Span]()
-        for x in joined(looked.left):  # where two of them meet there may be a root
-            told = self._told(x)
-            if told is not None:
-                found += told
-            elif self._differs(
-                x
-            ):  # balls overestimate: what holds a root for certain is cut further
+        # Joined first: where two of them meet there may be a root, which neither alone can tell.
+        for x in joined(looked.left):
+            passages = self._told(x)
+            if passages is not None:
+                found += passages
+            # Balls overestimate: an interval that holds a root for certain is cut further.
+            elif self._differs(x):
                 closer = self._cut(x, _MOST_CLOSER, _CLOSEST)
                 found += closer.found
                 left += joined(closer.left) if closer.end == x[1] else [x]
@@ -215,8 +222,8 @@ class Opened:
         return replace(looked, found=found, left=left)
 
     def _cut(self, span: Span, most: int, finest: Fraction) -> Looked:
-        """The same in stretches that are cut until they are told, or as short as that share of
-        their values."""
+        """What an interval holds, cut until each part is settled, or as short as ``finest``,
+        relative to its values."""
         found, left, waiting, number = list[Passage](), list[Span](), [span], 0
         shortest = abs(span[1] - span[0]) * finest
         while waiting and number < most:
@@ -227,16 +234,17 @@ class Opened:
             if told is not None:
                 found += told
             elif abs(end - start) > finest * max(abs(start), abs(end), shortest):
-                middle = Fraction(
-                    float((33 * start + 31 * end) / 64)
-                )  # not where a number that was thought out is
+                # Off the middle: a critical value that is a simple number would be at the end of
+                # two parts, and settled in neither.
+                middle = Fraction(float((33 * start + 31 * end) / 64))
                 waiting += [(middle, end), (start, middle)]
             else:
                 left.append(own)
         return Looked(found, left, waiting[-1][0] if waiting else span[1], number)
 
     def _differs(self, span: Span) -> bool:
-        """Whether the roots outside of the circle are not as many at both ends."""
+        """Whether the numbers of roots outside of the circle differ between both ends; False also
+        where they are not known."""
         try:
             first, last = (self.at(_exact(x)).unstable() for x in span)
         except UndecidedError:
@@ -244,7 +252,7 @@ class Opened:
         return first != last
 
     def _told(self, span: Span) -> list[Passage] | None:
-        """The passage in a stretch, or that there is none; None where that is not proven."""
+        """The passages in an interval: one, or none; None where neither is proven."""
         most = self.most(span)
         if not most:
             return None if most is None else []
@@ -253,6 +261,8 @@ class Opened:
         if None in (*signs[0], *signs[1]):
             return None
         changed = [i for i in (_ONE, _MINUS_ONE, _PAIR) if signs[0][i] * signs[1][i] < 0]  # type: ignore[operator]
+        # Where two tests change at once, or a root may come through z = 1 as well, the counts at
+        # the ends do not tell which roots came.
         if len(changed) > 1 or (changed and self._has_rest(low, high)):
             return None
         if changed == [_PAIR]:
@@ -260,11 +270,13 @@ class Opened:
                 counts = {sum(self.at(_exact(x)).unstable()) for x in (low, high)}
             except UndecidedError:
                 return None
-            changed = changed if len(counts) > 1 else []  # two real ones add up to 0
+            # Two real roots v that add up to 0, z and 1/z, change no count.
+            changed = changed if len(counts) > 1 else []
         return [self._passage(low, high, test) for test in changed]
 
     def _passage(self, low: Fraction, high: Fraction, test: int) -> Passage:
-        """Where a test changes its sign between two values."""
+        """The value between two at which a test changes its sign, by bisection to any number of
+        digits."""
 
         def is_above(value: Rational) -> bool | None:
             sign = self._sign(Fraction(int(value.p), int(value.q)), test)
@@ -282,8 +294,8 @@ class Opened:
             )
 
     def _signs(self, value: Fraction) -> tuple[int | None, int | None, int | None]:
-        """Of the tests at a value; 0 of one that is known to be 0 there, None of one that is not
-        told."""
+        """The signs of the three tests at a value; 0 of one that is known to be 0 there, None of
+        one that stays open."""
         if not value and self.swing:
             return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), 0
         return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), self._sign(value, _PAIR)
@@ -301,8 +313,8 @@ class Opened:
         return circle_tests(self.loop, {self.symbol: q}, self.loop.at_one, self.always)
 
     def angle(self, q: Ball, bits: int) -> Ball:
-        """Of the pair on the circle: its argument, to so many bits; not finite where balls do not
-        tell."""
+        """The argument of the pair on the circle, rad, to so many bits; not finite where balls do
+        not single it out."""
         try:
             roots = acb_poly(self.loop.in_v({self.symbol: q}, self.always)).roots(
                 tol=arb(2) ** -bits, maxprec=2 * flint.ctx.prec
@@ -314,14 +326,14 @@ class Opened:
 
 
 def joined(spans: Sequence[Span]) -> list[Span]:
-    """Those that touch as one."""
-    found = list[Span]()
+    """Intervals in ascending order, those that touch as one."""
+    runs = list[Span]()
     for low, high in sorted((min(x), max(x)) for x in spans):
-        if found and found[-1][1] == low:
-            found[-1] = found[-1][0], high
+        if runs and runs[-1][1] == low:
+            runs[-1] = runs[-1][0], high
         else:
-            found.append((low, high))
-    return found
+            runs.append((low, high))
+    return runs
 
 
 def _exact(x: Fraction) -> Rational:
@@ -337,6 +349,8 @@ class Swing(RealNumber):
     value: RealNumber
 
     def ball(self, bits: int) -> Ball:
+        # The root of a polynomial is known to fewer digits than its coefficients, the value to
+        # fewer than the precision: rather too many bits than a ball that tells nothing.
         with flint.ctx.workprec(4 * bits + 128):
             q = self.value.ball(2 * bits + 64)
             if self.test == _ONE:

@@ -1,5 +1,14 @@
-"""The plane of a hand of one mass, or of a wall with a clock: cells drawn in floats, and the
-certified count in each of them."""
+"""Pictures of stability: the plane of stiffness and damping of a hand of one mass, or of a sampled
+wall, cut into cells of equally many unstable roots.
+
+Along the boundary of a cell a root is on the imaginary axis: for a hand, H_perc(j omega) - m
+omega^2 + j omega b + k = 0, a curve k(omega), b(omega) (D-decomposition), and the line k =
+-H_perc(0) of a root at s = 0. It is drawn in floats on a grid of pixels; the parts that it leaves
+connected are the cells. So where a cell is, and whether a narrow one was missed, is computed and
+not proven. The number of roots is counted exactly, at one point of each cell. Begin with ``plane``;
+``wall_plane`` is the same for a loop with a clock, of which the pixels themselves are counted in
+floats.
+"""
 
 from __future__ import annotations
 
@@ -23,21 +32,25 @@ from haptisym.verbs.stability.clockedloop import clocked_roots, loop_of
 from haptisym.verbs.stability.entry import WALL
 from haptisym.verbs.stability.held import characteristic, zeros_of
 
-_PIXELS = 200  # along each axis, that find the cells
-_LEAST = 60  # pixels of a cell that is counted
+# Pixels along each axis.
+_PIXELS = 200
+# Pixels of the smallest cell that is counted.
+_LEAST = 60
 _FREQUENCIES = 4000
 _MOST_CELLS = 12
 _BITS = 128
-_ROUNDING = 1e-9  # in shares
-_TURNS = 12  # of the longest delay, at most, that are drawn
+# What coefficients of a loop may be off by, as a share of the largest, and still be linear.
+_ROUNDING = 1e-9
+# Turns of the longest delay that are drawn: from each on the boundary winds once more around.
+_TURNS = 12
 
 Window: TypeAlias = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
 class HandCell:
-    """Hands of one count: where that is written, and the certified roots of the hand there; None
-    where not decided."""
+    """A cell of the plane: its ``pixels``, the point ``k``, ``b`` in its middle, and the roots in
+    Re s >= 0 there, counted exactly; None where that was not decided."""
 
     k: float
     b: float
@@ -52,8 +65,8 @@ class HandCell:
 
 @dataclass(frozen=True)
 class Plane:
-    """Of hands of one mass: the boundary ``k``, ``b`` along ``omega``, the stiffness with a root at
-    0, and the cells in a window.
+    """The plane of hands of one mass: its boundary ``k``, ``b`` along omega, the stiffness ``at_0``
+    with a root at s = 0, and the cells in a window.
 
     k = m omega^2 - Re H_perc and b = -Im H_perc/omega. ``window`` : lowest and highest k, lowest
     and highest b. What is drawn is floats, and finds the cells; the count of each is certified at
@@ -69,7 +82,7 @@ class Plane:
 
 
 def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
-    """The plane of a hand's mass."""
+    """The plane of the hands that have a hand's mass, with its cells."""
     found = boundary(scene, hand, window)
     labels = _labels(found.k, found.b, found.at_0, window)
     return replace(
@@ -78,7 +91,7 @@ def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
 
 
 def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
-    """The same without its cells."""
+    """The plane without its cells: its boundary alone, in floats."""
     mass = float(hand.m.value)
     response = scene.closed.compile(of=("perceived_real", "perceived_imag"))
 
@@ -87,6 +100,7 @@ def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
         return mass * omega**2 - values.perceived_real, -values.perceived_imag / omega
 
     end = _end(at, window, [float(x) for x in ring_of(scene.closed.perc).lags])
+    # Equal steps show the turns of a delay, steps of the logarithm where the boundary begins.
     grids = np.geomspace(1e-5 * end, end, _FREQUENCIES), np.linspace(1e-5 * end, end, _FREQUENCIES)
     k, b = at(np.unique(np.concatenate(grids)))
     start = -float(response(np.array([0.0])).perceived_real[0])
@@ -103,12 +117,10 @@ def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     low, high, least, most = window
     middles = (np.arange(_PIXELS) + 0.5) / _PIXELS
     k, b = low + middles * (high - low), least + middles * (most - least)
-    k0, k1, b0, b1 = (
-        k[_PIXELS // 4],
-        k[-_PIXELS // 4],
-        b[_PIXELS // 4],
-        b[-_PIXELS // 4],
-    )  # nothing cancels within
+    # The polynomial is c(k, b) = c0 + k c1 + b c2: made at four points, the fourth of which shows
+    # whether it is so. They lie amid the window, where no coefficient is lost.
+    k0, k1 = k[_PIXELS // 4], k[-_PIXELS // 4]
+    b0, b1 = b[_PIXELS // 4], b[-_PIXELS // 4]
     c = {(x, y): _coefficients(scene, hand, x, y) for x in (k0, k1) for y in (b0, b1)}
     size = max(map(len, c.values()))
     c = {at: np.pad(row, (0, size - len(row))) for at, row in c.items()}
@@ -120,6 +132,7 @@ def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
         raise UndecidedError("the plane of a wall that is not what is rendered")
     rows = c[k0, b0] + (k - k0)[:, None, None] * along + (b - b0)[None, :, None] * across
     counts = _outside(rows)
+    # One count may belong to several cells that do not touch: each gets a number of its own.
     labels = np.zeros(counts.shape, dtype=int)
     for number in np.unique(counts):
         part = _filled(counts == number)
@@ -144,7 +157,7 @@ def _wall(scene: Scene, k: float, b: float) -> Scene:
 
 
 def _coefficients(scene: Scene, hand: Hand, k: float, b: float) -> Array:
-    """Of the loop's polynomial in 1/z, ascending."""
+    """The coefficients of the loop's polynomial in 1/z, ascending, at a wall of k and b."""
     own = scene.with_values({path: Rational(x) for path, x in zip(WALL, (k, b), strict=True)})
     with flint.ctx.workprec(_BITS):
         return np.array([float(x.mid()) for x in loop_of(own, hand).balls()])
@@ -153,10 +166,13 @@ def _coefficients(scene: Scene, hand: Hand, k: float, b: float) -> Array:
 def _outside(rows: Array) -> Array:
     """How many roots z of polynomials in 1/z with these coefficients have ``|z|`` >= 1."""
     n = rows.shape[-1] - 1
+    # The eigenvalues of the companion matrix, all pixels at once, are the roots z.
     companion = np.zeros((*rows.shape[:-1], n, n))
     companion[..., 0, :] = -rows[..., 1:] / rows[..., :1]
-    companion[..., np.arange(1, n), np.arange(n - 1)] = 1
-    return np.asarray((np.abs(np.linalg.eigvals(companion)) >= 1).sum(-1))
+    below, diagonal = np.arange(1, n), np.arange(n - 1)
+    companion[..., below, diagonal] = 1
+    sizes = np.abs(np.linalg.eigvals(companion))
+    return np.asarray((sizes >= 1).sum(-1))
 
 
 def _end(
@@ -167,6 +183,7 @@ def _end(
     k, b = boundary(rough)
     low, high, least, most = window
     inside = (k > low) & (k < high) & (b > least) & (b < most)
+    # A fifth beyond the last point inside, so that the way out is drawn too.
     last = float(1.2 * rough[inside][-1]) if inside.any() else 100.0
     return min(last, 2 * np.pi * _TURNS / max(lags)) if lags else last
 
@@ -177,19 +194,28 @@ def _labels(k: Array, b: Array, at_0: float | None, window: Window) -> Array:
     open_ones = np.ones((_PIXELS, _PIXELS), dtype=bool)
     x, y = (k - low) / (high - low) * _PIXELS, (b - least) / (most - least) * _PIXELS
     for (x0, x1), (y0, y1) in zip(pairwise(x), pairwise(y), strict=True):
-        if max(x0, x1) < 0 or min(x0, x1) > _PIXELS or max(y0, y1) < 0 or min(y0, y1) > _PIXELS:
+        left, right = min(x0, x1), max(x0, x1)
+        lower, upper = min(y0, y1), max(y0, y1)
+        if right < 0 or left > _PIXELS or upper < 0 or lower > _PIXELS:
             continue
-        count = int(min(2 * max(abs(x1 - x0), abs(y1 - y0)), 4 * _PIXELS)) + 2
-        i, j = (np.linspace(*ends, count).astype(int) for ends in ((x0, x1), (y0, y1)))
-        kept = (i >= 0) & (i < _PIXELS) & (j >= 0) & (j < _PIXELS)
-        open_ones[i[kept], j[kept]] = False
+        # Two points to each pixel of the line, so that it has no holes through which two cells
+        # would become one; no more on a line that comes from far away, as at a pole.
+        length = max(right - left, upper - lower)
+        count = int(min(2 * length, 4 * _PIXELS)) + 2
+        i = np.linspace(x0, x1, count).astype(int)
+        j = np.linspace(y0, y1, count).astype(int)
+        is_seen = (i >= 0) & (i < _PIXELS) & (j >= 0) & (j < _PIXELS)
+        open_ones[i[is_seen], j[is_seen]] = False
     if at_0 is not None and low < at_0 < high:
         open_ones[int((at_0 - low) / (high - low) * _PIXELS), :] = False
     return _filled(open_ones)
 
 
 def _filled(open_ones: Array) -> Array:
-    """Numbers of the connected parts, from 1."""
+    """A number, from 1, for each pixel of a connected part, and 0 elsewhere: flood filling.
+
+    Pixels touch by their sides alone: a boundary that goes diagonally parts them.
+    """
     labels = np.zeros(open_ones.shape, dtype=int)
     for start in zip(*np.nonzero(open_ones), strict=True):
         if labels[start]:
@@ -221,15 +247,14 @@ def _cells(
         if sizes[number] < _LEAST:
             return
         i, j = _deepest(labels == number)
-        k, b = (
-            low + (i + 0.5) * (high - low) / _PIXELS,
-            least + (j + 0.5) * (most - least) / _PIXELS,
-        )
+        k = low + (i + 0.5) * (high - low) / _PIXELS
+        b = least + (j + 0.5) * (most - least) / _PIXELS
         yield HandCell(k, b, roots(k, b), labels == number)
 
 
 def _deepest(part: Any) -> tuple[int, int]:
     """The pixel that is left longest where the rim is taken away again and again."""
+    # The frame of False counts the window's edge as boundary: 1 is taken off again below.
     left = np.pad(part, 1)
     while True:
         inner = (
@@ -247,8 +272,11 @@ def _deepest(part: Any) -> tuple[int, int]:
 
 
 def _roots(scene: Scene, hand: Hand, k: float, b: float) -> Roots | None:
+    """The roots in Re s >= 0 in a hand of a hand's mass; None where that is not decided."""
     perceived = scene.closed.perc
     ring = ring_of(perceived)
+    # Three digits, as they are written into the picture: far inside of a cell the others do not
+    # matter.
     near_k, near_b = (Rational(f"{x:.3g}") for x in (k, b))
     Z = ring.convert(hand.m.value * s**2 + near_b * s + near_k)
     try:

@@ -1,11 +1,12 @@
-"""Held in a hand, for all values of a box, and all over planes of two numbers of display or hand.
+"""Is a display stable in a hand for all values of a box, for some or for none, and where in a plane
+of two parameters of display or hand.
 
-For a box it is told whether a display is stable for all values, for some, or for none: the number
-of roots changes only where one meets the imaginary axis (with a clock, the unit circle). A plane is
-filled with rectangles, cut until each is clear or small: one is clear where the characteristic
-function is nowhere 0 on the axis, for any of its values and any of what else varies. Clear
-rectangles that touch have one number of unstable roots, which is counted exactly at one set of
-values.
+The number of unstable roots changes only where one meets the imaginary axis (with a clock, the unit
+circle). A set of values is *clear* where the characteristic function is nowhere 0 on the axis, for
+any of its values: proven in Taylor models (``OnAxis``), with a clock in balls (``OnCircle``). All
+values of a clear box, or of clear rectangles that touch, have one number of roots, which is counted
+exactly at one of them. A plane is filled with rectangles, cut until each is clear, for any value of
+what else varies, or small. Begin with ``held_in_box`` and ``held_plane``.
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ from haptisym.verbs.stability.held import Share, characteristic, unstable_roots
 from haptisym.verbs.stability.oncircle import Cell, OnCircle, cell_halves
 
 _MOST_CORNERS = 64
-_MOST_MIDDLES = 12  # of cells where roots may meet the axis, that are tried as examples
+# Cells in which roots may meet the axis whose middles are tried as examples.
+_MOST_MIDDLES = 12
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,10 @@ def held_in_box(scene: Scene, hand: Hand) -> HeldInBox:
 
 
 class _Question:
-    """One hand, and what varies."""
+    """The question of ``held_in_box``: one hand, and the parameters that vary, its ``sides``.
+
+    ``found`` : an example of values for either verdict.
+    """
 
     def __init__(self, scene: Scene, hand: Hand) -> None:
         self.scene, self.hand = scene, hand
@@ -102,6 +107,8 @@ class _Question:
 
     def answer(self) -> HeldInBox:
         """The verdict, with examples."""
+        # Counts first: two examples that differ settle it, and where they do not, all have one
+        # verdict that is then proven or not.
         reason = self._look(islice(self._corners(), 1 + _MOST_CORNERS))
         proven: bool | None = None
         if len(self.found) == 1:
@@ -120,8 +127,8 @@ class _Question:
         return HeldInBox(self.hand, share, self.found.get(True), self.found.get(False), told)
 
     def _look(self, sets: Iterator[dict[str, Expr]]) -> str:
-        """Count the roots of single sets of values until there are both kinds; why some of them
-        stayed open."""
+        """Count the roots at single sets of values until there is an example of either kind; return
+        why some stayed open."""
         reason = ""
         for values in sets:
             if len(self.found) == 2:
@@ -144,8 +151,10 @@ class _Question:
         )
 
     def _for_all(self) -> bool | None:
-        """Whether all are stable, or none is; None where there are both, which are then among the
-        examples."""
+        """Whether the display is stable for all values, or for none; None where neither is shown.
+
+        Examples of both kinds may have been found on the way.
+        """
         if clocks(self.scene):
             return self._with_a_clock()
         ring, top, bottom = quotient(self.scene, self.hand, {x.symbol for x in self.sides})
@@ -154,11 +163,13 @@ class _Question:
             return None
         if number == 0:
             return True
-        poles = self._everywhere(ring, bottom)  # what top and bottom share is no root
+        # Zeros that top and bottom share at some values are no roots there: as many as bottom has
+        # in Re s >= 0 may be hidden, and one more than that is a root for all values.
+        poles = self._everywhere(ring, bottom)
         return False if poles is not None and poles < number else None
 
     def _with_a_clock(self) -> bool | None:
-        """The same by the roots of the sampled loop."""
+        """What ``_for_all`` returns, by the roots of the sampled loop."""
         used = {x.symbol: x.interval for x in self.sides if x.interval}
         loop = OnCircle.of(self.scene, self.hand, used)
         left = loop.left()
@@ -202,8 +213,10 @@ class _Question:
 def quotient(
     scene: Scene, hand: Hand, symbols: Collection[Symbol]
 ) -> tuple[Ring, Polynomial, Polynomial]:
-    """H_perc + Z as a quotient, with what varies as symbols, the denominator without its zeros at
-    0. UndecidedError: friction."""
+    """H_perc + Z as a ring, numerator and denominator, with what varies as symbols.
+
+    Without the denominator's zeros at 0. UndecidedError for a display with friction.
+    """
     chain = scene.chain.at(values_of(p for p in scene.parameters if p.symbol not in symbols))
     Z = hand.dynamics.xreplace(values_of(p for p in hand.parameters if p.symbol not in symbols))
     ring = Ring.of([*chain.entries(), Z])
@@ -222,21 +235,27 @@ def count_at(ring: Ring, polynomial: Polynomial, known: Mapping[Symbol, Expr]) -
     return count_roots(own.convert(here).numerator, own).number
 
 
-_FIRST = 8  # of each range, to begin with
-_MOST_PIECES = 48  # of what else varies, that are looked at for one rectangle
+# Parts of each range of a plane to begin with.
+_FIRST = 8
+# Cells of what else varies that are looked at for one rectangle.
+_MOST_PIECES = 48
 
 
 @dataclass(frozen=True)
 class ClockPlane:
-    """Several loops, the first two of whose numbers make the plane, down to a ``finest`` share, by
-    at ``most`` some cells."""
+    """A plane of sampled loops that must all be clear: of the first two of their parameters.
+
+    ``finest`` : the share of both ranges down to which rectangles are cut. ``most`` : cells that
+    are looked at.
+    """
 
     loops: Sequence[OnCircle]
     finest: float
     most: int
 
     def rectangles(self) -> tuple[Array, Array]:
-        """Those that are clear, and what is left; (rectangles, 2, 2), in shares of both ranges."""
+        """The rectangles that are clear, and those that are left; (rectangles, 2, 2), in shares of
+        both ranges."""
         clear, left, looked = list[Cell](), list[Cell](), 0
         whole: Cell = ((Fraction(0), Fraction(1)),) * (len(self.loops[0].ranges) - 2)
         sides = [(Fraction(i, _FIRST), Fraction(i + 1, _FIRST)) for i in range(_FIRST)]
@@ -244,9 +263,8 @@ class ClockPlane:
         first: list[tuple[Cell, Sequence[Sequence[Cell]]]] = [
             (own, [[whole] for _ in self.loops]) for own in grid
         ]
-        waiting = Waiting(
-            first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles"
-        )  # the widest first
+        # The widest first, so that whenever it stops the plane is settled evenly.
+        waiting = Waiting(first, lambda x: x[0][0][0] - x[0][0][1], what="rectangles")
         with suppress(LimitError):
             for own, others in waiting:
                 if looked > self.most:
@@ -263,11 +281,11 @@ class ClockPlane:
         return _array(clear), _array(left)
 
     def _doubtful(self, own: Cell, rest: Sequence[Sequence[Cell]]) -> tuple[list[list[Cell]], int]:
-        """Of a rectangle, for each loop the cells of what else varies in which it is not clear, and
-        how many were looked at.
+        """For each loop the cells of what else varies for which a rectangle is not clear, and how
+        many were looked at.
 
-        They are cut while it is clear for the middle of them: else it is the rectangle that is too
-        large.
+        A cell is cut while the rectangle is clear for its middle: else it is the rectangle that is
+        too large. The halves of the rectangle begin with the cells that are left here.
         """
         found, looked = list[list[Cell]](), 0
         for loop, others in zip(self.loops, rest, strict=True):
@@ -294,10 +312,14 @@ def _array(cells: Sequence[Cell]) -> Array:
     )
 
 
-_FIRST_PIECES = 48  # of the frequencies, to begin with
-_AT_LAST = 5  # times that pieces of the smallest ones are cut
+# Pieces of the frequencies to begin with.
+_FIRST_PIECES = 48
+# How often the pieces of frequency of a rectangle that is cut no further are.
+_AT_LAST = 5
 _MOST_COUNTS = 48
-_DEARER, _FINEST_SAMPLED = 15, 2.0**-8  # a cell of a loop with a clock, in balls
+# A cell of a loop with a clock, in balls, takes so many times as long as one in floats; and the
+# share down to which its rectangles are cut.
+_DEARER, _FINEST_SAMPLED = 15, 2.0**-8
 
 Interval = tuple[Expr, Expr]
 
@@ -323,12 +345,11 @@ def held_plane(
     finest: float = 2.0**-8,
     most: int = 60_000,
 ) -> HeldPlane:
-    """The plane of two numbers of display or hands, whatever ``others`` are. UndecidedError where
-    nothing is known of it.
+    """The plane of two parameters of display or hands, for all values of ``others`` at once.
 
     ``hands`` : stable is what is so in all of them. ``finest`` : the share of a range down to which
-    rectangles are cut;
-    ``most`` : cells that are looked at.
+    rectangles are cut; ``most`` : cells that are looked at. UndecidedError where nothing is known
+    of the plane.
     """
     ranges = {**plane, **(others or {})}
     if clocks(scene):
@@ -340,9 +361,9 @@ def held_plane(
     loops = [_Loop(*quotient(scene, x, set(ranges)), ranges) for x in hands]
     if any(x.form.reach is None for x in loops):
         raise UndecidedError("whether roots come from infinity for some of the values")
-    first = np.tile(
-        [0.0, 1.0], (_FIRST_PIECES, len(ranges) - 1, 1)
-    )  # of the frequencies, with all of what else varies
+    # Pieces of the frequencies, each with the whole ranges of what else varies; by factors, as
+    # roots may lie many decades below the highest frequency.
+    first = np.tile([0.0, 1.0], (_FIRST_PIECES, len(ranges) - 1, 1))
     edges = np.concatenate([[0.0], np.geomspace(1e-4, 1.0, _FIRST_PIECES)])
     first[:, 0] = np.stack([edges[:-1], edges[1:]], -1)
     judges = [x.form.curve for x in loops]
@@ -365,11 +386,13 @@ def wider_than(finest: float) -> Callable[[Array], Array]:
 
 
 def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldPlane:
-    """Clear rectangles by the counts of those that touch each other."""
+    """The plane, from clear rectangles and those that are left: one count for each set of clear
+    ones that touch, the largest sets first."""
     label = touching(clear)
     stable, unstable = np.zeros((2, len(clear)), bool)
     parts = sorted(set(label.tolist()), key=lambda n: -float(_areas(clear[label == n]).sum()))
     for n in parts[:_MOST_COUNTS]:
+        # The largest rectangle of a set: its middle is far from where roots meet the axis.
         own = clear[label == n]
         verdicts = [x.is_stable(own[np.argmax(_areas(own))]) for x in loops]
         stable[label == n], unstable[label == n] = all(verdicts), False in verdicts
@@ -380,7 +403,7 @@ def _told(loops: Sequence[_Loop | _Sampled], clear: Array, left: Array) -> HeldP
 
 @dataclass(frozen=True)
 class _Loop:
-    """H_perc + Z of one hand as a quotient, over what varies."""
+    """H_perc + Z in one hand as a quotient, over the ``ranges`` of what varies."""
 
     ring: Ring
     top: Polynomial
@@ -389,12 +412,12 @@ class _Loop:
 
     @cached_property
     def form(self) -> OnAxis:
-        """What is to have no zero on the axis."""
+        """The numerator on the axis, for all values of the ranges: clear where it is not 0."""
         return OnAxis(self.ring, self.top, self.ranges)
 
     def is_stable(self, rectangle: Array) -> bool | None:
-        """Whether it is for all values of a clear rectangle (and of those that touch it), or for
-        none; None where not known."""
+        """Whether the loop is stable for all values of a clear rectangle (and of those that touch
+        it), or for none; None where not known."""
         try:
             count = count_at(self.ring, self.top, _values_amid(self.ranges, rectangle))
         except (UndecidedError, LimitError):
@@ -422,12 +445,13 @@ class _Loop:
 
 @dataclass(frozen=True)
 class _Sampled:
-    """A loop with a clock in one hand."""
+    """A sampled loop in one hand."""
 
     form: OnCircle
 
     def is_stable(self, rectangle: Array) -> bool | None:
-        """As of ``_Loop``."""
+        """Whether the loop is stable for all values of a clear rectangle (and of those that touch
+        it), or for none; None where not known."""
         try:
             return self.form.is_stable(_values_amid(self.form.ranges, rectangle))
         except (UndecidedError, LimitError):

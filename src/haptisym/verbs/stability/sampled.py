@@ -1,10 +1,12 @@
-"""For which values of a number a display with a clock is stable in a hand.
+"""For which values of one parameter is a display with a clock stable in a hand.
 
-From the value that the number has, outward on both sides in stretches that grow, all values are
-found that put a root on the unit circle: in between one exact count tells. How far that goes is
-bounded, and the answer says how far; down to 0 where all values on the way are clear at once.
-Upward it has no end where what damps, or is mass or stiffness beside that, puts no root on the
-circle, as that damps as Colgate and Schenkel's condition asks.
+The number of roots in |z| >= 1 changes only at critical values, which put a root on the unit
+circle (``opened``; ``late`` for a delay): between two of them one exact count tells. They are
+found from the present value outward, on both sides in intervals that grow. How far that goes is
+bounded, and the answer says how far. It reaches down to 0 where all values on the way are clear at
+once, and has no upper end where Colgate and Schenkel's condition is met with the hand's damping:
+then more damping, or any mass or stiffness, puts no root on the circle. Begin with
+``clocked_question``, which ``limits`` asks; the search is ``OutwardSearch``.
 """
 
 from __future__ import annotations
@@ -42,13 +44,15 @@ from haptisym.verbs.stability.held import drifts, moved
 from haptisym.verbs.stability.late import Lateness
 from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 
-_MOST, _MOST_NEAR = 500, 80  # stretches that are looked at on a side
-MOST_SAMPLES = 64  # late, of a loop whose roots are counted
-_CLOCK = 32  # times as quick a clock may be for its nearest limit
-# Of a value the first of them, then each is twice as long; and the share of a value that is next on
-# the way down to 0.
-# Neither ends where a number that was thought out is: a limit there would be at the end of two
-# stretches, and told by none.
+# Intervals that are looked at on a side; the fewer where only the nearest end is asked for.
+_MOST, _MOST_NEAR = 500, 80
+# Whole samples of delay of a loop whose roots are counted: each adds one to the degree.
+MOST_SAMPLES = 64
+# How many times quicker a clock is looked at for its nearest limit.
+_CLOCK = 32
+# The length of the first interval, relative to its value, each next one being twice as long; and
+# the ratio of a value to the one before it on the way down to 0. No simple ratios, so that no
+# interval ends at a simple number: a limit there would be at the end of two, settled in neither.
 _FIRST, _DOWN = Fraction(33, 511), Fraction(33, 67)
 _NOT_SEARCHED = "that far it was not searched"
 _NOT_FINE = "whether roots come to the unit circle: the search was not fine enough"
@@ -57,15 +61,17 @@ _NOT_FINE = "whether roots come to the unit circle: the search was not fine enou
 def clocked_question(
     scene: Scene, hand: Hand, free: Knob, asked: Domain, criterion: Criterion, *, near: bool = False
 ) -> Question:
-    """For which values of a number of the hand or of the display that is stable, or steady: as
+    """The question for which values of a parameter of hand or display it is stable, or steady, as
     ``criterion`` says.
 
-    ``near`` : only as far from its own value as ``solve`` then asks.
+    ``near`` : only up to the nearest ends, as of ``solve``.
     """
 
     def rests(value: Rational, *, own: bool) -> bool | None:
-        """Of roots on the circle, at some values of their ``own`` alone: there they may cancel;
-        others may only drift."""
+        """Whether a value with roots on the circle will do: as they cancel, or only drift.
+
+        ``own`` : some roots are on the circle at that value alone, not at all values.
+        """
         try:
             there = moved(scene, hand, free, value)
             found = clocked_roots(*there)
@@ -92,7 +98,7 @@ def clocked_question(
 
 
 def question_of(search: Callable[[], OutwardSearch], own: Expr, criterion: Criterion) -> Question:
-    """For ``solve``; ``search`` is begun as late as something is asked."""
+    """The question for ``solve``; ``search`` is made only when something is asked."""
 
     def changes() -> Iterator[CriticalValues]:
         for found, open_ in search().known():
@@ -105,7 +111,7 @@ def question_of(search: Callable[[], OutwardSearch], own: Expr, criterion: Crite
 
 
 Frontier: TypeAlias = tuple[Fraction, str] | None
-"""Up to where something is known, and why it is not beyond; None where it is."""
+"""Up to which value something is known, and why not beyond; None where it is known beyond too."""
 
 
 class Rests(Protocol):
@@ -117,7 +123,7 @@ class Rests(Protocol):
 
 
 def _never(value: Rational, *, own: bool) -> bool | None:
-    """Of a loop in which nothing cancels and nothing drifts: a root on the circle stays there."""
+    """The verdict where nothing cancels and nothing drifts: a root on the circle is one."""
     return False
 
 
@@ -127,12 +133,12 @@ def _exact(x: Fraction) -> Rational:
 
 @dataclass
 class OutwardSearch:
-    """A number of a loop, and how far its values are looked at.
+    """The search for critical values of one parameter of a loop, outward from its ``own`` value.
 
-    ``reach`` : from where to where. ``enough`` : whether all values from one on are known to do.
-    ``near`` : as of ``solve``.
-    ``found``, ``left`` : values with a root on the circle beside z = 1, and stretches that are not
-    told.
+    ``asked`` : the values asked about; ``reach`` : from where to where they are looked at.
+    ``rests`` : the verdict on a value with roots on the circle. ``enough`` : whether all values
+    from one on are known to do. ``near`` : as of ``solve``. ``found`` : values with a root on the
+    circle, but at z = 1; ``left`` : intervals that stay open.
     """
 
     loop: Opened
@@ -147,11 +153,11 @@ class OutwardSearch:
 
     @cached_property
     def _late(self) -> Lateness | None:
-        """Of a delay of all that moves."""
+        """The search by curves, where the parameter is a delay of all that moves; else None."""
         return Lateness.of(self.loop, self.own, self._ends()[1]) if self.loop.is_late else None
 
     def holds(self, value: Rational) -> bool | None:
-        """Whether it is stable with a value."""
+        """Whether the loop is stable at a value, by an exact count; None where that stays open."""
         if self._late and (found := self._late.holds(value)) is not None:
             return found
         if not value and self.loop.swing:
@@ -167,8 +173,8 @@ class OutwardSearch:
         )
 
     def known(self) -> Iterator[tuple[list[Passage], list[Open]]]:
-        """What is known of the values with a root on the circle, again and again, and where more of
-        them may be."""
+        """The critical values that are known, and where more of them may be; each yield replaces
+        the one before."""
         if self.loop.is_fixed:
             yield [], []
             return
@@ -178,6 +184,7 @@ class OutwardSearch:
         low, high = self._ends()
         start = min(max(_fraction(self.own, 1), low), high)
         sides = {-1: self._side(-1, start, low), 1: self._side(1, start, high)}
+        # Both sides in turn, so that when time runs out the nearest values on either are known.
         beyond: dict[int, Frontier] = dict.fromkeys(sides, (start, STOPPED))
         while sides:
             for side, frontier in [*sides.items()]:
@@ -189,7 +196,7 @@ class OutwardSearch:
                 yield [*self.loop.at_rest, *self.found], self._open(beyond)
 
     def _of_a_delay(self, late: Lateness) -> Iterator[tuple[list[Passage], list[Open]]]:
-        """By the curves along which a root is on the circle."""
+        """What ``known`` yields for a delay, by the curves along which a root is on the circle."""
         _, high = self._ends()
         for known in late.known(high):
             self.left = late.left
@@ -217,13 +224,14 @@ class OutwardSearch:
         return open_
 
     def _ends(self) -> tuple[Fraction, Fraction]:
-        """From where to where is looked: down to 0 where that is an end."""
+        """The range of values that is looked at; down to 0 where what is asked about ends there."""
         low, high = self.reach
         low = self.asked.low if self.asked.low is not None and not self.asked.low else low
         return _fraction(low, -1), _fraction(high, 1)
 
     def _side(self, side: int, at: Fraction, end: Fraction) -> Iterator[Frontier]:
-        """Up to where all is known on one side, again and again."""
+        """Up to where all is known on one side, after each interval; None at last where it is known
+        to the end."""
         left, step = _MOST_NEAR if self.near else _MOST, (abs(at) or abs(end) / 10**6) * _FIRST
         least = (
             at / _CLOCK
@@ -236,7 +244,9 @@ class OutwardSearch:
             yield None
             return
         while at != end and left > 0 and not (is_down and at < least) and not _is_enough(verdicts):
+            # An interval that would pass 0 ends there, and the next one begins there.
             loop, last = self.loop.piece(at, Fraction(0) if at * end < 0 else end)
+            # The rest is clear at once, or else cut off after one step.
             if last != end or loop.most((at, end)) != 0:
                 ahead = Fraction(float(at * _DOWN if is_down else at + side * step))
                 last = min(ahead, last) if side > 0 else max(ahead, last)
@@ -258,8 +268,7 @@ class OutwardSearch:
 
     @property
     def _not_searched(self) -> str:
-        """Why nothing is known beyond what was looked at: nobody asked, where only what is near was
-        asked for."""
+        """The reason why nothing is known beyond what was looked at."""
         return UNSEARCHED if self.near else _NOT_SEARCHED
 
     def _told(self, value: Fraction) -> bool | None:
@@ -269,22 +278,25 @@ class OutwardSearch:
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
-    """Whether it is known where what holds ends, or where it begins and ends, from a value on to
-    one side."""
+    """Whether verdicts from the present value outward show all that a near set asks for: where what
+    holds ends, and where it fails at first, also where it begins.
+
+    True as well where one verdict stays open, as nothing beyond it is near.
+    """
     changes = sum(a != b for a, b in pairwise(verdicts))
     return None in verdicts[1:] or changes > (not verdicts[:1] or not verdicts[0])
 
 
 def _fraction(x: Expr, side: int) -> Fraction:
-    """A number, or one next to it, on that side of it, where it is not rational."""
+    """A number as a fraction; if it is not rational, one close to it on the side given."""
     if isinstance(x, Rational):
         return Fraction(int(x.p), int(x.q))
     return ExactNumber(x).bounds(64)[side > 0]
 
 
 def is_held(scene: Scene, hand: Hand, free: Knob, value: Rational) -> bool:
-    """Whether from a value of a number on the hand holds the display by what it damps, whatever its
-    mass, proven."""
+    """Whether a display is proven stable for all values of a parameter from one on, by Colgate and
+    Schenkel's condition with the hand's damping, whatever its mass."""
     symbol = free.symbol
     if any(p.symbol == symbol for p in hand.parameters):
         hand = hand.with_values({symbol.name: value})

@@ -1,7 +1,8 @@
-"""With a clock: for which factors on the rendered force, and for which further delays, a display is
-stable in a hand.
+"""Gain and delay margins of a sampled loop: for which factors on the rendered force, and for which
+further delays, it is stable in a hand.
 
-The factor stands before the controller, the delay in what moves.
+The factor multiplies the controller's numerator, the delay is added to all delays of the plant: an
+open parameter of the loop either way, searched outward from 1 or 0 as in ``sampled``.
 """
 
 from __future__ import annotations
@@ -22,14 +23,15 @@ from haptisym.verbs.stability.sampled import OutwardSearch, question_of
 
 
 def factors(scene: Scene, hand: Hand, asked: Domain) -> ValueSet:
-    """Of the force, about 1. UndecidedError where that is not known of the loop."""
+    """The factors on the force, about 1, for which the loop is stable. UndecidedError where more
+    than series effects lie before the clock."""
     g = Symbol("g_margin", positive=True)
     loop = _loop(scene, hand)
     return _found(replace(loop, above=tuple(g * x for x in loop.above)), g, Integer(1), hand, asked)
 
 
 def delays(scene: Scene, hand: Hand, asked: Domain) -> ValueSet:
-    """More than there are already, s, from 0 on."""
+    """The delays, s, from 0 on, that may be added so that the loop stays stable."""
     late = Symbol("tau_margin", positive=True)
     loop = _loop(scene, hand)
     terms = tuple((lag + late, row) for lag, row in loop.plant.terms)

@@ -1,7 +1,8 @@
-"""What a sweep varies, and what it tells of each set.
+"""What a sweep varies, and the variables that it computes for each set of values.
 
-It varies numbers of a scene by their paths, with values that are checked like the scene's own
-(``axes``). Of each set it tells variables, named by the criteria and hands of the scene (``SweepVariables``).
+Numbers of a scene are varied by their paths, with values that are checked like the scene's own
+(``axes``). The variables of a set are named by the criteria and hands of the scene
+(``SweepVariables``).
 """
 
 from __future__ import annotations
@@ -34,12 +35,12 @@ class SweepAxis:
 
     @property
     def path(self) -> str:
-        """Of what varies."""
+        """The path of what varies, as in a scene file."""
         return self.knob.path
 
     @property
     def unit(self) -> str:
-        """Empty where it is not known."""
+        """The unit of the values; empty where it is not known."""
         return self.knob.unit_in(self.knob.motion)
 
 
@@ -61,6 +62,8 @@ def axes(scene: Scene, vary: Mapping[str, AxisValues]) -> tuple[SweepAxis, ...]:
 
 
 def _axis(knob: Knob, values: AxisValues) -> SweepAxis:
+    """One dimension; SceneError for values that are none, not finite, double, or not allowed."""
+    # a string is one value, though it is a sequence
     each = (
         [values] if isinstance(values, str) else np.asarray(values, dtype=object).ravel().tolist()
     )
@@ -71,12 +74,14 @@ def _axis(knob: Knob, values: AxisValues) -> SweepAxis:
         raise SceneError(f'{knob.path}: "{floats[~np.isfinite(floats)][0]}" must be finite')
     if len(np.unique(floats)) < len(floats):
         raise SceneError(f"{knob.path}: each value may be given only once")
-    for extreme in (floats.min(), floats.max()):  # every rule is one about an interval
+    # every rule for a value is one about an interval, so that the extremes decide for all
+    for extreme in (floats.min(), floats.max()):
         knob.check(Decimal(repr(float(extreme))))
     return SweepAxis(knob, floats)
 
 
 def _float(knob: Knob, given: Any) -> float:
+    """A value as a float, SI; SceneError where it is no number."""
     if isinstance(given, str):
         return float(ExactNumber(knob.number(given)))
     try:
@@ -121,6 +126,7 @@ _MOST_VALUES = 10_000_000
 
 
 ABSENT, UNKNOWN = float("nan"), -1
+# the largest signed number of 16 bits, in which counts are stored
 INFINITE = 32767
 """Stands for infinitely many roots, a chain of them that lies on the right or comes as near to the
 axis as one likes."""
@@ -143,7 +149,7 @@ class SweepVariables:
 
     @classmethod
     def of(cls, scene: Scene) -> SweepVariables:
-        """Of a scene: its criteria and its hands."""
+        """The variables of a sweep of this scene."""
         return cls(
             tuple(x.name for x in noticed(scene.threshold)),
             {held_name(scene, x): x.name for x in scene.hands},
@@ -151,13 +157,13 @@ class SweepVariables:
 
     @property
     def floats(self) -> tuple[str, ...]:
-        """Those that are frequencies, or a fraction of the band."""
+        """The names of the variables that are frequencies, or a fraction of the band."""
         crossings = (f"first_crossing_{name}" for name in self.criteria)
         return *crossings, "bandwidth", "transparent", *(f"changeover_{name}" for name in SYSTEMS)
 
     @property
     def counts(self) -> tuple[str, ...]:
-        """Those that count."""
+        """The names of the variables that count crossings and changeovers."""
         return *(f"crossings_{name}" for name in self.criteria), *(
             f"changeovers_{name}" for name in SYSTEMS
         )
@@ -186,6 +192,7 @@ class SweepVariables:
         }
 
     def _meanings(self) -> dict[str, str]:
+        """A sentence for each variable, as data sets have it."""
         found = {
             "bandwidth": (
                 "end of the transparent interval that starts at the band's low end; NaN if none "
@@ -226,7 +233,7 @@ class SweepVariables:
 
 def held_name(scene: Scene, hand: Hand) -> str:
     """The variable of a hand: ``unstable_`` and its name, in letters, digits and underscores;
-    numbered where two are alike."""
+    with its number where two hands would have the same one."""
     names = [f"{HELD}{re.sub(r'[^0-9A-Za-z]+', '_', x.name).strip('_')}" for x in scene.hands]
     place = [x.name for x in scene.hands].index(hand.name)
     return names[place] + (f"_{place + 1}" if names.count(names[place]) > 1 else "")

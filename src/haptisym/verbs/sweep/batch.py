@@ -67,7 +67,7 @@ class Batch:
         return len(self.values) - 1
 
     def of(self, sets: Array) -> Batch:
-        """Those of some of the sets, which may be repeated."""
+        """The coefficients for some of the sets, which may be repeated."""
         return Batch(self.values[:, sets], self.sizes[:, sets], self.roundings)
 
 
@@ -86,13 +86,15 @@ def nearest(x: arb, dtype: DTypeLike) -> Any:
     """The middle of a narrow ball as a float of that type, with one rounding of that type."""
     kind: Any = np.dtype(dtype).type
     high = float(x.mid())
+    # A wider float is the sum of two doubles, the second being what the first leaves: the only
+    # rounding is that of their sum.
     return kind(high) if kind is np.float64 else kind(high) + kind(float((x - arb(high)).mid()))
 
 
 BITS = 256
-_MOST_EXPONENT = (
-    1000  # of two: products within it neither underflow nor overflow, with room for sums
-)
+# Of two. A double reaches from 2^-1022 to 2^1024: products of terms within 2^+-1000 neither
+# underflow nor overflow, and 2^22 of them may still be added up.
+_MOST_EXPONENT = 1000
 
 
 @dataclass(frozen=True)
@@ -111,10 +113,13 @@ class Monomial:
 
 def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
     """One with a constant in that ball; UndecidedError where too few of its bits are known."""
+    # A constant counts as one rounding of an exact number. It and its rest hold 106 bits, so that
+    # what the ball leaves open must lie beyond these.
     if not ball.is_exact() and ball.rel_accuracy_bits() < 128:
         raise UndecidedError(
             f"a coefficient near {float(ball.mid())} has fewer than 128 correct bits"
         )
+    # As a fraction, since the float of a ball's middle is not promised to be the nearest one.
     middle, _ = bounds(ball.mid())
     constant = float(middle)
     return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
@@ -134,6 +139,8 @@ class Monomials:
         return self._known[exponents]
 
     def _monomial(self, exponents: tuple[int, ...]) -> Array:
+        # One factor is split off, the rest is looked up: n factors take n - 1 products, as the
+        # count of roundings has it, and monomials with a common part share these.
         last = next((i for i, n in reversed([*enumerate(exponents)]) if n), None)
         if last is None:
             return np.ones(self.sets, self.dtype)
@@ -161,6 +168,8 @@ def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]
     With |log2| of every parameter that is not zero at most e, any product of terms lies within
     2^+-(degree e + constants).
     """
+    # In the bound of Higham a rounding is relative, which is not so where a product underflows. 0
+    # is exact, whatever it is multiplied with, so that parameters of 0 are allowed.
     limit = min(map(_limit, products), default=0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         exponents = np.abs(np.log2(np.abs(values)))
@@ -169,6 +178,8 @@ def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]
 
 
 def _limit(sums: Sequence[Sequence[Monomial]]) -> float:
+    """The largest |log2| of the parameters for which no product of terms, one of each sum, leaves
+    the range of floats."""
     degree = sum(max(sum(t.exponents) for t in terms) for terms in sums)
     constants = sum(max(abs(log2(abs(t.constant))) for t in terms) for terms in sums)
     return (_MOST_EXPONENT - constants) / max(degree, 1)
@@ -194,6 +205,8 @@ def count_right(p: Batch) -> tuple[Array, Array]:
     """
     with np.errstate(all="ignore"):  # what is not finite has no certain sign
         radius = error(p.sizes, p.roundings) + _TINY_ROUTH
+        # The first two rows of Routh's array: the coefficients of every second power, from the
+        # highest and from the next one down.
         upper, lower = (Ball(p.values[i::-2], radius[i::-2]) for i in (p.degree, p.degree - 1))
         signs = [_sign(upper)]
         for _ in range(p.degree):
@@ -204,26 +217,31 @@ def count_right(p: Batch) -> tuple[Array, Array]:
 
 
 def _sign(row: Ball) -> Array:
-    """Of the first number of a row: 0 where it is not certain."""
-    found: Array = (row.x[0] > row.r[0]).astype(np.int8) - (row.x[0] < -row.r[0]).astype(np.int8)
-    return found
+    """The sign of the first number of a row in each set; 0 where the radius leaves it open."""
+    signs: Array = (row.x[0] > row.r[0]).astype(np.int8) - (row.x[0] < -row.r[0]).astype(np.int8)
+    return signs
 
 
 def _next(upper: Ball, lower: Ball) -> Ball:
-    """The row a_(j+1) - (a_0/b_0) b_(j+1) that follows rows a and b."""
+    """The row a_(j+1) - (a_0/b_0) b_(j+1) of Routh's array that follows its rows a and b."""
     u = unit_roundoff(upper.x.dtype)
     q = upper.x[0] / lower.x[0]
-    of_q = (upper.r[0] + np.abs(q) * lower.r[0]) / (np.abs(lower.x[0]) - lower.r[0]) + u * np.abs(q)
-    a, b = (
-        Ball(upper.x[1:], upper.r[1:]),
-        _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1),
-    )
+    size_of_q = np.abs(q)
+    # |A/B - a/b| <= (r_a + |a/b| r_b)/(|b| - r_b) for |A - a| <= r_a, |B - b| <= r_b, and u |q| for
+    # the division. Where r_b >= |b| this bounds nothing; but then the sign of b, which is in the
+    # first column too, counts as 0, and the set as undecided whatever comes after it.
+    least_divisor = np.abs(lower.x[0]) - lower.r[0]
+    of_q = (upper.r[0] + size_of_q * lower.r[0]) / least_divisor + u * size_of_q
+    a = Ball(upper.x[1:], upper.r[1:])
+    b = _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1)
     product = q * b.x
     x = a.x - product
-    r = a.r + np.abs(q) * b.r + of_q * (np.abs(b.x) + b.r) + u * (np.abs(product) + np.abs(x))
+    inherited = a.r + size_of_q * b.r + of_q * (np.abs(b.x) + b.r)
+    r = inherited + u * (np.abs(product) + np.abs(x))
     return Ball(x, r * (1 + 32 * u) + _TINY_ROUTH)
 
 
 def _as_long(row: Ball, rows: int) -> Ball:
+    """A row filled up with exact zeros: those of Routh's array get shorter every second time."""
     more = np.zeros((rows - len(row.x), row.x.shape[1]), dtype=row.x.dtype)
     return Ball(np.concatenate([row.x, more]), np.concatenate([row.r, more])) if len(more) else row

@@ -1,8 +1,8 @@
 """Sweeps over design spaces: the certified answers of a scene for every combination of values of
 some parameters.
 
-A sweep is a grid of parameter sets, cut into blocks that are computed one by one and in any order;
-and such grids on disk.
+A sweep is a grid of parameter sets, cut into blocks that are computed one by one and in any order,
+in memory (``sweep``) or on disk.
 
 What is computed is written about every second, and what is there already is not computed again
 (``stored``). The store is a Zarr group whose chunks are the blocks of the sweep. Zarr replaces a
@@ -69,19 +69,20 @@ PATIENCE = 1.0
 """Seconds after which, as nearly as one can tell, what is computed is written down and told."""
 Region: TypeAlias = tuple[slice, ...]
 Progress: TypeAlias = Callable[[int, int], None]
-"""Told how many sets are done, and how many there are."""
+"""Is called with the number of sets that are done, and of all."""
 
 
 @dataclass
 class Pace:
-    """How many sets are computed at a time: as many as ``PATIENCE`` allows, told by those before; a
-    single one at first."""
+    """The number of sets that are computed at a time: as many as take about ``PATIENCE`` seconds by
+    the time of those before; a single one at first."""
 
     sets: int = 1
 
     def took(self, seconds: float, sets: int) -> None:
         """Choose the next block by how long this one took."""
         wanted = sets * PATIENCE / max(seconds, 1e-6)
+        # no more than eight times as many: the next sets may be harder than these were
         self.sets = max(1, int(min(wanted, 8 * self.sets)))
 
 
@@ -94,11 +95,13 @@ def _cut(region: Region, most: int) -> tuple[Region, Region]:
     """The first sets of a block, not many more than so many where one axis can be cut so, and the
     rest."""
     axis = next(i for i, part in enumerate(region) if part.stop - part.start > 1)
-    part = region[axis]
-    behind = size(region[axis + 1 :])
-    at = part.start + min(max(1, most // behind), part.stop - part.start - 1)
-    halves = slice(part.start, at), slice(at, part.stop)
-    first, rest = ((*region[:axis], half, *region[axis + 1 :]) for half in halves)
+    before, part, behind = region[:axis], region[axis], region[axis + 1 :]
+    start, stop = part.start, part.stop
+    # both parts get one value of this axis at least
+    wanted = max(1, most // size(behind))
+    middle = start + min(wanted, stop - start - 1)
+    first = (*before, slice(start, middle), *behind)
+    rest = (*before, slice(middle, stop), *behind)
     return first, rest
 
 
@@ -113,7 +116,7 @@ class SweepGrid:
 
     @classmethod
     def of(cls, scene: Scene, axes: Sequence[SweepAxis], sets: int = SETS_IN_A_BLOCK) -> SweepGrid:
-        """With blocks of about that many sets, as long as possible along the last axes."""
+        """The grid with blocks of about that many sets, as long as possible along the last axes."""
         shape, left = [], sets
         for axis in reversed(axes):
             shape.append(max(1, min(len(axis.values), left)))
@@ -132,12 +135,12 @@ class SweepGrid:
 
     @property
     def variables(self) -> dict[str, tuple[np.dtype[Any], dict[str, str]]]:
-        """Name and kind of what is told of each set, with what it says of itself."""
+        """Name and type of what is computed of each set, with its attributes in a data set."""
         return SweepVariables.of(self.scene).variables
 
     @cached_property
     def kernel(self) -> Kernel:
-        """What judges a set."""
+        """The kernel that computes the variables of sets."""
         return Kernel.of(self.scene, [axis.knob for axis in self.axes])
 
     def regions(self) -> Iterator[Region]:
@@ -168,7 +171,7 @@ class SweepGrid:
         return [axis.values[part] for axis, part in zip(self.axes, region, strict=True)]
 
     def attributes(self) -> dict[str, Any]:
-        """What a data set says about itself."""
+        """The attributes of the data set: scene, band, threshold, accuracy, fingerprint."""
         return {
             "schema": "haptisym.sweep/1",
             "title": self.scene.title,
@@ -187,12 +190,14 @@ class SweepGrid:
 
     @property
     def _how(self) -> str:
+        """A sentence on which arithmetic proves the counts."""
         if self.kernel.curves is None:
             return _ALL_EXACT
         return f"{_IN_FLOATS}{_WITH_SINES}" if self.kernel.has_waves else _IN_FLOATS
 
     def _asides(self) -> dict[str, Any]:
-        """What is nominal or has a double, as text, which every kind of file holds."""
+        """The scene's notes, on what is estimated, nominal or exists twice, as text, which every
+        kind of file can hold."""
         swept = [axis.path for axis in self.axes]
         notes = self.scene.asides(swept, swept)
         keys = self.scene.aside_keys(swept, swept)
@@ -203,8 +208,10 @@ class SweepGrid:
     @cached_property
     def fingerprint(self) -> str:
         """A digest of everything that the results depend on."""
+        # Exact values as text. What is swept is left out: its values are those of the axes, and the
+        # scene's own do not matter.
         scene = self.scene
-        told = [
+        elements = [
             [
                 place,
                 x.model,
@@ -226,7 +233,7 @@ class SweepGrid:
         parts = [
             _FORMAT,
             TOLERANCE,
-            told,
+            elements,
             hands,
             [str(x) for x in scene.band],
             plain if c.is_plain else c.row(),
@@ -279,7 +286,8 @@ def needed(package: str) -> Any:
 
 
 _FORMAT = 2
-"""Of what is written; a store of another one is not continued."""
+"""The version of what is written; a store of another one is not continued."""
+# the fill value of ``method`` and of counts; a method is 0, 1 or 2 once a set is done
 _NOT_YET = -1
 _NETCDF = (".nc", ".nc4", ".h5")
 
@@ -297,9 +305,11 @@ def stored(grid: SweepGrid, out: Path, progress: Progress | None = None) -> xr.D
     """
     if out.suffix not in (".zarr", *_NETCDF):
         raise SceneError(f"{out}: end the name in .zarr (Zarr) or .nc (NetCDF)")
+    # asked for now, not after hours of work
     for package in ("zarr",) if out.suffix == ".zarr" else ("zarr", "h5py", "h5netcdf"):
-        needed(package)  # asked for now, not after hours of work
-    place = out.absolute()  # workers may run in other folders
+        needed(package)
+    # workers may run in other folders
+    place = out.absolute()
     try:
         if not _is_made(grid, place):
             place.parent.mkdir(parents=True, exist_ok=True)
@@ -324,12 +334,14 @@ def _is_made(grid: SweepGrid, place: Path) -> bool:
 
 
 def _make(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
-    """Compute what is missing beside the place, and put it there whole."""
-    if _is_made(grid, place):  # by another process in the meantime
+    """Compute what is missing in a store next to the place, and put it there whole."""
+    # by another process, while this one waited for its claim
+    if _is_made(grid, place):
         return
     store, dask = unfinished(place), needed("dask")
     if place.exists() and place.suffix != ".zarr":
         raise SceneError(f"{place}: not all sets are there: remove it, or choose another name")
+    # a Zarr store in place with sets missing is one to be continued
     if place.exists():
         place.rename(store)
     elif not store.exists():
@@ -349,7 +361,7 @@ def _make(grid: SweepGrid, place: Path, progress: Progress | None) -> None:
 
 
 def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
-    """What a file holds; SceneError unless it is this very sweep, with all its values and
+    """The data set of a file; SceneError unless it is this very sweep, with all its values and
     variables."""
     xarray, is_zarr = needed("xarray"), place.suffix == ".zarr"
     try:
@@ -361,6 +373,7 @@ def _opened(grid: SweepGrid, place: Path) -> xr.Dataset:
         kind = "Zarr store" if is_zarr else "NetCDF file"
         raise SceneError(f"{place}: exists, but is not a {kind}: choose another name") from None
     _same(grid, found.attrs, place)
+    # the fingerprint is an attribute, and arrays may have been lost or changed beside it
     held = all(
         x.path in found.coords and np.array_equal(found[x.path].values, x.values) for x in grid.axes
     )
@@ -398,13 +411,14 @@ def _fill(grid: SweepGrid, store: Path, progress: Progress | None) -> None:
 
 
 def _same(grid: SweepGrid, attributes: Any, where: Path) -> None:
+    """SceneError unless the attributes of a store are those of this sweep."""
     if attributes.get("fingerprint") != grid.fingerprint:
         raise SceneError(f"{where}: exists with another sweep: remove it, or choose another name")
 
 
 def _begin(grid: SweepGrid, store: Path) -> None:
-    """An empty store under a name of its own, then renamed: it is there with all of its arrays or
-    not at all."""
+    """Make an empty store under a name of its own, then rename it: it is there with all of its
+    arrays or not at all."""
     fresh = beside(store)
     try:
         _lay(grid, fresh)
@@ -414,6 +428,7 @@ def _begin(grid: SweepGrid, store: Path) -> None:
 
 
 def _lay(grid: SweepGrid, store: Path) -> None:
+    """Make all arrays of a store: the axes with their values, the variables with fill values."""
     zarr = needed("zarr")
     group = zarr.create_group(store, attributes=grid.attributes())
     names = [axis.path for axis in grid.axes]
@@ -439,9 +454,8 @@ def _lay(grid: SweepGrid, store: Path) -> None:
         )
         made.attrs.update(about)
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore"
-        )  # that format 3 does not ask for what xarray looks for first
+        # it warns that consolidated metadata, which xarray looks for first, is no part of format 3
+        warnings.simplefilter("ignore")
         zarr.consolidate_metadata(store)
 
 
@@ -456,6 +470,8 @@ def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
         yield from _on_cluster(client, grid, store, left)
         return
     dask = needed("dask")
+    # A round of pieces ends with its slowest, so that all begin the next one at the smallest pace;
+    # between rounds the caller is told, and may stop.
     together = int(dask.config.get("num_workers", 0) or 0) or 4
     waiting, sets = left[::-1], 1
     while waiting:
@@ -470,6 +486,7 @@ def _run(grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
 
 
 def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -> Iterator[int]:
+    """Compute and write blocks on a dask cluster; numbers of sets, as they are done."""
     distributed = needed("distributed")
     lost = (
         distributed.KilledWorker,
@@ -485,6 +502,8 @@ def _on_cluster(client: Any, grid: SweepGrid, store: Path, left: list[Region]) -
 
     regions: dict[str, Region] = {}
     try:
+        # Sent once to each worker. No task is pure: a block that is handed back is the same call
+        # again, and must be run again.
         shared = client.scatter(grid, broadcast=True, hash=False)
         running = distributed.as_completed(
             [submitted(region, 1) for region in left], with_results=True
@@ -530,6 +549,8 @@ def _write(grid: SweepGrid, store: str, region: Region, sets: int) -> _Part:
         ) from None
     _same(grid, group.attrs, Path(store))
     missing = group["method"][region] == _NOT_YET
+    # ``method`` is the last of the variables: a piece that was cut off while it was written has no
+    # method yet, and is computed again
     pace, done, began = Pace(sets), 0, monotonic()
     for piece in _missing(missing, region):
         for part, answers in grid.pieces(piece, pace):
@@ -622,6 +643,7 @@ def sweep(
 
 
 def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
+    """The sweep in memory, computed here; SceneError where it would not fit."""
     needed = grid.sets * sum(dtype.itemsize for dtype, _ in grid.variables.values())
     if needed > MOST_BYTES:
         raise SceneError(
@@ -630,6 +652,7 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
             "(--out FILE.zarr on the command line), or vary fewer values"
         )
     columns = [np.empty(grid.shape, dtype) for dtype, _ in grid.variables.values()]
+    # one pace for all blocks: what one has shown holds for the next
     done, pace = 0, Pace()
     for region in grid.regions():
         for piece, answers in grid.pieces(region, pace):
@@ -642,6 +665,7 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
 
 
 def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
+    """The data set of a grid from its columns, which may be arrays or dask arrays."""
     names = [axis.path for axis in grid.axes]
     variables = {
         name: (names, column, about)
@@ -656,6 +680,7 @@ def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
 
 
 def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
+    """The sweep as dask arrays, of which nothing is computed yet."""
     needed("dask")
     chunks = dict(zip((axis.path for axis in grid.axes), grid.block, strict=True))
     values = [
@@ -679,8 +704,8 @@ def _block(kernel: Kernel, *values: Array) -> tuple[Array, ...]:
 def in_floats(
     scene: Scene, varied: Sequence[Knob], values: Array
 ) -> tuple[dict[str, Array], Array]:
-    """What floats prove of single sets of values, and the numbers of the sets that they leave open;
-    nothing of hands.
+    """The variables of single sets of values where floats prove them, and the numbers of the sets
+    that floats leave undecided; without those of hands.
 
     ``values`` : of what varies in rows, sets in columns, taken as exactly the binary numbers that
     they are.
@@ -714,8 +739,8 @@ class Swept(Answer):
         return paths, paths
 
     def _body(self) -> dict[str, Any]:
-        data, told = self.data, SweepVariables.of(self.scene)
-        held = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
+        data, variables = self.data, SweepVariables.of(self.scene)
+        of_hands = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
         methods = [
             int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))
         ]
@@ -724,9 +749,9 @@ class Swept(Answer):
             "vary": [_axis(data, str(name)) for name in data.method.dims],
             "sets": int(data.method.size),
             **dict(zip(("certified_in_floats", "exact", "open"), methods, strict=True)),
-            "ranges": {name: _range(data[name]) for name in told.floats},
-            "counts": {name: _counts(data[name]) for name in told.counts},
-            **({"held": held} if held else {}),
+            "ranges": {name: _range(data[name]) for name in variables.floats},
+            "counts": {name: _counts(data[name]) for name in variables.counts},
+            **({"held": of_hands} if of_hands else {}),
             "out": None if self.out is None else str(self.out),
         }
 
@@ -738,9 +763,9 @@ class Swept(Answer):
 
 
 def _is_open(data: xr.Dataset) -> xr.DataArray:
-    """Of each set whether it has no answer, or was not computed."""
-    found: xr.DataArray = (data.method != FLOAT) & (data.method != EXACT)
-    return found
+    """Which sets have no answer, or were not computed."""
+    is_open: xr.DataArray = (data.method != FLOAT) & (data.method != EXACT)
+    return is_open
 
 
 def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
@@ -751,11 +776,13 @@ def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
 
 def _range(column: xr.DataArray) -> list[float] | None:
     low, high = float(column.fillna(np.inf).min()), float(column.fillna(-np.inf).max())
-    return None if low > high else [low, high]  # dask warns of blocks that hold NaN alone
+    # filled, since dask warns of blocks that hold NaN alone; the ends are the wrong way round where
+    # all of it is NaN
+    return None if low > high else [low, high]
 
 
 def _counts(column: xr.DataArray) -> dict[str, int]:
-    """How many sets have that many."""
+    """The number of sets, by the value of a column of counts."""
     low, high = int(column.min()), int(column.max())
     return {
         str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))
@@ -763,13 +790,16 @@ def _counts(column: xr.DataArray) -> dict[str, int]:
 
 
 def _held(column: xr.DataArray) -> dict[str, Any]:
-    """How many sets are stable in a hand, and how many have that many roots in Re s >= 0."""
+    """The number of sets that are stable in a hand, and of the others by their roots in
+    Re s >= 0."""
     numbers = [int(n) for n in np.unique(column)]
     sets = {n: int((column == n).sum()) for n in numbers}
     infinite, undecided = sets.pop(INFINITE, 0), sets.pop(UNKNOWN, 0)
-    own = {"hand": column.attrs["hand"], "variable": str(column.name), "stable": sets.get(0, 0)}
+    # after both marks were taken out what is left are numbers of roots, 0 for a stable display
     return {
-        **own,
+        "hand": column.attrs["hand"],
+        "variable": str(column.name),
+        "stable": sets.get(0, 0),
         "unstable": {str(n): x for n, x in sets.items()},
         "infinite": infinite,
         "undecided": undecided,

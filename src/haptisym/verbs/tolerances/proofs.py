@@ -55,21 +55,26 @@ from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
 from haptisym.verbs.sweep.entry import in_floats
 
 _BATCH = 256  # cells that are bounded together
-_MOST_CELLS = 3000  # that are looked at for one part
-_MOST_SPLITS = 6  # of a cell: then it is a leaf if crossings in it are regular, or move one way with each parameter
-_MOST_BEYOND = 800  # cells that are looked at for one end
-_OVERLAP = 1e-8  # shares of the band: clusters nearer to each other are taken as one
+_MOST_CELLS = 3000  # that are examined for one part
+# How often a cell is cut: then it is a leaf if crossings in it are regular, or move one way with
+# each parameter: one of both is what ``Face`` or ``_greatest`` needs, and finer leaves cost time.
+_MOST_SPLITS = 6
+_MOST_BEYOND = 800  # cells that are examined for one end
+# Shares of the band. Clusters nearer to each other are taken as one, so that a certified frequency,
+# which is compared as a float, belongs to one of them without doubt.
+_OVERLAP = 1e-8
 _FIRST = 32  # pieces of the band to begin with
-_NARROWER = 100  # times than another: a side that is not cut where nothing is known of a cell
+# Times narrower than another: such a side is not cut where nothing is known of a cell.
+_NARROWER = 100
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """Leaves that hang together, (cells, sides, 2) in shares; ``signs``: of the slopes on all of
-    them, 0 where not the same.
+    """A connected set of leaves, the cells in which crossings may lie.
 
-    ``regular``: the slope by omega keeps its sign. ``low``, ``high``: bounds on the crossings in
-    it, shares of the band.
+    ``cells`` : (cells, sides, 2) in shares of band and ranges. ``signs`` : of the slope along each
+    side, the band first, on all of them; 0 where it is not the same or not known. ``low``,
+    ``high``: bounds on the crossings in it, shares of the band.
     """
 
     cells: Array
@@ -79,7 +84,7 @@ class Cluster:
 
     @property
     def regular(self) -> bool:
-        """Whether the slope by omega keeps its sign in it."""
+        """Whether the slope by omega keeps its sign in it, so that no two crossings merge."""
         return self.signs[0] != 0
 
     @property
@@ -94,8 +99,11 @@ class Cluster:
 
 @dataclass(frozen=True)
 class _Bounded:
-    """Cells with the signs of value and slopes (0: not known), where their crossings lie, and the
-    side to split."""
+    """What is proven of the excess over cells.
+
+    ``signs`` : (cells, 1 + sides), of the value and of each slope, 0 where not known. ``omega`` :
+    between which shares of the band crossings lie; ``split`` : the side to cut.
+    """
 
     cells: Array
     signs: Array
@@ -104,10 +112,10 @@ class _Bounded:
 
 
 def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Cluster, ...]:
-    """All clusters of one part, in ascending order of frequency: outside them no r equals its
-    threshold, proven.
+    """All clusters of one criterion, in ascending order of frequency: outside them r equals its
+    threshold for no values, proven.
 
-    ``within`` : between which shares of the band is looked.
+    ``within`` : between which shares of the band they are searched.
     """
     if excess.is_zero:
         return ()
@@ -116,20 +124,21 @@ def clusters(excess: Excess, within: tuple[float, float] = (0, 1)) -> tuple[Clus
 
 
 def _grouped(leaves: _Bounded) -> list[Cluster]:
-    """Leaves by what hangs together, in ascending order of frequency."""
-    label, found = touching(leaves.cells), []
+    """The connected sets of leaves, in ascending order of frequency."""
+    label, connected = touching(leaves.cells), []
     for n in np.unique(label):
-        own = _chosen(leaves, label == n)
-        signs = own.signs[:, 1:]
+        members = _chosen(leaves, label == n)
+        signs = members.signs[:, 1:]
+        # a slope has a sign on the whole set where all leaves agree on it
         same = np.where((signs == signs[0]).all(0), signs[0], 0)
-        ends = float(own.omega[:, 0].min()), float(own.omega[:, 1].max())
-        found.append(Cluster(own.cells, tuple(int(x) for x in same), *ends))
-    return sorted(found, key=lambda x: x.low)
+        low, high = float(members.omega[:, 0].min()), float(members.omega[:, 1].max())
+        connected.append(Cluster(members.cells, tuple(map(int, same)), low, high))
+    return sorted(connected, key=lambda x: x.low)
 
 
 def _apart(found: list[Cluster]) -> Iterator[Cluster]:
-    """Clusters whose frequencies overlap as one, so that a frequency tells to which a crossing
-    belongs."""
+    """Merge clusters whose frequencies overlap, so that a crossing's frequency identifies its
+    cluster."""
     waiting = found[0]
     for x in found[1:]:
         if x.low > waiting.high + _OVERLAP:
@@ -144,6 +153,10 @@ def _apart(found: list[Cluster]) -> Iterator[Cluster]:
 
 
 def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
+    """The cells of band and ranges that are left when all others are proven to hold no crossing.
+
+    Where the time is over, what still waits is among them, with nothing known of it.
+    """
     first = np.tile([0.0, 1.0], (_FIRST, excess.sides, 1))
     first[:, 0] = sliding_window_view(np.linspace(*within, _FIRST + 1), 2)
     waiting = Batches(
@@ -152,21 +165,27 @@ def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
     kept: list[_Bounded] = []
     try:
         for cells, depths in waiting:
-            found = bounded(excess, cells)
-            unclear = _unclear(excess, found)
-            steady = (found.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
-            regular, tired = found.signs[:, 1] != 0, depths >= _MOST_SPLITS
-            clear_of_ends = (found.omega[:, 0] > 0) & (found.omega[:, 1] < 1)
+            bounds = bounded(excess, cells)
+            unclear = _unclear(excess, bounds)
+            # A parameter on which the excess does not depend has slope 0, which is no doubt about
+            # its sign.
+            steady = (bounds.signs[:, 2:] != 0)[:, excess.matters[1:]].all(-1)
+            regular, tired = bounds.signs[:, 1] != 0, depths >= _MOST_SPLITS
+            clear_of_ends = (bounds.omega[:, 0] > 0) & (bounds.omega[:, 1] < 1)
+            # A cell with all signs known, clear of the ends, says all that is wanted. At the ends
+            # of the band smaller cells may still show that no crossing leaves it, so that these are
+            # cut further.
             enough = ((steady | regular) & tired) | (waiting.examined > _MOST_CELLS)
             leaf = unclear & ((steady & regular & clear_of_ends) | enough)
-            kept.append(_chosen(found, leaf))
+            kept.append(_chosen(bounds, leaf))
             rest = unclear & ~leaf
             waiting.add(
                 Columns(
-                    (halves(found.cells[rest], found.split[rest]), np.tile(depths[rest] + 1, 2))
+                    (halves(bounds.cells[rest], bounds.split[rest]), np.tile(depths[rest] + 1, 2))
                 )
             )
-    except LimitError:  # of what waits nothing is known: crossings may be anywhere in it
+    except LimitError:
+        # of what waits nothing is known: crossings may be anywhere in it
         rest, _ = waiting.rest
         signs = np.zeros((len(rest), 1 + excess.sides), int)
         kept.append(_Bounded(rest, signs, rest[:, 0].copy(), signs[:, 0]))
@@ -179,11 +198,13 @@ def _leaves(excess: Excess, within: tuple[float, float]) -> _Bounded:
 
 
 def _unclear(excess: Excess, found: _Bounded) -> Array:
-    """Where the excess may vanish: not where it is > 0 at the corner where it is least, or < 0
-    where it is greatest."""
+    """Which cells may hold a zero of the excess: none that is > 0 at the corner where it is least,
+    or < 0 where it is greatest."""
     unclear = found.signs[:, 0] == 0
     which = np.flatnonzero(unclear)
     if len(which):
+        # Along a side with a slope of one sign the extremes are at its ends. The model over such a
+        # face has fewer varying sides, and so a narrower bound than that over the cell.
         corners = [_corner(found.cells[which], found.signs[which, 2:], to) for to in (-1, 1)]
         low, high = (x[:, 0] for x in excess.model(np.concatenate(corners), slopes=0).bounds())
         unclear[which] = ~((low[: len(which)] > 0) | (high[len(which) :] < 0))
@@ -204,13 +225,19 @@ def _chosen(x: _Bounded, which: Array) -> _Bounded:
 
 
 def bounded(excess: Excess, cells: Array) -> _Bounded:
-    """What is known about the excess over cells."""
+    """What is proven of the excess over cells, by Taylor models of its value and its slopes."""
     model = excess.model(cells)
     low, high = model.bounds()
     signs = np.where(low > 0, 1, np.where(high < 0, -1, 0))
     c0, c1, c2, r = (x[:, 0] for x in model.arrays)
-    with np.errstate(all="ignore"):  # what is not finite is unknown
-        rest = np.abs(c1[:, 1:]).sum(-1) + np.abs(c2[:, 1:, 1:]).sum((-1, -2)) + r
+    # what is not finite is unknown
+    with np.errstate(all="ignore"):
+        # At the middle frequency of a cell the model has no terms in omega: the value there is c0,
+        # give or take what all parameters change. With bounds on the slope by omega a step of the
+        # interval Newton method narrows where zeros can be.
+        by_parameters = np.abs(c1[:, 1:]).sum(-1)
+        by_pairs = np.abs(c2[:, 1:, 1:]).sum((-1, -2))
+        rest = by_parameters + by_pairs + r
     omega = zeros(cells[:, 0], c0, rest, (low[:, 1], high[:, 1]))
     return _Bounded(cells, signs, omega, _widest(model, cells, signs, high - low))
 
@@ -220,50 +247,58 @@ def _widest(model: TaylorModel, cells: Array, signs: Array, spread: Array) -> Ar
     change most."""
     width = cells[:, :, 1] - cells[:, :, 0]
     with np.errstate(all="ignore"):
+        # Value and slopes have different units, so each counts by its share of its own spread.
         weight = np.where((signs == 0) & np.isfinite(spread), 1 / spread, 0.0)
         changes = np.abs(model.c1)
         changes[:, : model.c2.shape[1]] += np.abs(model.c2).sum(-1)
         known = weight[:, :1] > 0
-        score = np.where(known, (weight[:, :, None] * changes).sum(1), changes[:, 0])
-        # near a pole the value's alone tell, but cutting one side for ever does not help where
-        # another is too wide
-        score[~known & (width * _NARROWER < width.max(-1, keepdims=True))] = 0.0
-    told = np.isfinite(score).all(-1, keepdims=True) & (score > 0).any(-1, keepdims=True)
-    return np.argmax(np.where(width > 0, np.where(told, score, width) + 1e-300, -1), -1)
+        weighted = (weight[:, :, None] * changes).sum(1)
+        score = np.where(known, weighted, changes[:, 0])
+        # near a pole only the value's changes are known; but to go on cutting one side does not
+        # help where another is too wide
+        widest = width.max(-1, keepdims=True)
+        score[~known & (width * _NARROWER < widest)] = 0.0
+    is_finite = np.isfinite(score).all(-1, keepdims=True)
+    is_useful = is_finite & (score > 0).any(-1, keepdims=True)
+    # a side of no width cannot be cut, and loses against one of score 0
+    choice = np.where(is_useful, score, width) + 1e-300
+    return np.argmax(np.where(width > 0, choice, -1), -1)
 
 
 def beyond(excess: Excess, cells: Array, reached: float, *, highest: bool) -> float:
-    """A bound on how low (high) crossings in cells go, shares of the band: ``reached`` itself where
-    none goes beyond."""
+    """A bound on how low (high) crossings in cells go, shares of the band; ``reached`` itself where
+    it is proven that none goes beyond."""
+    # the sign of the direction outward, with which both cases are one
     out = 1 if highest else -1
     near, far = (0, 1) if highest else (1, 0)
 
-    def further(own: Array) -> Array:
-        """What of some cells is beyond."""
-        own = own[out * (own[:, 0, far] - reached) > 0].copy()
-        own[:, 0, near] = out * np.maximum(out * own[:, 0, near], out * reached)
-        return own
+    def further(parts: Array) -> Array:
+        """The parts of some cells that lie beyond what is reached."""
+        parts = parts[out * (parts[:, 0, far] - reached) > 0].copy()
+        parts[:, 0, near] = out * np.maximum(out * parts[:, 0, near], out * reached)
+        return parts
 
     waiting = Batches(
         further(cells), size=_BATCH, rank=lambda x: -out * x[:, 0, far], most=_MOST_BEYOND + 1
     )
+    # the farthest cells first: the bound is the farthest end of what is left at any time
     with suppress(LimitError):
-        for own in waiting:
-            found = bounded(excess, own)
+        for cells_now in waiting:
+            found = bounded(excess, cells_now)
             found = _chosen(found, _unclear(excess, found))
-            own = found.cells.copy()
-            own[:, 0, 0] = np.maximum(own[:, 0, 0], found.omega[:, 0])
-            own[:, 0, 1] = np.minimum(own[:, 0, 1], found.omega[:, 1])
-            whole = own[:, 0, 0] <= own[:, 0, 1]
-            waiting.add(further(halves(own[whole], found.split[whole])))
+            narrowed = found.cells.copy()
+            narrowed[:, 0, 0] = np.maximum(narrowed[:, 0, 0], found.omega[:, 0])
+            narrowed[:, 0, 1] = np.minimum(narrowed[:, 0, 1], found.omega[:, 1])
+            is_left = narrowed[:, 0, 0] <= narrowed[:, 0, 1]
+            waiting.add(further(halves(narrowed[is_left], found.split[is_left])))
     left = waiting.rest
     return float(out * np.max(out * left[:, 0, far])) if len(left) else reached
 
 
 @dataclass(frozen=True)
 class One:
-    """One set of values, certified: the crossings by the names of criteria, without touches;
-    whether it is transparent."""
+    """The certified answers for one set of values. ``crossings`` : by the names of criteria,
+    without touches; ``transparent`` : on the whole band, None where that is undecided."""
 
     values: Mapping[str, Expr]
     crossings: Mapping[str, tuple[RealNumber, ...]]
@@ -272,14 +307,14 @@ class One:
 
     @property
     def first(self) -> RealNumber | None:
-        """The lowest crossing of any."""
+        """The lowest crossing of any criterion, rad/s; None where there is none."""
         return min((x[0] for x in self.crossings.values() if x), key=float, default=None)
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """A set of values that was drawn: what is told of it in floats, rad/s, and, where it is asked
-    for, exactly."""
+    """A set of values that was drawn at random: its first crossing and bandwidth in floats, rad/s,
+    and on demand the exact answers."""
 
     box: Box
     values: Mapping[str, Expr]
@@ -289,12 +324,12 @@ class Drawn:
 
     @cached_property
     def exact(self) -> One:
-        """The same, certified."""
+        """The certified answers for the same values."""
         return one(self.box, self.values)
 
     @property
     def crossings(self) -> Mapping[str, tuple[RealNumber, ...]]:
-        """As of ``One``."""
+        """The certified crossings, as of ``One``."""
         return self.exact.crossings
 
 
@@ -303,6 +338,8 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
     bound, or exactly."""
     draw = Random(seed)
     shares = (
+        # Exact shares of 24 bits, both ends included: what is judged is then exactly what is named,
+        # and floats of the values are at most an ulp from them.
         {side.name: Fraction(draw.getrandbits(24), (1 << 24) - 1) for side in box.sides}
         for _ in range(samples)
     )
@@ -319,7 +356,7 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
     crossings = np.sum([columns[f"crossings_{name}"] for name in names], axis=0)
     unknown = set(left.tolist())
 
-    def told(n: int) -> Drawn:
+    def answered(n: int) -> Drawn:
         tick(n, samples, "sets of values")
         if n in unknown:
             x = one(box, sets[n])
@@ -327,16 +364,18 @@ def drawn(box: Box, samples: int, seed: int) -> tuple[Drawn, ...]:
         low, width = (
             None if np.isnan(x) else float(x) for x in (first[n], columns["bandwidth"][n])
         )
-        return Drawn(box, sets[n], low, width, bool(crossings[n] == 0) and width is not None)
+        # without a crossing a ratio keeps its sign: it is below where a bandwidth begins
+        is_transparent = bool(crossings[n] == 0) and width is not None
+        return Drawn(box, sets[n], low, width, is_transparent)
 
-    return tuple(in_time(map(told, range(samples))))
+    return tuple(in_time(map(answered, range(samples))))
 
 
 _T = TypeVar("_T")
 
 
 def in_time(found: Iterable[_T]) -> Iterator[_T]:
-    """What is found before the time is over."""
+    """The items that are computed before the time is over."""
     try:
         yield from found
     except LimitError:
@@ -344,12 +383,14 @@ def in_time(found: Iterable[_T]) -> Iterator[_T]:
 
 
 def one(box: Box, values: Mapping[str, Expr]) -> One:
-    """What one set of values out of the box gives."""
+    """The certified answers for one set of values out of the box."""
     scene = box.scene.with_values(values)
     d = scene.distortion()
     criteria = noticed(scene.threshold)
     table = chart({x: x.function(d) for x in criteria}, *scene.band)
-    crossings = {  # at zeros of odd order, which change the sign
+    # At zeros of odd order, which change the sign. The implicit function theorem continues these
+    # through a box; a touch vanishes or splits in two.
+    crossings = {
         x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2)
         for x in criteria
     }
@@ -363,8 +404,9 @@ def one(box: Box, values: Mapping[str, Expr]) -> One:
 
 
 TOLERANCE = Fraction(1, 1000)
-"""Of an end that is not exact: how far, relatively, it may lie beyond what is reached."""
-MOST_CORNERS = 64  # sets of values that are tried as witnesses or as ends
+"""How far, relatively, an end that is not exact may lie beyond what is reached."""
+# Corners that are answered exactly, as ends or to show what happens: all of six parameters.
+MOST_CORNERS = 64
 
 End: TypeAlias = tuple[RealNumber, Mapping[str, Expr] | None]
 """A frequency, rad/s, and the corner of the box at which it is reached; None if it is a bound."""
@@ -372,10 +414,10 @@ End: TypeAlias = tuple[RealNumber, Mapping[str, Expr] | None]
 
 @dataclass(frozen=True)
 class Face:
-    """Of a box the sets of values in which some sides stand at an end.
+    """A face of a box of parameters: some sides stand at an end, the others vary.
 
     ``name`` : of the criterion; ``fixed``: 0 for sides at their low end, 1 for those at their high
-    one; ``one``: answers a set of values of the whole box with certainty.
+    one; ``one``: gives the certified answers for a set of values of the whole box.
     """
 
     whole: Box
@@ -385,7 +427,7 @@ class Face:
 
     @cached_property
     def box(self) -> Box:
-        """What still varies."""
+        """The box of the parameters that still vary on the face."""
         return (
             Box(self.whole.scene.with_values(self._values(self.fixed)))
             if self.fixed
@@ -400,6 +442,7 @@ class Face:
         )
 
     def _values(self, shares: Mapping[str, Fraction]) -> dict[str, Expr]:
+        """The values of the named sides at shares of their ranges."""
         return {
             side.name: side.at(shares[side.name])
             for side in self.whole.sides
@@ -407,22 +450,24 @@ class Face:
         }
 
     def end(self, form: Excess, cluster: Cluster, *, highest: bool) -> End | None:
-        """How high (low) the crossings of a cluster go on this face; None if it is proven that
-        there is none."""
+        """The highest (lowest) frequency of the crossings of a cluster on this face; None if it is
+        proven that there is none."""
+        # A regular crossing moves by d omega/dp = -F_p/F_omega, of one sign where both slopes have
+        # one: it goes farthest at that end of p, whatever the other values are.
         moves = {
             x: n for x, n in self.moves(form, cluster, highest=highest).items() if n is not None
         }
+        # beyond an end of the band a crossing is not seen, and need not be farthest at that corner
         settled = cluster.regular and cluster.clear_of(highest=highest)
         if settled and moves and len(moves) < len(self.box.sides):
             face = Face(self.whole, self.name, {**self.fixed, **moves}, self.one)
             try:
-                found = clusters(face.form, (cluster.low, cluster.high))
+                on_face = clusters(face.form, (cluster.low, cluster.high))
             except LimitError:
                 return self._bound(form, cluster, None, highest=highest)
-            ends = (
-                face.end(face.form, x, highest=highest)
-                for x in (reversed(found) if highest else found)
-            )
+            # the farthest first: the first one that holds a crossing has the end
+            outward = reversed(on_face) if highest else on_face
+            ends = (face.end(face.form, x, highest=highest) for x in outward)
             return next((x for x in ends if x), None)
         corners = list(in_time(self._corners(form, cluster, highest=highest)))
         reached = [
@@ -432,25 +477,23 @@ class Face:
             if within(self.whole, x, cluster)
         ]
         best = (max if highest else min)(reached, key=lambda x: float(x[0]), default=None)
+        # all parameters lead to one corner; without a crossing there a cluster inside the band has
+        # none anywhere
         if settled and corners and len(moves) == len(self.box.sides) and (best or cluster.inside):
-            return best  # without a crossing at its one corner a cluster has none
+            return best
         return self._bound(form, cluster, best, highest=highest)
 
     def moves(self, form: Excess, cluster: Cluster, *, highest: bool) -> dict[str, Fraction | None]:
         """For each side the end at which the crossings of a cluster are highest (lowest), None
         where that is not known."""
         way = -cluster.signs[0] * (1 if highest else -1)
-        signs = dict(
-            zip(
-                (x.name for x in self.box.sides),
-                zip(form.matters[1:], cluster.signs[1:], strict=True),
-                strict=True,
-            )
-        )
-        return {
-            x: Fraction(int(way * sign > 0)) if way * sign or not used else None
-            for x, (used, sign) in signs.items()
-        }
+        names = (x.name for x in self.box.sides)
+        ends: dict[str, Fraction | None] = {}
+        for name, used, sign in zip(names, form.matters[1:], cluster.signs[1:], strict=True):
+            # where the excess does not depend on a parameter either end is as good
+            is_known = way * sign or not used
+            ends[name] = Fraction(int(way * sign > 0)) if is_known else None
+        return ends
 
     def _corners(self, form: Excess, cluster: Cluster, *, highest: bool) -> Iterator[One]:
         """The corners at which crossings may be highest (lowest), each answered exactly."""
@@ -464,6 +507,8 @@ class Face:
             yield self.one(self._values(dict(zip(names, shares, strict=True))))
 
     def _bound(self, form: Excess, cluster: Cluster, best: End | None, *, highest: bool) -> End:
+        """A bound on the end of the crossings of a cluster: close to what is reached at a corner,
+        if anything is, else the end of its leaves."""
         low, high = self.whole.scene.band
         leaf = cluster.high if highest else cluster.low
         share = leaf
@@ -471,9 +516,8 @@ class Face:
             slack = float(TOLERANCE) * float(best[0]) * (1 if highest else -1)
             reached = (float(best[0]) + slack - float(low)) / float(high - low)
             share = beyond(form, cluster.cells, reached, highest=highest)
-            share = (
-                min(share, leaf) if highest else max(share, leaf)
-            )  # not into the frequencies of another cluster
+            # not into the frequencies of another cluster
+            share = min(share, leaf) if highest else max(share, leaf)
         return at_share(self.whole, share), None
 
 
@@ -487,8 +531,11 @@ def at_share(box: Box, share: float) -> RealNumber:
 def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
     """Whether a crossing is one of those of a cluster."""
     low, high = box.scene.band
-    with spared():  # the digits of a certified zero take no time
+    # the digits of a certified zero take no time
+    with spared():
         share = (float(x) - float(low)) / float(high - low)
+    # The share is rounded, and clusters are more than ``_OVERLAP`` apart: a quarter of it to either
+    # side holds all roundings, and no crossing of a neighbour.
     return cluster.low - _OVERLAP / 4 <= share <= cluster.high + _OVERLAP / 4
 
 
@@ -510,15 +557,14 @@ class Quantiles:
 
 def quantiles(samples: Sequence[Drawn]) -> Quantiles:
     """The quantiles of an answer's samples, of which there must be one at least."""
-    beyond, never = (
-        float("inf"),
-        -float("inf"),
-    )  # no crossing on the band: beyond it; no bandwidth: less than any
+    # a set without a crossing on the band has it beyond the band; one without a bandwidth has less
+    # than any
+    beyond, never = float("inf"), -float("inf")
     first = sorted(samples, key=lambda x: beyond if x.first is None else x.first)
     width = sorted(samples, key=lambda x: never if x.bandwidth is None else x.bandwidth)
-    places = {
-        p: max(ceil(p * len(samples) / 100) - 1, 0) for p in LEVELS
-    }  # the least that so many per cent do not exceed
+    # the least value that so many per cent of the samples do not exceed
+    places = {p: max(ceil(p * len(samples) / 100) - 1, 0) for p in LEVELS}
+    # only the few that are printed are answered exactly
     return Quantiles(
         {p: _float(first[i].exact.first) for p, i in places.items()},
         {p: _float(width[i].exact.bandwidth) for p, i in places.items()},
@@ -541,8 +587,8 @@ class BandVerdict(Enum):
 
 @dataclass(frozen=True)
 class Enclosure(Judged):
-    """Where crossings of a criterion lie: between ``low`` and ``high``, rad/s, whatever the values;
-    guaranteed.
+    """An interval in which crossings of a criterion lie for all values: from ``low`` to ``high``,
+    rad/s, proven.
 
     ``count`` : how many there are for every set of values, touches apart; None if that depends or
     is not known. ``at_low``,
@@ -562,10 +608,8 @@ class Enclosure(Judged):
 
 
 _SHARE = 0.4  # of the time that is left, for the first search of two
-_FINEST, _MOST_PIECES = (
-    2.0**-12,
-    6000,
-)  # of the ranges, cells that are cut no further; pieces of the band behind all of them
+# shares of the ranges: narrower cells are not cut; pieces of the band behind all cells
+_FINEST, _MOST_PIECES = 2.0**-12, 6000
 
 
 @dataclass(frozen=True, repr=False)
@@ -616,7 +660,7 @@ class Tolerances(Answer):
 
     @cached_property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What is judged, with nominal thresholds."""
+        """The criteria, with nominal thresholds."""
         return noticed(self.box.scene.threshold)
 
     @property
@@ -652,21 +696,23 @@ class Tolerances(Answer):
 
     @cached_property
     def _search(self) -> dict[Criterion, tuple[Excess, tuple[Cluster, ...]]]:
-        """Of each criterion what is judged, with its clusters; nothing where the time is over
-        before that is known."""
+        """The excess of each criterion and its clusters; empty where the time is over before that
+        is known."""
         try:
             forms = {x: excess_of(self.box, x) for x in self.criteria}
         except LimitError:
             return {}
-        found: dict[Excess, tuple[Cluster, ...]] = {}
+        # Each search has its share of the time, so that one hard criterion does not leave nothing
+        # for the other.
+        by_excess: dict[Excess, tuple[Cluster, ...]] = {}
         for form in forms.values():
-            with share(_SHARE if len(found) < len(forms) - 1 else 1 - _SHARE):
-                found[form] = clusters(form)
-        return {x: (form, found[form]) for x, form in forms.items()}
+            with share(_SHARE if len(by_excess) < len(forms) - 1 else 1 - _SHARE):
+                by_excess[form] = clusters(form)
+        return {x: (form, by_excess[form]) for x, form in forms.items()}
 
     @cached_property
     def enclosures(self) -> tuple[Enclosure, ...]:
-        """Where crossings lie, for all values: outside these there is none, for no values of the
+        """The intervals in which crossings lie: outside of them there is none for any values of the
         box."""
         low, high = map(ExactNumber, self.box.scene.band)
         anywhere = [
@@ -675,15 +721,17 @@ class Tolerances(Answer):
             if x not in self._search
         ]
         known = (
-            self._enclosure(x, form, y) for x, (form, own) in self._search.items() for y in own
+            self._enclosure(x, form, y)
+            for x, (form, of_criterion) in self._search.items()
+            for y in of_criterion
         )
-        found = [*anywhere, *known]
+        enclosures = [*anywhere, *known]
         with spared():
-            return tuple(sorted(found, key=lambda x: (float(x.low), x.criterion.name)))
+            return tuple(sorted(enclosures, key=lambda x: (float(x.low), x.criterion.name)))
 
     @cached_property
     def _corners(self) -> tuple[One, ...]:
-        """The box's corners, or as many of them as are looked at."""
+        """The answers at the box's corners, or at as many of them as are tried in time."""
         ends = product((Fraction(0), Fraction(1)), repeat=len(self.box.sides))
         names = [side.name for side in self.box.sides]
         shares = [
@@ -694,16 +742,18 @@ class Tolerances(Answer):
 
     @cached_property
     def samples(self) -> tuple[Drawn, ...]:
-        """What was drawn in time; nothing where ranges are of hands alone."""
+        """The sets of values that were drawn in time; none where ranges are of hands alone."""
         return drawn(self.box, self.count, self.seed) if self.box.sides else ()
 
     def settle(self) -> None:
-        """Find everything that is told, so that a limit is kept to; LimitError if not even the
-        nominal values are."""
+        """Compute everything that is printed now, so that a limit is kept to; LimitError if not
+        even the nominal values are answered in time."""
         _ = self.nominal
-        with share(1 - _FOR_SAMPLES):  # what is proven comes first
+        # what is proven comes first, estimates have what is left
+        with share(1 - _FOR_SAMPLES):
             _ = self._search, self.enclosures, self.verdict
-        with spared():  # which takes no time after these
+        # which takes no time after these
+        with spared():
             _ = self.bandwidth
         _ = self.samples
 
@@ -722,10 +772,11 @@ class Tolerances(Answer):
 
     @property
     def _is_one(self) -> bool:
-        """Whether one set of values tells of all: nothing varies, or no ratio equals its threshold
-        for any."""
+        """Whether one set of values decides for all: nothing varies, or no ratio equals its
+        threshold for any (a continuous function without a zero keeps its sign)."""
         return not self.box.sides or (
-            bool(self._search) and not any(own for _, own in self._search.values())
+            bool(self._search)
+            and not any(of_criterion for _, of_criterion in self._search.values())
         )
 
     def _never_noticed(self) -> bool:
@@ -739,10 +790,13 @@ class Tolerances(Answer):
         which several may have the same frequencies, where r < c in all others: the way does not
         leave them.
         """
-        searched = [own for x, own in self._search.items() if not self._is_kept_anyway(x)]
-        faces: Sequence[Mapping[str, Expr] | None] = [
-            self._greatest(form, x) for form, own in searched for x in own
+        searched = [
+            of_criterion for x, of_criterion in self._search.items() if not self._is_kept_anyway(x)
         ]
+        faces: Sequence[Mapping[str, Expr] | None] = [
+            self._greatest(form, x) for form, of_criterion in searched for x in of_criterion
+        ]
+        # where a cluster leaves a slope open, cells of the parameters alone may show more
         if any(len(x or ()) < len(self.box.sides) for x in faces):
             _, faces = self._by_cells
         different = list({tuple((x or {}).items()): x for x in faces}.values())
@@ -754,9 +808,11 @@ class Tolerances(Answer):
             return False
 
     def _is_kept_on(self, face: Mapping[str, Expr]) -> bool:
-        """Whether nothing is noticed on a face, given by what is fixed: of one value, or of all
-        values of one parameter."""
+        """Whether it is proven that nothing is noticed on a face, given by what is fixed there:
+        False also where more than one parameter varies on it."""
         free = [x for x in self.box.sides if x.name not in face]
+        # ``require`` decides exactly, also where a ratio just reaches its threshold, of one
+        # parameter
         if len(free) > 1:
             return False
         if not free:
@@ -765,13 +821,14 @@ class Tolerances(Answer):
 
         [side], scene = free, self.box.scene.with_values(face)
         try:
-            found = require(scene, side.name, (side.low, side.high), limit=None)
+            requirement = require(scene, side.name, (side.low, side.high), limit=None)
         except (SceneError, UndecidedError):
             return False
-        return found.feasible == found.values.pieces
+        return requirement.feasible == requirement.values.pieces
 
     def _is_kept_anyway(self, criterion: Criterion) -> bool:
-        """Whether a criterion is kept for all values there are, also beyond the box."""
+        """Whether it is proven that a criterion is satisfied for all values that the model allows,
+        also beyond the box."""
         free = tuple(self.box.scene.ranges().values())
         with suppress(LimitError):
             found = conditions(self.box.scene, free, [criterion])
@@ -779,8 +836,8 @@ class Tolerances(Answer):
         return False
 
     def _greatest(self, form: Excess, cluster: Cluster) -> dict[str, Expr]:
-        """The values for which r - c is greatest in a cluster, of the parameters of which that is
-        known."""
+        """The ends of the parameters at which r - c is greatest in a cluster; without those of
+        which that is not known."""
         signs = [
             x if matters else 1
             for x, matters in zip(cluster.signs[1:], form.matters[1:], strict=True)
@@ -803,7 +860,8 @@ class Tolerances(Answer):
         return self._witness(transparent=False)
 
     def _witness(self, *, transparent: bool) -> One | None:
-        """The nominal values, a corner, or those in the middle of a cell."""
+        """A set of values that is transparent, or is not: the nominal one, a corner, or the middle
+        of a cell; None if none of them is."""
         if self.nominal.transparent is transparent:
             return self.nominal
         if self._is_one or not self._search or (transparent and self._always_noticed()):
@@ -822,11 +880,11 @@ class Tolerances(Answer):
     def _by_cells(
         self,
     ) -> tuple[Mapping[bool, Mapping[str, Expr]], Sequence[Mapping[str, Expr] | None]]:
-        """Values in a cell that is kept, and in one that is broken, for all of its values, by
-        whether it is kept.
+        """Values of a cell on all of which the criteria are satisfied (True), and of one on all of
+        which one of them is exceeded (False), as far as there are such.
 
-        And where none is broken, for all that hangs together of the open ones what is known of
-        where r is greatest; None where one is broken, or nothing is known.
+        And where no cell of the latter kind was found, for each connected set of undecided cells
+        what is known of the values at which r is greatest; [None] where nothing is known.
         """
         forms = [form for form, _ in self._search.values() if not form.is_zero]
         band = np.linspace(0, 1, _FIRST + 1)
@@ -846,8 +904,9 @@ class Tolerances(Answer):
         return middles, [None] if False in middles else self._tops(forms, search.left)
 
     def _tops(self, forms: Sequence[Excess], left: Cells) -> list[dict[str, Expr] | None]:
-        """What is known of the values for which what hangs together of open cells is greatest."""
-        own = [
+        """For each connected set of undecided cells what is known of the values at which r is
+        greatest; [None] where the time is over."""
+        undecided = [
             (form, x.cells(left.outer))
             for form, x in zip(forms, left.pieces, strict=True)
             if len(x)
@@ -855,7 +914,7 @@ class Tolerances(Answer):
         with suppress(LimitError):
             return [
                 self._greatest(form, x)
-                for form, cells in own
+                for form, cells in undecided
                 for x in _grouped(bounded(form, cells))
             ]
         return [None]
@@ -866,21 +925,23 @@ class Tolerances(Answer):
         return self.box.values({x.name: n for x, n in zip(self.box.sides, middles, strict=True)})
 
     def _always_noticed(self) -> bool:
-        """Whether some frequency is noticed whatever the values: one between clusters, at which a
-        ratio exceeds for all."""
+        """Whether something is noticed for all values: a ratio exceeds its threshold at some
+        frequency between clusters, where no values change that."""
         return any(self._exceeds_between(x) is not None for x in self.criteria)
 
     def _exceeds_between(self, criterion: Criterion) -> float | None:
         """The lowest share of the band outside all clusters at which r exceeds c, for the nominal
         and so for all values."""
-        form, own = self._search.get(criterion, (None, ()))
+        form, of_criterion = self._search.get(criterion, (None, ()))
         if form is None or form.is_zero:
             return None
         start = 0.0
-        for low, high in [*((x.low, x.high) for x in own), (1.0, 1.0)]:
+        for low, high in [*((x.low, x.high) for x in of_criterion), (1.0, 1.0)]:
             if low > start:
+                # one point suffices: between clusters the excess is nowhere 0, for no values
                 middle = np.array([[[(start + low) / 2] * 2, *[[0.5, 0.5]] * (form.sides - 1)]])
-                with spared():  # one cell takes no time
+                # one cell takes no time
+                with spared():
                     exceeds = form.model(middle).bounds()[0][0, 0] > 0
                 if exceeds:
                     return start
@@ -889,8 +950,8 @@ class Tolerances(Answer):
 
     @cached_property
     def bandwidth(self) -> tuple[RealNumber, RealNumber] | None:
-        """The least and the greatest that the bandwidth can be, guaranteed; None if not transparent
-        from the low end on."""
+        """Proven bounds on the bandwidth for all values, rad/s; None where the nominal scene is not
+        transparent from the low end on, or some values may not be."""
         low, high = (ExactNumber(x) for x in self.box.scene.band)
         if self.verdict is BandVerdict.ALL:
             return high, high
@@ -898,13 +959,15 @@ class Tolerances(Answer):
             float(x.low) <= float(low) for x in self.enclosures
         ):
             return None
+        # Below all enclosures nothing is noticed for any values. The bandwidth ends for all of them
+        # where the first ratio has crossed its threshold whatever the values.
         least = min([x.low for x in self.enclosures] or [high], key=float)
         ends = [self._end_of_first(x) for x in self.criteria]
         return least, min([x for x in ends if x is not None] or [high], key=float)
 
     def _end_of_first(self, criterion: Criterion) -> RealNumber | None:
-        """From where on r exceeds c whatever the values, at the latest; None if nowhere for
-        certain."""
+        """An upper bound on the frequency from which on r exceeds c for all values; None if no such
+        one is proven."""
         share = self._exceeds_between(criterion)
         if share is None:
             return None
@@ -921,11 +984,22 @@ class Tolerances(Answer):
         return self.verdict is not BandVerdict.UNDECIDED and all(x.share for x in self.held)
 
     def _enclosure(self, criterion: Criterion, form: Excess, cluster: Cluster) -> Enclosure:
+        """The enclosure of the crossings of one cluster."""
         moves = zip(self.box.sides, cluster.signs[1:], strict=True)
         steady = {side.name: int(-sign * cluster.signs[0]) for side, sign in moves}
         alone = cluster.regular and cluster.inside
-        own = [x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)]
-        count = 0 if self.verdict is BandVerdict.ALL else len(own) if alone and own else None
+        # Regular crossings that cannot leave the band neither merge nor vanish: there are as many
+        # for all values as for the nominal ones.
+        nominal_crossings = [
+            x for x in self.nominal.crossings[criterion.name] if within(self.box, x, cluster)
+        ]
+        count = (
+            0
+            if self.verdict is BandVerdict.ALL
+            else len(nominal_crossings)
+            if alone and nominal_crossings
+            else None
+        )
         face = Face(self.box, criterion.name, {}, self.one)
         (low, at_low), (high, at_high) = (
             self._end(face, form, cluster, highest=end) for end in (False, True)
@@ -933,7 +1007,7 @@ class Tolerances(Answer):
         return Enclosure(criterion, low, high, count, at_low, at_high, steady)
 
     def _end(self, face: Face, form: Excess, cluster: Cluster, *, highest: bool) -> End:
-        """As far as the crossings of a cluster go, or the cluster where the time is over."""
+        """The end of the crossings of a cluster; that of the cluster where the time is over."""
         found: End | None = None
         with suppress(LimitError):
             found = face.end(form, cluster, highest=highest)
@@ -1035,6 +1109,7 @@ def tolerances(
     samples = whole("samples", samples, 0)
     box = box_of(scene)
     with limited(limit, told) as budget:
+        # Hands first, with a share of their own: what follows would otherwise use up the time.
         with share(_FOR_HANDS):
             held = tuple(held_in_box(scene, x) for x in scene.hands)
         found = Tolerances(box, samples, seed, budget, held)
