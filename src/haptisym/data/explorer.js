@@ -344,6 +344,10 @@
   }
 
   function proveNow() {
+    if (document.readyState === "loading") { // what proves stands further down in the page
+      resting = setTimeout(proveNow, 250);
+      return;
+    }
     const read = (id) => JSON.parse(find(id).textContent);
     const shown = (id) => find(`${id}-value`).value;
     const given = {
