@@ -108,7 +108,7 @@ LINES: dict[str, tuple[Callable[[], Any], str]] = {
     "a peak": (lambda: hs.peaks(PAPER)[0], "<Peak r_i = 0.0387709 at 4.35101 rad/s>"),
     "an environment": (lambda: PAPER.environment, "<Environment mass-spring-damper: m = 9/5 kg; b = 15 N*s/m; k = 100 N/m>"),
     "an effect": (lambda: F.delay("5 ms"), "<Effect delay: tau = 1/200 s>"),
-    "values that will do": (lambda: hs.require(PAPER, "omega_n").feasible, "(<Span from 122.356 on>,)"),
+    "values that will do": (lambda: hs.require(PAPER, "omega_n").feasible, "(<Piece from 122.356 on>,)"),
     "a range": (
         lambda: E.mass_spring_damper(m="1.8 kg +- 5 %").parameters[0], "<Parameter m = 9/5 kg, from 171/100 to 189/100 kg>",
     ),
