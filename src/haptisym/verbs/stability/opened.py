@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 
 import flint
 from flint import acb_poly, arb
@@ -275,15 +275,15 @@ class Opened:
         return [self._passage(low, high, test) for test in changed]
 
     def _passage(self, low: Fraction, high: Fraction, test: int) -> Passage:
-        """The value between two at which a test changes its sign, by bisection to any number of
-        digits."""
-
-        def is_above(value: Rational) -> bool | None:
-            sign = self._sign(Fraction(int(value.p), int(value.q)), test)
-            return None if sign is None else sign > 0
-
+        """Where a test changes its sign between two values."""
+        is_above = partial(self._is_above, test)  # an answer is pickled with it
         value = Bisected(is_above, low, high, is_above(_exact(low)) is True)
         return Passage(value, Swing(self, test, value))
+
+    def _is_above(self, test: int, value: Rational) -> bool | None:
+        """Whether a test is positive at a value; None where that is not told."""
+        sign = self._sign(Fraction(int(value.p), int(value.q)), test)
+        return None if sign is None else sign > 0
 
     def _has_rest(self, low: Fraction, high: Fraction) -> bool:
         """Whether a value that puts a root at z = 1 may lie between two."""
