@@ -332,6 +332,15 @@ def test_the_rightmost_root_of_a_polynomial_is_the_one_that_was_put_there() -> N
         assert ordered == pytest.approx([complex(*x) for x in sorted(listed)], abs=1e-6)
 
 
+@pytest.mark.parametrize("rest", [s + 1, s + 1 + exp(-s) / 4])
+def test_a_root_at_0_counts_as_often_as_it_is_there(rest: Expr) -> None:
+    """s^2 f(s), f with its roots on the left: t is a motion, and the force of one of them may cancel."""
+    for at_0, order in ((0, 2), (1, 1)):
+        found = rightmost((s**2 * rest).expand(), at_0)
+        assert found is not None
+        assert (found.s, found.order) == (0, order)
+
+
 @pytest.mark.parametrize(("a", "tau"), [("1", "1/2"), ("3", "1"), ("-2", "1/3"), ("1/10", "2"), ("30", "1/10")])
 def test_the_rightmost_root_behind_a_delay_is_lamberts(a: str, tau: str) -> None:
     """s + a exp(-s tau) = 0: s = W(-a tau)/tau."""

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import count, pairwise
 from random import Random
 from typing import Any
 
@@ -18,6 +18,7 @@ from sympy import Expr, Integer, Poly, Rational, Symbol, discriminant, lambdify,
 import haptisym as hs
 from haptisym.judge.bindings import Kind
 from haptisym.judge.crossings import noticed
+from haptisym.kernel.budget import timed_by
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.reals import ExactNumber, expression_ball
 from haptisym.kernel.rings import omega as w
@@ -269,6 +270,17 @@ def test_without_numpy_balls_tell_the_same(
     found = hs.require("fu2019", path, part=part)
     assert found.certified
     assert [x.value.digits(15) for x in found.ends if x.value] == ([end] if end else [])
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+def test_values_that_the_time_did_not_reach_are_told_as_that(*, arrays: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not as values of which bounds tell nothing; the one that the parameter has is asked first."""
+    monkeypatch.setattr(solving, "has_arrays", lambda: arrays)
+    with timed_by(count().__next__):
+        found = hs.require("four-channel-teleoperation", "Ms", limit=400)
+    assert found.undecided
+    assert all("stopped at the limit" in x.reason for x in found.undecided)
+    assert found.values.about(ExactNumber(Integer(2))).verdict == "holds"
 
 
 def bound(end: Any) -> list[Any]:

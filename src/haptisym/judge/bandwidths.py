@@ -42,6 +42,7 @@ from haptisym.kernel.reals import (
     SquareRoot,
     at_rising_precision,
     expression_ball,
+    rational,
 )
 from haptisym.kernel.roots import Chart, Interval, Lattice, Point, chart
 from haptisym.model.distortion import Distortion
@@ -385,7 +386,7 @@ class Landing(RealNumber):
     def ball(self, bits: int) -> Ball:
         # The bandwidth grows with the number, so it lies between those for rational bounds of the
         # height: exact charts, for each precision two.
-        low, high = (Rational(x.numerator, x.denominator) for x in self.height.bounds(bits))
+        low, high = (rational(x) for x in self.height.bounds(bits))
         upper = self.growth.at(high)
         lower = upper if low == high else self._behind(low)
         with flint.ctx.workprec(bits):

@@ -17,13 +17,14 @@ from fractions import Fraction
 from functools import cached_property
 from typing import TypeAlias
 
-from sympy import Expr, Rational, S, Symbol
+from sympy import Expr, S, Symbol
 
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.regions import Cornered, Ellipse, Sided
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.reals import rational
 from haptisym.kernel.rings import c, omega
 from haptisym.kernel.where import LineBound
 from haptisym.model.chain import Chain
@@ -46,7 +47,7 @@ class Side:
 
     def at(self, share: Fraction) -> Expr:
         """The exact value that share of the way from the lowest to the highest."""
-        return self.low + Rational(share.numerator, share.denominator) * (self.high - self.low)
+        return self.low + rational(share) * (self.high - self.low)
 
 
 @dataclass(frozen=True)

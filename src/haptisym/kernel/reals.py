@@ -438,6 +438,15 @@ class Negative(RealNumber):
             return -self.number.ball(bits)
 
 
+def rational(x: Fraction) -> Rational:
+    """The same number as SymPy has it.
+
+    >>> rational(Fraction(2, 6))
+    1/3
+    """
+    return Rational(x.numerator, x.denominator)
+
+
 def rational_between(
     low: RealNumber | None, high: RealNumber | None, own: Expr | None = None
 ) -> Rational:
@@ -467,8 +476,7 @@ def rational_between(
     apart = at_rising_precision(ends, 16, SURE_BITS)
     if apart is None:
         raise UndecidedError("whether two numbers are different")
-    simplest = _simplest(*apart)
-    return Rational(simplest.numerator, simplest.denominator)
+    return rational(_simplest(*apart))
 
 
 def _is_between(low: RealNumber | None, own: Rational, high: RealNumber | None) -> bool:

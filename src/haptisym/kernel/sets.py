@@ -56,7 +56,15 @@ from sympy import Expr, Integer, Rational
 from haptisym.kernel.budget import spared, tick
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, bounds, dyadic, rational_between
+from haptisym.kernel.reals import (
+    Ball,
+    ExactNumber,
+    RealNumber,
+    bounds,
+    dyadic,
+    rational,
+    rational_between,
+)
 from haptisym.kernel.roots import ascending, is_told, ordered
 
 STOPPED = "stopped at the limit"
@@ -974,7 +982,7 @@ class Bisected(RealNumber):
         """Narrow the enclosure by the verdict on one value; False where that is undecided."""
         low, high = self.known
         try:
-            holds = self.verdict(_fraction(value))
+            holds = self.verdict(rational(value))
         except UndecidedError:
             holds = None
         if holds is not None:
@@ -994,7 +1002,7 @@ class Bisected(RealNumber):
             return None
         last = self._known.get("last")
         if last is None or last[0] != self.beyond:
-            self._known["before"], last = last, (self.beyond, self.excess(_fraction(self.beyond)))
+            self._known["before"], last = last, (self.beyond, self.excess(rational(self.beyond)))
             self._known["last"] = last
         before = self._known.get("before")
         if before is None:
@@ -1012,10 +1020,6 @@ class Bisected(RealNumber):
         low, high = self.between(bits)
         with flint.ctx.workprec(bits + 32):
             return dyadic(low).union(dyadic(high))
-
-
-def _fraction(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)
 
 
 def _short(low: Fraction, high: Fraction) -> tuple[int, int]:

@@ -33,9 +33,11 @@ from sympy import Expr, Pow, Rational, Symbol, sinc
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError
-from haptisym.kernel.reals import Ball, dyadic, expression_ball
+from haptisym.kernel.reals import Ball, dyadic, expression_ball, rational
 from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
-from haptisym.verbs.require.freeparameter import Conditions, JudgedValues, ladder, pieces
+from haptisym.kernel.zeros import sign_of
+from haptisym.programs.balls import power
+from haptisym.verbs.require.freeparameter import Conditions, JudgedValues, ladder, merged, pieces
 
 _BITS = 128
 # Frequencies at which the middle of a cell is tried.
@@ -242,15 +244,11 @@ def _sum(polynomial: Polynomial, ring: PolynomialRing, known: dict[Expr, Ball]) 
 
 
 def _value(x: Expr, known: dict[Expr, Ball]) -> Ball:
-    """A ball around what a variable of a ring stands for; of a power of a frequency, which may be
-    0, with a positive exponent."""
-    if not isinstance(x, Pow):
-        return expression_ball(x, known)
-    base, exponent = expression_ball(x.base, known), expression_ball(x.exp, known)
-    # A ball about 0 has no logarithm; the power grows with its base, and is 0 at 0.
-    if base > 0 or not exponent > 0:
-        return (base.log() * exponent).exp()
-    return arb(0).union((base.upper().log() * exponent).exp())
+    """A ball around what a variable of a ring stands for."""
+    # A ball about 0 has no logarithm, so that a power of the frequency is more than its formula.
+    if isinstance(x, Pow):
+        return power(expression_ball(x.base, known), expression_ball(x.exp, known))
+    return expression_ball(x, known)
 
 
 def _both(a: Ball, b: Ball) -> Ball:
@@ -267,17 +265,15 @@ def _change(x: Expr, by: Symbol, known: dict[Expr, Ball]) -> Ball:
     if not isinstance(x, sinc):
         return expression_ball(_derivative(x, by), known)
     angle = expression_ball(x.args[0], known)
-    bent = (angle.cos() - angle.sinc()) / angle if _sign(angle) else arb(0, (angle / 3).abs_upper())
+    bent = (
+        (angle.cos() - angle.sinc()) / angle if sign_of(angle) else arb(0, (angle / 3).abs_upper())
+    )
     return bent * expression_ball(_derivative(x.args[0], by), known)
 
 
 @cache
 def _derivative(x: Expr, by: Symbol) -> Expr:
     return x.diff(by)
-
-
-def _sign(x: Ball) -> int:
-    return 1 if x > 0 else -1 if x < 0 else 0
 
 
 def _point(x: Fraction) -> Span:
@@ -322,14 +318,14 @@ class ConditionFunction:
             return Bounds(0, 0)
         trend = 0
         for value, change in self.above.over(piece, values):
-            if sign := _sign(value):
+            if sign := sign_of(value):
                 return Bounds(sign * below, 0)
-            trend = _sign(change) * below
+            trend = sign_of(change) * below
         return Bounds(0, trend)
 
 
 def _first_sign(balls: Iterable[Ball]) -> int:
-    return next((sign for x in balls if (sign := _sign(x))), 0)
+    return next((sign for x in balls if (sign := sign_of(x))), 0)
 
 
 @dataclass(frozen=True)
@@ -385,7 +381,7 @@ class BallCells:
         except LimitError:
             pass
         found += [JudgedValues(x.low, x.high, None) for x in waiting.rest]
-        return _merged(sorted(found, key=lambda x: x.low))
+        return merged(sorted(found, key=lambda x: x.low))
 
     @cached_property
     def _functions(self) -> list[list[ConditionFunction]]:
@@ -461,14 +457,14 @@ class BallCells:
         until there are values beside it that keep all conditions.
         """
         best, worst = cell.values if growing else cell.values[::-1]
-        if self.verdict(_rational(best)) is False:
+        if self.verdict(rational(best)) is False:
             return [JudgedValues(cell.low, cell.high, kept=False)]
-        if self.verdict(_rational(worst)) is True:
+        if self.verdict(rational(worst)) is True:
             return [JudgedValues(cell.low, cell.high, kept=True)]
         near, far = best, worst
         for _ in range(_MOST_HALVES):
             middle = _middle_of((near, far))
-            kept = self.verdict(_rational(middle))
+            kept = self.verdict(rational(middle))
             if kept is not False:
                 near = middle if kept else near
                 break
@@ -505,18 +501,6 @@ def _trend(functions: Sequence[ConditionFunction], piece: Span, values: Span) ->
     return trends.pop() if len(trends) == 1 else 0
 
 
-def _merged(told: Sequence[JudgedValues]) -> list[JudgedValues]:
-    """Runs of values, neighbours with one verdict merged; what holds just one end stays apart."""
-    runs = list[JudgedValues]()
-    for x in told:
-        last = runs[-1] if runs else None
-        if last is not None and last.kept is x.kept and last.slant is None and x.slant is None:
-            runs[-1] = JudgedValues(last.low, x.high, x.kept)
-        else:
-            runs.append(x)
-    return runs
-
-
 def _middle(low: Fraction, high: Fraction) -> Fraction:
     """A dyadic number inside, between numbers of one sign nearer their geometric mean; never a
     simple one."""
@@ -530,7 +514,3 @@ def _middle(low: Fraction, high: Fraction) -> Fraction:
         # 509/1024: a little below the half, and so at no simple number that an end may be.
         cut = a + (b - a) * 0.4970703125
     return Fraction(cut) if a < cut < b else (low + high) / 2
-
-
-def _rational(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)

@@ -41,7 +41,7 @@ from haptisym.kernel.where import Array, Batches, Cells, LineBound, Search, halv
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import TaylorModel, between, floated, valued, variable
-from haptisym.verbs.require.freeparameter import ExactSign, JudgedValues, ladder
+from haptisym.verbs.require.freeparameter import ExactSign, JudgedValues, ladder, merged
 
 # Where pieces of the band begin and end, as shares; for times also shorter ones near its low end,
 # where long delays show themselves.
@@ -168,7 +168,7 @@ class FloatCells:
                 ]
             else:
                 found[i] = [turned]
-        return _merged(x for own in found.values() for x in own)
+        return merged(x for own in found.values() for x in own)
 
     def _turned(self, runs: Sequence[JudgedValues], i: int) -> JudgedValues:
         """A run that is open, with the slant that proves one end in it; unchanged where there may
@@ -287,17 +287,6 @@ def _runs(*parts: Cells) -> list[JudgedValues]:
         low, high, kept = Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n]
         cells = parts[n][[row[3] for row in rows]] if n == 2 else None
         runs.append(JudgedValues(low, high, kept, open=cells))
-    return runs
-
-
-def _merged(told: Iterable[JudgedValues]) -> list[JudgedValues]:
-    """Runs of values, neighbours with one verdict merged."""
-    runs = list[JudgedValues]()
-    for x in told:
-        if runs and x.kept is not None and runs[-1].kept is x.kept:
-            runs[-1] = replace(runs[-1], high=x.high)
-        else:
-            runs.append(x)
     return runs
 
 

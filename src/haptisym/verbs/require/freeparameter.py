@@ -88,6 +88,18 @@ class JudgedValues:
 _NARROW = Fraction(1, 10**9)
 
 
+def merged(cells: Iterable[JudgedValues]) -> list[JudgedValues]:
+    """Runs of values, neighbours with one verdict merged; what holds just one end stays apart."""
+    runs = list[JudgedValues]()
+    for x in cells:
+        last = runs[-1] if runs else None
+        if last is not None and last.kept is x.kept and last.slant is None and x.slant is None:
+            runs[-1] = replace(last, high=x.high)
+        else:
+            runs.append(x)
+    return runs
+
+
 def ladder(low: float, high: float, scale: float) -> list[float]:
     """Numbers from one to another at which cells begin: powers of 2 times a usual size, on both
     sides of 0, so that within a cell values differ by no more than a factor of 2."""

@@ -25,7 +25,7 @@ from haptisym.judge.peaks import Top, tops
 from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, rational_between
+from haptisym.kernel.reals import ExactNumber, RealNumber, SquareRoot, rational, rational_between
 from haptisym.kernel.rings import omega
 from haptisym.kernel.sets import Domain
 from haptisym.model.distortion import Distortion
@@ -250,7 +250,7 @@ def _least_at(ratios: Array) -> int:
 def _simple(x: float) -> Rational:
     """A rational number near a float, with a denominator of at most 1000."""
     near = Fraction(x).limit_denominator(1000)
-    return Rational(near.numerator, near.denominator)
+    return rational(near)
 
 
 def _at(r: ParameterQuestion, value: Expr) -> Nearest | None:

@@ -35,7 +35,13 @@ from haptisym.judge.passivity import environment_alone, passivity
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import (
+    ExactNumber,
+    RealNumber,
+    expression_ball,
+    rational,
+    rational_between,
+)
 from haptisym.kernel.rings import Polynomial, RationalFunction, monomials
 from haptisym.kernel.sets import (
     STOPPED,
@@ -91,7 +97,7 @@ def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
     if isinstance(value, ExactNumber) and value.value.is_Rational:
         return value.value, value.value
     low, high = value.bounds(_ROUNDING_BITS)
-    return Rational(low.numerator, low.denominator), Rational(high.numerator, high.denominator)
+    return rational(low), rational(high)
 
 
 class _Display:
@@ -408,7 +414,7 @@ def _alone_by_signs(
     one, and at whole octaves.
     """
     near, _ = x.value.bounds(_NEXT)
-    there = free.put(scene, Rational(near.numerator, near.denominator))
+    there = free.put(scene, rational(near))
     active = passivity(there).row()["active"]
     middles = [(low + (2 * low + 1 if high is None else high)) / 2 for low, high in active]
     octaves = [2.0**power for power in range(-_OCTAVES, _OCTAVES)]

@@ -31,7 +31,7 @@ from itertools import pairwise
 
 import flint
 from flint import arb
-from sympy import Expr, Rational, S, Symbol, pi
+from sympy import Expr, S, Symbol, pi
 
 from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion, noticed
@@ -39,6 +39,7 @@ from haptisym.judge.peaks import Largest, Top, tops
 from haptisym.judge.regions import Sided
 from haptisym.kernel.arrays import has_arrays
 from haptisym.kernel.axis import Axis
+from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.reals import (
@@ -51,6 +52,7 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
     fraction_ball,
+    rational,
     rational_between,
 )
 from haptisym.kernel.rings import Polynomial, monomials, omega
@@ -214,7 +216,7 @@ class TouchAt(RealNumber):
             near = self.place.ball(2 * bits) + moved[0]
             balls = [
                 x.ball(2 * bits)
-                for x in self.kept.broken(_rational(self.end.beyond))
+                for x in self.kept.broken(rational(self.end.beyond))
                 if x.criterion == self.place.criterion
             ]
             return reduce(arb.union, (x + moved[1] for x in balls if x.overlaps(near)))
@@ -239,14 +241,15 @@ class Ends:
     def cells(self, low: RealNumber | None, high: RealNumber | None) -> list[Cell]:
         """The verdicts on all values that are asked about: what is beyond the range is as next to
         it."""
-        inner = [ExactNumber(_rational(x.low)) for x in self.told[1:]]
+        inner = [ExactNumber(rational(x.low)) for x in self.told[1:]]
+        why = _why_open()
         pairs = zip(self.told, pairwise([low, *inner, high]), strict=True)
-        return [Cell(a, b, x.kept, "" if x.kept is not None else _UNSETTLED) for x, (a, b) in pairs]
+        return [Cell(a, b, x.kept, "" if x.kept is not None else why) for x, (a, b) in pairs]
 
     def end(self, low: RealNumber, _: RealNumber, low_holds: bool) -> SingleValue | None:  # noqa: FBT001
         """The end in what is open between two values: exact where there is one for certain; by its
         enclosure alone where there may be several in a narrow cell; else None."""
-        [cell] = (x for x in self.told[1:] if not ordered(low, ExactNumber(_rational(x.low))))
+        [cell] = (x for x in self.told[1:] if not ordered(low, ExactNumber(rational(x.low))))
         if cell.slant is None:
             return SingleValue(Sliver(cell.low, cell.high)) if cell.is_narrow else None
         end = Bisected(self.kept, cell.low, cell.high, low_holds, self.kept.excess)
@@ -268,7 +271,7 @@ class Ends:
         places, width = list[Place](), Fraction(0)
         for bits, settles in ((_ROUGH, {Kind.TOUCH}), (_CLOSE, {*Kind}), (_CLOSEST, {*Kind})):
             low, high = end.between(bits)
-            width, places = high - low, self.kept.broken(_rational(end.beyond))
+            width, places = high - low, self.kept.broken(rational(end.beyond))
             if len(places) == 1 and places[0].kind in settles:
                 break
         return places, width
@@ -276,7 +279,7 @@ class Ends:
     def _exact(self, end: Bisected, places: Sequence[Place]) -> SingleValue | None:
         """The end as an exact number, rational or rational in pi, where one is proven to be it:
         there a criterion holds with equality at the place that is broken beyond. Else None."""
-        low, high = (ExactNumber(_rational(x)) for x in end.between(_CLOSE))
+        low, high = (ExactNumber(rational(x)) for x in end.between(_CLOSE))
         # The value that holds last was asked for, and may be the very end.
         tried = [low if end.low_holds else high]
         near = rational_between(low, high)
@@ -297,6 +300,15 @@ class Ends:
             if binding:
                 return SingleValue(x, None, _listed(binding))
         return None
+
+
+def _why_open() -> str:
+    """Why values are open: that bounds tell nothing of them, or that the time to look is over."""
+    try:
+        tick()
+    except LimitError:
+        return STOPPED
+    return _UNSETTLED
 
 
 def _listed(found: Sequence[tuple[Place, RealNumber]]) -> tuple[Binding, ...]:
@@ -326,10 +338,6 @@ def _linear_roots(found: Conditions, free: Symbol, place: Expr) -> Iterator[Exac
             for x in real_roots(own, index, negative=True)
             if isinstance(x, ExactNumber)
         )
-
-
-def _rational(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)
 
 
 # Bits with which the values of two local maxima are compared: what is alike to the last of them
@@ -626,7 +634,7 @@ def _told(kept: Kept, found: Conditions, low: Fraction, high: Fraction) -> list[
 def _is_broken(kept: Kept, found: Conditions, told: JudgedValues) -> bool:
     """Whether balls show at a frequency that a condition is broken for all values between two."""
     with suppress(SceneError, UndecidedError), flint.ctx.workprec(_BITS):
-        places = [x.ball(_BITS).mid() for x in kept.broken(_rational(told.high))]
+        places = [x.ball(_BITS).mid() for x in kept.broken(rational(told.high))]
         # Twice as wide, upward, so that its middle is not 0: powers of balls about 0 are nan.
         value = fraction_ball(told.low).union(fraction_ball(2 * told.high - told.low))
         return any(

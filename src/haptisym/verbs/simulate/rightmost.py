@@ -127,7 +127,7 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
     factors of the polynomial is looked for once, as balls are narrower about simple roots; its
     order is what it counts in all.
     """
-    is_root = at_least(order_at_0(polynomial, ring)) > at_0
+    at_origin = max(at_least(order_at_0(polynomial, ring)) - at_0, 0)
     # Without what all terms share, powers of s and delays: it has no roots but s = 0, which are
     # counted above.
     bare = polynomial / polynomial.term_content()
@@ -145,11 +145,12 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
                 for ball, nearby in enclosed_roots(row)
                 if ball.imag.mid() >= 0
             ]
-        return Rightmost.of_all([*roots, *[(acb(0), 1)] * is_root]) if roots or is_root else None
+        roots += [(acb(0), at_origin)] * bool(at_origin)
+        return Rightmost.of_all(roots) if roots else None
     simple = reduce(lambda x, y: x * y, (x for x, _ in factors), ring.constant(1))
     function, zeros = QuasiPolynomial.of(simple, ring), at_least(order_at_0(simple, ring))
     found = [x for x in function.roots() if not zeros or abs(x) > _SLACK]
-    listed = sorted([*found, *[0j] * is_root], key=lambda x: -x.real)
+    listed = sorted([*found, *[0j] * bool(at_origin)], key=lambda x: -x.real)
     if not listed:
         return None
     first = listed[0]
@@ -159,8 +160,9 @@ def rightmost_root(polynomial: Polynomial, ring: Ring, at_0: int = 0) -> Rightmo
         (x.real for x in listed if x.real < first.real - _STRIP * (1 + abs(first))), -inf
     )
     balls = [function.enclosed(x) if x else acb(0) for x in listed if x.real > following]
-    # Which factor the rightmost root is of is not known any more: the largest exponent is safe.
-    order = max(n for _, n in factors)
+    # Which factor the rightmost root is of is not known any more: the largest exponent is safe. The
+    # root at 0, which no factor has, counts where it lies in the strip.
+    order = max(at_origin if following < 0 else 0, *(n for _, n in factors))
     if any(ball is None for ball in balls):
         return Rightmost(
             first, None, certified=False, function=function, others=tuple(listed), order=order
@@ -201,7 +203,7 @@ _APART = 200
 
 def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
     """Balls around all roots of a real polynomial, each with the number of roots in the balls that
-    it meets, its own too.
+    hang together with it, its own too.
 
     ``coefficients`` : real balls, ascending, the first and the last of which are not 0; ValueError
     where that is not known.
@@ -229,11 +231,25 @@ def enclosed_roots(coefficients: Sequence[Any]) -> list[tuple[Any, int]]:
         balls.append(acb(x.real + radius, x.imag + radius))
     # The coefficients are real, so the balls are conjugate in pairs. One that contains a real
     # number meets its own mirror image: if it meets no other ball, its one root is real.
-    met = [sum(x.overlaps(y) for y in balls) for x in balls]
     return [
-        (acb(x.real) if m == 1 and x.imag.contains(0) else x, m)
-        for x, m in zip(balls, met, strict=True)
+        (acb(x.real) if len(group) == 1 and x.imag.contains(0) else x, len(group))
+        for group in _hanging_together(balls)
+        for x in group
     ]
+
+
+def _hanging_together(balls: Sequence[Any]) -> list[list[Any]]:
+    """The balls in groups: what meets, or meets what meets, is in one."""
+    groups = list[list[Any]]()
+    for ball in balls:
+        met, apart = [ball], list[list[Any]]()
+        for group in groups:
+            if any(ball.overlaps(x) for x in group):
+                met += group
+            else:
+                apart.append(group)
+        groups = [*apart, met]
+    return groups
 
 
 def _terms(polynomial: Polynomial, ring: Ring) -> Iterator[Term]:

@@ -36,6 +36,7 @@ from haptisym.kernel.reals import (
     bounds,
     expression_ball,
     fraction_ball,
+    rational,
 )
 from haptisym.kernel.roots import ordered
 from haptisym.kernel.zeros import sign_of
@@ -411,10 +412,7 @@ class Lateness:
     def _is_told(self, value: Rational) -> bool:
         """Whether all critical delays between the loop's own delay and another one are known."""
         last = max(self.own, value)
-        return not self.left and (
-            self.frontier is None
-            or last < Rational(self.frontier.numerator, self.frontier.denominator)
-        )
+        return not self.left and (self.frontier is None or last < rational(self.frontier))
 
     @cached_property
     def _home(self) -> int:

@@ -39,7 +39,7 @@ from typing import Protocol
 
 import flint
 from flint import acb, arb, arb_poly, fmpq
-from sympy import Add, Expr, Integer, Poly, Rational, Symbol, factorial
+from sympy import Add, Expr, Integer, Matrix, Poly, Rational, Symbol, factorial
 
 from haptisym.judge.passivity import rests
 from haptisym.judge.peaks import ValueAt
@@ -649,8 +649,9 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
     comes to the axis where L has a zero with |z| = 1. L = a + sum of d_i z_i begins or ceases to
     have such zeros where one of |a|, |d_i| is the sum of all others: a zero of a + sum of +-d_i.
 
-    UndecidedError where several delays are in L that are powers of one z, where they are too many,
-    or where q is in one of several.
+    That holds where the z_i turn independently of each other. UndecidedError where they do not
+    (two are powers of one z, or one is a product of others), where they are too many, or where q is
+    in one of several.
     """
     leading = loop.leading
     delayed = [turns for turns in leading if any(turns)]
@@ -663,7 +664,7 @@ def from_infinity(loop: Loop) -> tuple[Meeting, ...]:
         return ()
     if _is_product(leading):
         return tuple(Meeting(x) for x in zeros(next(iter(leading.values()))))
-    if len(delayed) > (1 if len(units) == 1 else _MOST_DELAYED):
+    if len(delayed) > _MOST_DELAYED or Matrix(delayed).rank() < len(delayed):
         raise UndecidedError(
             "where a chain of roots comes to the axis: several delays are in the highest power of s"
         )

@@ -35,6 +35,7 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
     fraction_ball,
+    rational,
 )
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import count_roots
@@ -130,7 +131,7 @@ class Opened:
         samples, and up to where that is."""
         if not self._ratios:
             return self, end
-        q, last, side = _exact(start), _exact(end), 1 if end > start else -1
+        q, last, side = rational(start), rational(end), 1 if end > start else -1
         # A delay has a new number of whole samples where its ratio to the period comes to the next
         # whole number: linear in the parameter, or not looked for.
         turns = list[Expr]()
@@ -246,7 +247,7 @@ class Opened:
         """Whether the numbers of roots outside of the circle differ between both ends; False also
         where they are not known."""
         try:
-            first, last = (self.at(_exact(x)).unstable() for x in span)
+            first, last = (self.at(rational(x)).unstable() for x in span)
         except UndecidedError:
             return False
         return first != last
@@ -267,7 +268,7 @@ class Opened:
             return None
         if changed == [_PAIR]:
             try:
-                counts = {sum(self.at(_exact(x)).unstable()) for x in (low, high)}
+                counts = {sum(self.at(rational(x)).unstable()) for x in (low, high)}
             except UndecidedError:
                 return None
             # Two real roots v that add up to 0, z and 1/z, change no count.
@@ -277,7 +278,7 @@ class Opened:
     def _passage(self, low: Fraction, high: Fraction, test: int) -> Passage:
         """Where a test changes its sign between two values."""
         is_above = partial(self._is_above, test)  # an answer is pickled with it
-        value = Bisected(is_above, low, high, is_above(_exact(low)) is True)
+        value = Bisected(is_above, low, high, is_above(rational(low)) is True)
         return Passage(value, Swing(self, test, value))
 
     def _is_above(self, test: int, value: Rational) -> bool | None:
@@ -334,10 +335,6 @@ def joined(spans: Sequence[Span]) -> list[Span]:
         else:
             runs.append((low, high))
     return runs
-
-
-def _exact(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)
 
 
 @dataclass(frozen=True, repr=False)

@@ -19,12 +19,13 @@ from functools import cached_property
 from itertools import islice, product
 from typing import Any
 
-from sympy import Expr, I, Rational, Symbol
+from sympy import Expr, I, Symbol
 
 from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
+from haptisym.kernel.reals import rational
 from haptisym.kernel.rings import Polynomial
 from haptisym.kernel.rootcount import count_roots
 from haptisym.kernel.where import Array, search, touching
@@ -206,7 +207,7 @@ class _Question:
                 x, share = places[symbol], Fraction((start + end) / 2)
                 assert x.interval
                 low, high = x.interval
-                values[x.path] = low + Rational(share.numerator, share.denominator) * (high - low)
+                values[x.path] = low + rational(share) * (high - low)
             yield values
 
 
@@ -463,7 +464,7 @@ def _values_amid(ranges: Mapping[Symbol, Interval], rectangle: Array) -> dict[Sy
     middles = [Fraction(float(x)) for x in rectangle.mean(-1)]
     shares = [*middles, *[Fraction(1, 2)] * (len(ranges) - 2)]
     return {
-        symbol: low + Rational(x.numerator, x.denominator) * (high - low)
+        symbol: low + rational(x) * (high - low)
         for (symbol, (low, high)), x in zip(ranges.items(), shares, strict=True)
     }
 

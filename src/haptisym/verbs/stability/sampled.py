@@ -25,7 +25,7 @@ from haptisym.judge.bindings import STEADY, Binding, Kind
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.reals import ExactNumber, rational
 from haptisym.kernel.sets import (
     STOPPED,
     UNSEARCHED,
@@ -83,7 +83,7 @@ def clocked_question(
         return None if still is None else still == found.number
 
     def enough(value: Fraction) -> bool:
-        return is_held(scene, hand, free, _exact(value))
+        return is_held(scene, hand, free, rational(value))
 
     @cache
     def search() -> OutwardSearch:
@@ -125,10 +125,6 @@ class Rests(Protocol):
 def _never(value: Rational, *, own: bool) -> bool | None:
     """The verdict where nothing cancels and nothing drifts: a root on the circle is one."""
     return False
-
-
-def _exact(x: Fraction) -> Rational:
-    return Rational(x.numerator, x.denominator)
 
 
 @dataclass
@@ -214,12 +210,12 @@ class OutwardSearch:
         """The values about which nothing is known: those beyond what was looked at, and where that
         was not fine enough."""
         open_ = [
-            Open(ExactNumber(_exact(low)), ExactNumber(_exact(high)), _NOT_FINE)
+            Open(ExactNumber(rational(low)), ExactNumber(rational(high)), _NOT_FINE)
             for low, high in self.left
         ]
         for side, last in beyond.items():
             if last is not None:
-                end = ExactNumber(_exact(last[0]))
+                end = ExactNumber(rational(last[0]))
                 open_.append(Open(None, end, last[1]) if side < 0 else Open(end, None, last[1]))
         return open_
 
@@ -273,7 +269,7 @@ class OutwardSearch:
 
     def _told(self, value: Fraction) -> bool | None:
         with suppress(UndecidedError):
-            return self.holds(_exact(value))
+            return self.holds(rational(value))
         return None
 
 

@@ -34,7 +34,7 @@ from typing import Any, ClassVar, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from sympy import Expr, Rational
+from sympy import Expr
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, Judged, kept, noticed
@@ -42,7 +42,7 @@ from haptisym.judge.excess import Box, Excess, box_of, excess_of
 from haptisym.kernel.budget import SECONDS, Budget, Told, limited, share, spared, tick
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import counted, titled
-from haptisym.kernel.reals import ExactNumber, RealNumber, whole
+from haptisym.kernel.reals import ExactNumber, RealNumber, rational, whole
 from haptisym.kernel.roots import chart
 from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching, zeros
 from haptisym.model.catalogue import Hand
@@ -525,7 +525,7 @@ def at_share(box: Box, share: float) -> RealNumber:
     """A frequency that share of the way through the band."""
     low, high = box.scene.band
     exact = Fraction(min(max(share, 0.0), 1.0))
-    return ExactNumber(low + Rational(exact.numerator, exact.denominator) * (high - low))
+    return ExactNumber(low + rational(exact) * (high - low))
 
 
 def within(box: Box, x: RealNumber, cluster: Cluster) -> bool:
