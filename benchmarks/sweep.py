@@ -21,7 +21,8 @@ from timing import machine
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.passes import Kernel, exact_answers
+from haptisym.verbs.sweep.evaluator import SetEvaluator
+from haptisym.verbs.sweep.exactanswers import exact_answers
 
 PAPER = hs.load_scene("fu2019")
 PATHS = {
@@ -84,8 +85,10 @@ def completed(spans: dict[str, tuple[float, float]], values: Array) -> Array:
     return np.array([rows.get(path, np.full(values.shape[1], own[path])) for path in PATHS])
 
 
-def kernel_for(spans: dict[str, tuple[float, float]]) -> Kernel:
-    return Kernel.of(PAPER, [axis.knob for axis in axes(PAPER, {path: list(span) for path, span in spans.items()})])
+def evaluator_for(spans: dict[str, tuple[float, float]]) -> SetEvaluator:
+    return SetEvaluator.of(
+        PAPER, [axis.knob for axis in axes(PAPER, {path: list(span) for path, span in spans.items()})]
+    )
 
 
 def seconds(run: object, *arguments: object) -> float:
@@ -96,12 +99,12 @@ def seconds(run: object, *arguments: object) -> float:
 
 def compare(name: str, spans: dict[str, tuple[float, float]], sets: int) -> None:
     """Speed and wrong counts of both on random sets."""
-    kernel, values = kernel_for(spans), drawn(spans, sets)
+    evaluator, values = evaluator_for(spans), drawn(spans, sets)
     rows = completed(spans, values)
-    times = [(seconds(kernel.in_floats, values), seconds(grid_and_bisect, rows)) for _ in range(ROUNDS + 1)][1:]
+    times = [(seconds(evaluator.in_floats, values), seconds(grid_and_bisect, rows)) for _ in range(ROUNDS + 1)][1:]
     ours, theirs = (min(column) / sets for column in zip(*times, strict=True))
     ratio = np.median([grid / own for own, grid in times])
-    columns, left = kernel.in_floats(values)
+    columns, left = evaluator.in_floats(values)
     print(f"\n{name}: {sets} sets of {len(spans)} parameters")
     print(f"  haptisym         {1e6 * ours:8.2f} us for a set {1e-3 / ours:8.0f} thousand sets/s and core")
     print(
@@ -111,7 +114,7 @@ def compare(name: str, spans: dict[str, tuple[float, float]], sets: int) -> None
     wrong, at = {"haptisym in floats": 0, "grid and bisect": 0}, slice(0, min(CHECKED, sets))
     grid, own = grid_and_bisect(rows[:, at]), np.array([columns["crossings_real"][at], columns["crossings_imag"][at]])
     for i in range(grid.shape[1]):
-        truth = exact_answers(PAPER, kernel.swept, values[:, i].tolist())
+        truth = exact_answers(PAPER, evaluator.swept, values[:, i].tolist())
         counts = [truth["crossings_real"], truth["crossings_imag"]]
         wrong["haptisym in floats"] += i not in left and own[:, i].tolist() != counts
         wrong["grid and bisect"] += grid[:, i].tolist() != counts

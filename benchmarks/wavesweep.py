@@ -19,7 +19,8 @@ import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array
 from haptisym.verbs.sweep.delayterms import ulp_errors
-from haptisym.verbs.sweep.passes import Kernel, exact_answers
+from haptisym.verbs.sweep.evaluator import SetEvaluator
+from haptisym.verbs.sweep.exactanswers import exact_answers
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},
@@ -31,22 +32,24 @@ SWEPT = {
 SETS, ROUNDS, EXACT = 16_384, 4, 20
 
 
-def kernel_for(scene: hs.Scene, spans: dict[str, tuple[float, float]]) -> Kernel:
-    return Kernel.of(scene, [axis.knob for axis in axes(scene, {path: list(span) for path, span in spans.items()})])
+def evaluator_for(scene: hs.Scene, spans: dict[str, tuple[float, float]]) -> SetEvaluator:
+    return SetEvaluator.of(
+        scene, [axis.knob for axis in axes(scene, {path: list(span) for path, span in spans.items()})]
+    )
 
 
-def exactly(kernel: Kernel, values: Array) -> list[dict[str, float]]:
-    return [exact_answers(kernel.scene, kernel.swept, one.tolist()) for one in values.T]
+def exactly(evaluator: SetEvaluator, values: Array) -> list[dict[str, float]]:
+    return [exact_answers(evaluator.scene, evaluator.swept, one.tolist()) for one in values.T]
 
 
 def compare(name: str, spans: dict[str, tuple[float, float]], checked: int) -> None:
     """Speeds of floats and of exact arithmetic, what is left to it, and wrong counts."""
-    kernel, values = kernel_for(hs.load_scene(name), spans), drawn(spans, SETS)
-    rational, rows = kernel_for(PAPER, TWO), drawn(TWO, SETS)
+    evaluator, values = evaluator_for(hs.load_scene(name), spans), drawn(spans, SETS)
+    rational, rows = evaluator_for(PAPER, TWO), drawn(TWO, SETS)
     times = [
         (
-            seconds(kernel.in_floats, values),
-            seconds(exactly, kernel, values[:, :EXACT]),
+            seconds(evaluator.in_floats, values),
+            seconds(exactly, evaluator, values[:, :EXACT]),
             seconds(rational.in_floats, rows),
         )
         for _ in range(ROUNDS + 1)
@@ -54,7 +57,7 @@ def compare(name: str, spans: dict[str, tuple[float, float]], checked: int) -> N
     floats, exact, paper = (
         min(column) / n for column, n in zip(zip(*times, strict=True), (SETS, EXACT, SETS), strict=True)
     )
-    columns, left = kernel.in_floats(values)
+    columns, left = evaluator.in_floats(values)
     print(f"\n{name}: {', '.join(spans)}")
     print(
         f"  floats {1e-3 / floats:8.1f} thousand sets/s and core, {exact / floats:8.0f} x exact ({1 / exact:.0f} sets/s)"
@@ -65,8 +68,8 @@ def compare(name: str, spans: dict[str, tuple[float, float]], checked: int) -> N
     if checked:
         wrong = [
             i
-            for i, truth in enumerate(exactly(kernel, values[:, :checked]))
-            if i not in left and any(columns[key][i] != truth[key] for key in kernel.told.counts)
+            for i, truth in enumerate(exactly(evaluator, values[:, :checked]))
+            if i not in left and any(columns[key][i] != truth[key] for key in evaluator.told.counts)
         ]
         print(f"  wrong counts: {len(wrong)} of {checked} sets")
 

@@ -17,12 +17,12 @@ from haptisym_check.scene import PARTS, Element, SceneFile, functions, link
 from haptisym_check.values import (
     UnreadableError,
     combined,
+    delays_and_orders,
     keyed,
     listed,
     need,
     number,
     numbers,
-    others,
 )
 
 # A certificate against a scene file: proven, or refused.
@@ -76,7 +76,7 @@ def check(text: bytes, scene_file: bytes) -> str:
 def evaluation(claim: dict[str, Any], proof: Any, scene: SceneFile) -> dict[str, Any]:
     """What the claim of an evaluation must be: all that happens on the band (rules 1 to 5)."""
     lags, powers, points, told, products, poles = keyed(proof, *EVALUATION)
-    delays, orders = others(lags, powers)
+    delays, orders = delays_and_orders(lags, powers)
     factors = [factor_of(x, delays, orders) for x in listed(told, 500)]
     at_point = partial(functions, scene, delays, orders)
     proven = link(products, NAMES, factors, at_point, scene.length, (len(delays), len(orders)))

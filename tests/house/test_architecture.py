@@ -143,10 +143,10 @@ def size_of(path: Path) -> int:
 def test_the_checker_is_read_in_one_sitting() -> None:
     """Scene files apart, with the functions that are made of them; then one file for each kind of rule."""
     sizes = {path.name: size_of(path) for path in CHECKER.glob("*.py")}
-    assert sizes.pop("scene.py") < 7000
-    assert sizes.pop("delayterms.py") < 4000
-    assert sizes.pop("requirement.py") < 1900
-    assert sum(sizes.values()) < 7600
+    assert sizes.pop("scene.py") < 7450
+    assert sizes.pop("delayterms.py") < 4400
+    assert sizes.pop("requirement.py") < 2100
+    assert sum(sizes.values()) < 8300
 
 
 def test_no_source_evaluates_text_or_simplifies() -> None:
@@ -198,5 +198,5 @@ def test_tests_ask_what_a_neighbour_could_ask() -> None:
 
 def test_the_files_of_tests_are_few_and_each_has_a_name_of_its_own() -> None:
     paths = [x for x in TESTS.rglob("*.py") if x.name != "__init__.py"]
-    assert len(paths) <= 122
+    assert len(paths) <= 130
     assert len({x.name for x in paths}) == len(paths)

@@ -29,7 +29,7 @@ from sympy import Expr, Integer, Rational, exp, lambdify, pi, sqrt
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
-from haptisym.judge.peaks import greatest, largest, tops
+from haptisym.judge.peaks import largest_value, maximum_candidates, supremum
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.rings import omega as w
 
@@ -172,9 +172,9 @@ FINITE: dict[Expr, tuple[Expr, Expr]] = {
 
 @pytest.mark.parametrize("x", POLES, ids=str)
 def test_what_grows_beyond_everything_inside_of_a_band_has_no_largest_value_and_what_falls_there_has(x: Expr) -> None:
-    expected, found = POLES[x], greatest(real(x), *BAND)
-    assert tops(real(x), *BAND) is None
-    assert largest(real(x), *BAND) is None
+    expected, found = POLES[x], supremum(real(x), *BAND)
+    assert maximum_candidates(real(x), *BAND) is None
+    assert largest_value(real(x), *BAND) is None
     if expected is None:
         assert found is None
         return
@@ -186,7 +186,7 @@ def test_what_grows_beyond_everything_inside_of_a_band_has_no_largest_value_and_
 @pytest.mark.parametrize("x", FINITE, ids=str)
 def test_the_largest_value_is_told_at_zeros_and_where_nothing_changes_too(x: Expr) -> None:
     value, place = FINITE[x]
-    found, own = greatest(real(x), *BAND), largest(real(x), *BAND)
+    found, own = supremum(real(x), *BAND), largest_value(real(x), *BAND)
     assert found is not None
     assert found.omega is not None
     assert own is not None
@@ -217,15 +217,15 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
     draw = random.Random(seed)
     x = hill(draw) - hill(draw) + Rational(draw.randint(-9, 9), 3)
     f, own = real(x), samples(x)
-    top = largest(f, *BAND)
+    top = largest_value(f, *BAND)
     assert top is not None
     assert abs(float(top) - own.max()) < 1e-3
-    best = greatest(f, *BAND)
+    best = supremum(f, *BAND)
     assert best is not None
     assert best.omega is not None
     assert abs(float(best.value) - own.max()) < 1e-3
     assert abs(float(lambdify(w, x)(float(best.omega))) - own.max()) < 1e-3
-    listed = tops(f, *BAND)
+    listed = maximum_candidates(f, *BAND)
     assert listed is not None
     assert [t.end for t in listed if t.end is not None] == [False, True]
     inside = [GRID[i] for i in range(1, len(GRID) - 1) if own[i - 1] < own[i] > own[i + 1]]
@@ -234,17 +234,17 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
     assert np.allclose(told, inside, atol=0.002)
     for sign, bound in ((1, None), (-1, 0)):
         pole = real(x + sign / (w - 4) ** 2)
-        assert largest(pole, *BAND) is None
-        assert (greatest(pole, *BAND) is None) == (bound is None)
+        assert largest_value(pole, *BAND) is None
+        assert (supremum(pole, *BAND) is None) == (bound is None)
         one_sided = real(x + sign / (w - 4))
-        assert greatest(one_sided, *BAND) is None
+        assert supremum(one_sided, *BAND) is None
         assert (
-            greatest(one_sided, Integer(4), Integer(9)) is None
+            supremum(one_sided, Integer(4), Integer(9)) is None
             if sign > 0
-            else greatest(one_sided, Integer(1), Integer(4)) is None
+            else supremum(one_sided, Integer(1), Integer(4)) is None
         )
         low, high = (1, 4) if sign > 0 else (4, 9)
-        beside = greatest(one_sided, Integer(low), Integer(high))  # it falls without bound at one end
+        beside = supremum(one_sided, Integer(low), Integer(high))  # it falls without bound at one end
         assert beside is not None
         at = np.linspace(low, high, 20_001)[slice(0, -1) if sign > 0 else slice(1, None)]
         assert abs(float(beside.value) - lambdify(w, x + sign / (w - 4))(at).max()) < 1e-3
@@ -252,7 +252,7 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
 
 def test_the_tops_of_a_function_are_its_ends_and_its_local_maxima() -> None:
     def all_of(expression: Expr, low: int, high: int) -> list[tuple[str, str, bool | None]]:
-        found = tops(RealFunction(Ring().axis.convert(expression)), Integer(low), Integer(high))
+        found = maximum_candidates(RealFunction(Ring().axis.convert(expression)), Integer(low), Integer(high))
         assert found is not None
         return [(x.omega.digits(3), x.value.digits(4), x.end) for x in found]
 
@@ -266,7 +266,7 @@ def test_the_tops_of_a_function_are_its_ends_and_its_local_maxima() -> None:
         ("0", "-15.00", False), ("1.00", "1.000", None), ("2.00", "1.000", None), ("3.00", "-1599", True)
     ]  # fmt: skip
     assert all_of(Integer(7) + 0 * W, 0, 3) == [("0", "7.000", False), ("3.00", "7.000", True)]
-    assert tops(RealFunction(Ring().axis.convert(1 / (W - 4))), Integer(0), Integer(3)) is None
+    assert maximum_candidates(RealFunction(Ring().axis.convert(1 / (W - 4))), Integer(0), Integer(3)) is None
 
 
 def test_a_slope_that_nearly_vanishes_leaves_open_whether_there_is_a_top() -> None:
@@ -274,8 +274,8 @@ def test_a_slope_that_nearly_vanishes_leaves_open_whether_there_is_a_top() -> No
     f = (1 + pi**4) * hs.s + 2 * pi**2 / 3 * hs.s**3 + hs.s**5 / 5 - exp(-hs.s)
     rising = on_axis(Ring.of([f]).convert(f)).imag
     with pytest.raises(hs.UndecidedError, match="local maximum where its slope nearly vanishes"):
-        tops(rising, Integer(1), Integer(5))
-    found = tops(rising, Integer(4), Integer(5))
+        maximum_candidates(rising, Integer(1), Integer(5))
+    found = maximum_candidates(rising, Integer(4), Integer(5))
     assert found is not None
     assert [x.end for x in found] == [False, True]
 

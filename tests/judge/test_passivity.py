@@ -16,7 +16,7 @@ from windings import winding
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
-from haptisym.judge.passivity import Beyond, has_no_pole_right, passivity, poles_allow, takes_energy
+from haptisym.judge.passivity import Beyond, has_no_pole_right, is_positive_real_by_signs, passivity, poles_allow
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import Ring, on_axis
 from haptisym.kernel.reals import ExactNumber
@@ -274,6 +274,52 @@ def test_a_sign_that_settles_late_below_0_is_told_from_there_on() -> None:
     assert settled == 2**19
 
 
+def test_what_was_not_looked_at_may_be_active_and_need_damping() -> None:
+    """H = exp(-s/20) + Z: Im Z/omega = 1e-5 + 0.1/(1 + omega^2/1e4) hides the spring's activity up to some 1,000 rad/s, and no further."""
+    hidden = effects.shunt(Z="0.00001*s + 0.1*s/(1 + 0.01*s)")
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=1), (effects.delay("50 ms"), hidden), (0, 100))
+    p = passivity(scene)
+    assert (p.beyond, p.active, p.holds) == (Beyond.LATE, (), None)
+    with mpmath.workdps(30):
+        omega = 65 * mpmath.pi / mpmath.mpf("0.1")  # sin(omega/20) = 1
+        z = 1j * omega
+        H = mpmath.exp(-z / 20) + z / mpmath.mpf(10) ** 5 + z / 10 / (1 + z / 100)
+        assert -mpmath.im(H) / omega > 2e-4
+    assert p.damping is None
+    assert not p.is_nowhere_active
+    row = hs.stability(scene).to_dict()["every_passive_hand"]
+    assert (row["damping"], row["digits"]) == (None, None)
+
+
+def test_a_passive_display_needs_no_damping_and_dissipates_unless_it_has_no_losses_at_one_frequency() -> None:
+    lossy, lossless = (hs.environments.mass_spring_damper(m=1, b=b, k=10) for b in (2, 0))
+    # Z = (s^2 + 1)/(s^2 + s + 1) has Re Z = (1 - omega^2)^2/((1 - omega^2)^2 + omega^2) >= 0, and 0 at omega = 1.
+    notch = hs.interop.environment(([1, 0, 1, 0], [1, 1, 1]))
+    omega = np.linspace(0.01, 20, 2001)
+    for felt, dissipates in ((lossy, True), (lossless, False), (notch, False)):
+        scene = hs.Scene(felt)
+        p = passivity(scene)
+        assert (p.holds, p.is_nowhere_active, p.dissipates) == (True, True, dissipates)
+        assert imaginary(scene, omega).min() >= -1e-12
+        assert float(p.damping.value) == 0
+
+
+@pytest.mark.parametrize(("scene", "power"), [("a delayed mass", 1), ("behind a spring", 0)])
+def test_a_supremum_is_called_unbounded_where_it_grows_along_a_sequence_of_frequencies(scene: str, power: int) -> None:
+    """-Im H/omega of a delayed mass is -m omega sin(omega tau); of one in series with a spring it is bounded by 2 k/omega."""
+    late = (effects.delay("20 ms"), *([effects.compliance(k=300)] if power == 0 else []))
+    displayed = hs.Scene(hs.environments.mass_spring_damper(m=2), late)
+    p = passivity(displayed)
+    assert p.is_active
+    omega = (2 * np.pi * np.arange(100, 10_000, 900)[:, None] + np.linspace(0, 2 * np.pi, 400)) / 0.02
+    rows = -imaginary(displayed, omega.ravel()).reshape(omega.shape) / omega
+    largest = rows.max(axis=1)
+    assert p.is_unbounded == (power == 1)
+    if power:
+        assert (np.diff(largest) > 0).all()
+        assert largest[-1] / largest[0] == pytest.approx(omega[-1, 0] / omega[0, 0], rel=0.02)
+
+
 def test_some_hundred_turns_are_looked_at_one_by_one() -> None:
     scene = light(1)
     p = passivity(scene)
@@ -370,7 +416,7 @@ TAKES: dict[Expr, bool] = {
 def test_what_takes_energy_by_signs_alone_is_told_and_of_all_else_nothing() -> None:
     """Im H >= 0, no pole in Re s >= 0 nor at 0, and no faster than s^2: False where one of these fails or signs do not show it."""
     for x, takes in TAKES.items():
-        assert takes_energy(x.together()) is takes, x
+        assert is_positive_real_by_signs(x.together()) is takes, x
 
 
 LINK = hs.effects.wave_variables(10, "20 ms", name="link")

@@ -579,3 +579,11 @@ def test_what_would_decide_is_asked_for_with_regions_and_of_one_environment(call
     status, out, _ = call("evaluate", "fu2019", "--regions", "--discriminate")
     assert status == 0
     assert "Which changes would decide between the models?" in out
+
+
+@pytest.mark.parametrize("gain", ["1.3", "0.5"])
+def test_of_a_power_of_s_times_a_gain_a_polygon_is_left_nowhere_on_the_band(gain: str) -> None:
+    """(dH/|H|) is the same at all frequencies, down to 0, and lies outside: there is no crossing, as of a damper."""
+    triangle = {"shape": "polygon", "corners": [[0.1, 0], [-0.1, 0.2], [-0.1, -0.2]]}
+    for felt in (hs.environments.spring_pot(3, "1/2"), hs.environments.mass_spring_damper(b=3)):
+        assert judged(triangle, hs.Scene(felt, (hs.effects.series(gain),))).crossings == ()

@@ -19,18 +19,12 @@ from hypothesis import strategies as st
 from marks import examples
 from sympy import Integer, Rational, pi
 
-from haptisym.kernel.delayterms import (
-    WaveSum,
-    WaveTerm,
-    clear_of_zero,
-    exact_waves,
-    leading_term,
-    order_at_0,
-    taylor_coefficients,
-)
+from haptisym.kernel.delayterms import WaveSum, WaveTerm
 from haptisym.kernel.delayterms import power_series as power_coefficients
 from haptisym.kernel.enclosures import FunctionPiece, over_circle, range_of
+from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.factors import AnalyticFactor
+from haptisym.kernel.leadingterm import clear_of_zero, exact_directions, leading_term, order_at_0, taylor_coefficients
 from haptisym.kernel.reals import bounds, dyadic, expression_ball
 
 small = st.integers(-5, 5)
@@ -60,7 +54,7 @@ def value(f: WaveSum, x: mpmath.mpf) -> mpmath.mpf:
     for term in f.terms:
         halves = [mpmath.mpf(r.p) / r.q / 2 * (1 if constant else x) for r, constant in f.rates]
         waves = [
-            mpmath.sin(h) ** k * mpmath.cos(h) ** (n - k) for h, k, n in zip(halves, term.turns, f.degrees, strict=True)
+            mpmath.sin(h) ** k * mpmath.cos(h) ** (n - k) for h, k, n in zip(halves, term.sines, f.degrees, strict=True)
         ]
         powers = [x ** (mpmath.mpf(a.p) / a.q * n) for a, n in zip(f.orders, term.powers, strict=True)]
         row = [sum(c * mpmath.pi**i for i, c in enumerate(own)) * x**n for n, own in enumerate(term.coefficients)]
@@ -88,7 +82,7 @@ def power_series(f: WaveSum, x: Any, length: int) -> list[Any]:
     for term in f.terms:
         row = sum((arb_series([sum((c * arb.pi() ** i for i, c in enumerate(own)), arb(0))], prec=length) * h**n
                    for n, own in enumerate(term.coefficients)), arb_series([0], prec=length))  # fmt: skip
-        for (rate, constant), k, n in zip(f.rates, term.turns, f.degrees, strict=True):
+        for (rate, constant), k, n in zip(f.rates, term.sines, f.degrees, strict=True):
             half = (arb_series([1], prec=length) if constant else h) * (expression_ball(rate) / 2)
             row = row * half.sin() ** k * half.cos() ** (n - k)
         for order, n in zip(f.orders, term.powers, strict=True):
@@ -165,16 +159,16 @@ def test_what_stands_before_each_power_of_omega_is_held_over_wide_balls(
     middle = place.numerator / place.denominator
     alone = {
         powers: replace(
-            f, orders=(), terms=tuple(WaveTerm(x.turns, (), x.coefficients) for x in f.terms if x.powers == powers)
+            f, orders=(), terms=tuple(WaveTerm(x.sines, (), x.coefficients) for x in f.terms if x.powers == powers)
         )
         for powers in {x.powers for x in f.terms}
     }
     with flint.ctx.workprec(160):
         box = arb(middle, reach)
-        ranges = f.ranges(box)
+        ranges = f.cofactor_ranges(box)
         assert ranges.keys() == alone.keys()
         for powers, own in alone.items():
-            check_held([(ranges[powers], *f.before(box, [(powers, 1), (powers, 2)]))], own, middle, reach)
+            check_held([(ranges[powers], *f.cofactor_series(box, [(powers, 1), (powers, 2)]))], own, middle, reach)
 
 
 @examples(40)
@@ -225,7 +219,7 @@ def test_ranges_over_a_ball_are_nearly_those_of_the_function(reach: float) -> No
 @given(wave_sums())
 def test_a_sum_that_shows_itself_is_not_zero_everywhere(f: WaveSum) -> None:
     with flint.ctx.workprec(128):
-        shown = f.shows_itself
+        shown = f.is_shown_nonzero
     if shown:
         with mpmath.workdps(40):
             assert any(abs(value(f, mpmath.mpf(n) / 7)) > 1e-30 for n in range(1, 60))
@@ -240,11 +234,11 @@ def test_sums_that_cancel_do_not_show_themselves() -> None:
     cosine, sine = (WaveTerm((k,), (), ((1,), (1,))) for k in (0, 1))
     cube, line = WaveTerm((), (3,), ((1,),)), WaveTerm((), (0,), ((0,), (-1,)))
     with flint.ctx.workprec(128):
-        assert not WaveSum((cosine,), right, (1,), ()).shows_itself
-        assert WaveSum((sine,), right, (1,), ()).shows_itself
-        assert not WaveSum((cube, line), (), (), (Rational(1, 3),)).shows_itself
+        assert not WaveSum((cosine,), right, (1,), ()).is_shown_nonzero
+        assert WaveSum((sine,), right, (1,), ()).is_shown_nonzero
+        assert not WaveSum((cube, line), (), (), (Rational(1, 3),)).is_shown_nonzero
         double = [WaveTerm(turns, (), ((n,),)) for turns, n in (((1, 0), 2), ((0, 1), -1), ((2, 1), 1))]
-        assert not WaveSum(tuple(double), ((Integer(1), False), (Integer(2), False)), (2, 1), ()).shows_itself
+        assert not WaveSum(tuple(double), ((Integer(1), False), (Integer(2), False)), (2, 1), ()).is_shown_nonzero
 
 
 @examples(40)
@@ -275,10 +269,10 @@ def test_orders_at_zero_are_those_of_the_exact_taylor_coefficients(f: WaveSum) -
         orders=(),
         rates=tuple(f.rates[i] for i in turning),
         degrees=tuple(f.degrees[i] for i in turning),
-        terms=tuple({tuple(x.turns[i] for i in turning): WaveTerm(tuple(x.turns[i] for i in turning), (), x.coefficients)
+        terms=tuple({tuple(x.sines[i] for i in turning): WaveTerm(tuple(x.sines[i] for i in turning), (), x.coefficients)
                      for x in f.terms}.values()),
     )  # fmt: skip
-    waves = exact_waves(own, Integer(0))
+    waves = exact_directions(own, Integer(0))
     assert waves is not None
     exact = taylor_coefficients(own, Integer(0), waves)
     first = next((n for n, c in zip(range(12), exact, strict=False) if not c.is_zero), None)
@@ -316,7 +310,7 @@ def test_exact_taylor_coefficients_at_eighths_of_a_turn_are_those_of_power_serie
             (),
         )
         place = chance.choice([Integer(0), chance.randint(-9, 30) * pi / (2 * base * turning)])
-        waves = exact_waves(f, place)
+        waves = exact_directions(f, place)
         if waves is None:
             continue
         found = list(islice(taylor_coefficients(f, place, waves), 4))
@@ -395,6 +389,20 @@ def test_the_first_term_that_stays_is_found_and_no_zero_lies_before_the_place_th
             assert reach > 0
             seen += bool(leading_term(f).exponent > 0)
     assert seen > 1
+
+
+@pytest.mark.parametrize("more", [1, -1, -3])
+def test_powers_of_omega_that_are_closer_than_floats_are_not_put_in_a_wrong_order(more: int) -> None:
+    """omega^(pi/4) - (1 + more/10^20) omega^r, r the first twenty digits of pi/4, is 0 where
+    omega^(pi/4 - r) = 1 + more/10^20: at some frequency of everyday size."""
+    size, digits = 10**20, Rational(78539816339744830961, 10**20)
+    terms = WaveTerm((), (1, 0), ((size,),)), WaveTerm((), (0, 1), ((-size - more,),))
+    f = WaveSum(terms, (), (), (pi / 4, digits))
+    with mpmath.workdps(60):
+        zero = mpmath.exp(mpmath.log1p(mpmath.mpf(more) / size) / (mpmath.pi / 4 - mpmath.mpf(digits.p) / digits.q))
+        assert 0.001 < zero < 10
+    with pytest.raises(UndecidedError):
+        clear_of_zero(f, arb(10))
 
 
 # Ranges of polynomials

@@ -46,8 +46,6 @@ from sympy import (
 import haptisym as hs
 from haptisym.effects import compliance, first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import kelvin_voigt, mass_spring_damper
-from haptisym.kernel.delayterms import is_zero_number as is_zero_turn
-from haptisym.kernel.delayterms import vanishes
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.reals import (
     ExactNumber,
@@ -66,6 +64,8 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, omega, s
 from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
+from haptisym.kernel.zerotest import is_zero_number as is_zero_turn
+from haptisym.kernel.zerotest import vanishes
 
 a, b = Symbol("a", positive=True), Symbol("b", positive=True)
 m, k = hs.symbols("m k")

@@ -433,7 +433,7 @@ def test_beside_powers_of_omega_zeros_are_the_same_over_many_decades_also_where_
     low, high = 10.0 ** pick.uniform(-5, 0), 10.0 ** pick.uniform(0.1, 2)
     roots = {dyadic_near(low * (high / low) ** pick.random()) for _ in range(pick.randint(1, 4))}
     if seed % 2:  # where pieces end that are no wider than that
-        low, high, count = 1.0, 16.0, ceil(log(16) / log(with_roots([], orders=(Rational(1, 3),)).farthest or 2))
+        low, high, count = 1.0, 16.0, ceil(log(16) / log(with_roots([], orders=(Rational(1, 3),)).largest_ratio or 2))
         with flint.ctx.workprec(128):
             places = [(arb(16).log() * n / count).exp().mid() for n in range(1, count)]
         roots = {Fraction(int(m)) * Fraction(2) ** int(e) for m, e in (x.man_exp() for x in places)}

@@ -68,6 +68,16 @@ def test_a_swept_disc_is_as_large_as_the_bound_allows_to_the_last_digits_and_nev
                 assert 0 <= told / exact - 1 < mpf(10) ** -14 * (1 + way)
 
 
+def test_a_disc_that_is_the_plane_stays_so_and_one_point_about_0_stays_0_however_far_it_is_swept() -> None:
+    # |H'| <= b |H| keeps H at 0 once it is 0 (Gronwall), also where exp(b apart) overflows; of an infinite disc at its own
+    # frequency, or with a bound of 0, nothing is taken away.
+    for bound, size, radius, apart, grown in (
+        (0.02, 1.0, np.inf, 0.0, np.inf), (0.02, 0.0, np.inf, 0.0, np.inf), (0.0, 1.0, np.inf, 3.0, np.inf), (1.0, 0.0, 0.0, 1e4, 0.0),
+    ):  # fmt: skip
+        s = SlopeBound(bound, relative=True, text="")
+        assert s.grown(np.array([size]), np.array([radius]), np.array([apart])).tolist() == [grown]
+
+
 def test_two_swept_discs_are_least_together_where_a_search_finds_it() -> None:
     rng = np.random.default_rng(12)
     for bound in (0.05, 0.4, 2.0):
@@ -164,6 +174,15 @@ def test_the_disc_of_a_line_without_coherence_is_the_plane_even_where_the_estima
     assert felt.discs.tolist() == [np.inf, 0, pytest.approx(5 * float(disc_radius(0.5, 9, 0.8)), rel=1e-14)]
     assert hs.measured([1], [1]).discs is None
     assert repr(hs.measured([1], [1])) == "<Measurement measured: 1 line from 1 to 1 rad/s>"
+
+
+def test_no_array_of_a_measurement_can_be_written_to_nor_a_coherence_that_was_above_1_by_a_rounding() -> None:
+    for coherence in ([1, 0.5], [1 + 2**-45, 0.5]):
+        felt = hs.measured([1, 2], [1, 2j], coherence=coherence, averages=9)
+        assert felt.coherence.tolist() == [1, 0.5]
+        for row in (felt.omega, felt.H, felt.coherence, felt.discs):
+            with pytest.raises(ValueError, match="read-only"):
+                row[0] = 0  # type: ignore[index]
 
 
 # --- tables ----------------------------------------------------------------------------------------------------------

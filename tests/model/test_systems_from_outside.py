@@ -292,3 +292,12 @@ def test_systems_of_systems_are_taken_and_a_loop_without_dynamics_is_refused() -
         assert (hs.interop.dynamics(system) - expected).together().expand() == 0
     with pytest.raises(hs.SceneError, match="loop"):
         hs.interop.dynamics(Feedback(one, one, 1))
+
+
+def test_leading_terms_in_1_over_omega_are_exact_and_0_is_no_crossing() -> None:
+    """Of k/s, k/(j omega) = -j k/omega; and Im(3 omega - omega^3 ...) is 0 at 0, which is not positive."""
+    at_rest = hs.distort(k * s, 1 + 1 / s**2).asymptote()
+    assert (at_rest.distortion, at_rest.real, at_rest.imag) == (k / s, 0, -k / omega)
+    assert not at_rest.imag.has(Float)
+    touching = hs.distort(1 + s, 1 + Rational(1, 10) + s**2)
+    assert all(float(x) > 0 for x in touching.crossings("real", Rational(1, 10)))

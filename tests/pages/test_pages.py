@@ -21,7 +21,7 @@ from typing import Any
 
 import pytest
 from marks import often
-from sympy import Expr
+from sympy import Expr, Rational
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber, Way, in_unit, printed
@@ -323,9 +323,25 @@ ASKED: dict[str, Callable[[], Any]] = {
 def test_of_a_fitted_scene_each_answer_says_that_its_numbers_were_estimated_and_nothing_is_certain(verb: str) -> None:
     found = ASKED[verb]()
     told = " ".join(str(found).split())
-    assert "90 % region of the fit" in told
+    assert "85 % region of the fit" in told
     assert not re.search(r"\b(certain|guaranteed)\b", told.replace("NOT guaranteed", ""), re.IGNORECASE)
-    assert found.to_dict()["confidence"] == 0.9
+    assert found.to_dict()["confidence"] == 0.85
+
+
+def test_ranges_of_two_estimates_are_right_together_as_often_as_where_they_are_never_wrong_together() -> None:
+    # Twenty equally likely outcomes: the ranges of the parameters are wrong in one, those of the JND in two others.
+    parameters, jnd = {0}, {1, 2}
+    right = [x for x in range(20) if x not in parameters | jnd]
+    assert FITTED.confidence == Rational(20 - len(parameters), 20)
+    assert FITTED.threshold.confidence == Rational(20 - len(jnd), 20)
+    assert FITTED.level == Rational(len(right), 20)
+    estimated_jnd = {"real": [0.09, 0.12], "imag": 0.1, "confidence": 0.9}
+    assert hs.Scene(SPRING, (LAG,), threshold=estimated_jnd).level == Rational(9, 10)
+    assert hs.Scene(SPRING, (LAG,), confidence="95 %").level == Rational(19, 20)
+    assert hs.Scene(SPRING, (LAG,)).level is None
+    # Of a third and a half nothing is left that both must be right about.
+    unsure = hs.Scene(SPRING, (LAG,), threshold={**estimated_jnd, "confidence": "50 %"}, confidence="30 %")
+    assert (unsure.level, unsure.aside_keys()["confidence"]) == (0, 0.0)
 
 
 @pytest.mark.parametrize("given", [0, 1, "120 %", "much", [0.9, 0.95]])

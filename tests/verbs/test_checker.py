@@ -403,7 +403,8 @@ def test_delays_and_powers_that_a_proof_does_not_have_are_refused() -> None:
     point = ChainPoint(s, 4, (Fraction(1, 5), Fraction(1, 7)), (third, half), (2, 5, (11, 13), (17, 19)))
     assert point.delayed(Fraction(1, 5)) == GaussianValue(1, -2, degree(2))
     assert point.delayed(Fraction(3, 7)) == GaussianValue(1, -5, degree(3)).power(3)
-    assert [refused(point.delayed, Fraction(x)) for x in ("64/7", "65/7", "1/10")] == [False, True, True]
+    lags = ("64/7", "65/7", "1/10", "-1/5", "-3/7")
+    assert [refused(point.delayed, Fraction(x)) for x in lags] == [False, True, True, True, True]
     powers = ("5/2", "-2/3", "1/4", "99", "100", "-99", "-100")
     assert [refused(point.raised, Fraction(x)) for x in powers] == [False, False, True, False, True, False, True]
     assert not refused(GaussianValue(2**29_997).times, GaussianValue(2))

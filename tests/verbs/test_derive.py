@@ -272,6 +272,10 @@ def own_models() -> Iterator[None]:
 
 MADE: dict[str, tuple[Any, Any]] = {
     "divided": (lambda x: (exp(x) - 1 - x - x**2 / 2 - x**3 / 6) * 24 / x**4, lambda n: Rational(24, factorial(n + 4))),
+    "divided often": (
+        lambda x: (exp(x) - sum(x**n / factorial(n) for n in range(9))) * factorial(9) / x**9,
+        lambda n: Rational(factorial(9), factorial(n + 9)),
+    ),
     "arched": (lambda x: 2 * (cosh(x) - 1) / x**2, lambda n: Rational(2 * (n % 2 == 0), factorial(n + 2))),
     "slanted": (lambda x: sinh(x) / x / (1 - 2 * x), lambda n: Rational(2) ** n * (1 + Rational(n > 1, 24))),
     "bent": (lambda x: (3 + x) / (3 - x), lambda n: Rational(2 if n else 1, 3**n)),
@@ -281,7 +285,7 @@ MADE: dict[str, tuple[Any, Any]] = {
 @pytest.mark.usefixtures("own_models")
 @pytest.mark.parametrize("name", MADE)
 def test_leading_terms_of_a_users_own_device_are_its_taylor_series(name: str) -> None:
-    """As far as a device divides by its time constant to the fourth."""
+    """Also of one that divides by a high power of its time constant."""
     (form, known), k, order = MADE[name], Symbol("k", real=True), 3
     found = expansion(hs.Scene(SPRING, (of_time(name, form),)), order)
     [late] = found.fast
@@ -752,3 +756,9 @@ def test_names_that_meet_are_kept_apart_or_refused() -> None:
         float(d.ratio_imag.subs({omega: 3, T: 2, called: 5}))
     )
     agree(hs.verify(d, 3))
+
+
+def test_parameters_of_too_few_dimensions_make_no_groups() -> None:
+    """A mass alone, beside a stiffness of 0, makes no unit of stiffness."""
+    scene = hs.Scene(hs.environments.mass_spring_damper(m="1 kg", k=0), (hs.effects.series("0.9"),))
+    assert "the unit of k cannot be made of that of m" in refusal(groups, scene)

@@ -481,3 +481,13 @@ def test_what_is_kept_is_what_is_required(name, keep):
         assert any(float(x.low) <= value <= float(x.high) for x in kept.feasible if x.low and x.high)
     assert found.is_whole == bool(both.feasible)
     assert f"--that transparent --that {keep}" in " ".join(str(found).split()) or not found.is_whole
+
+
+def test_a_best_value_with_more_digits_than_are_printed_is_printed_as_a_fraction_too() -> None:
+    """Passive at 1/3 alone: seventeen digits of it are another value, of which that is not proven."""
+    port = hs.effects.two_port("1", "-(3*q-1)^2*s^3/1000", "0", "1", parameters={"q": "1/2"})
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100, b=1), (port,))
+    found = hs.design(scene, {"q": (0, 1)}, keep="passive")
+    assert found.best is not None
+    assert found.best.values == (Rational(1, 3),)
+    assert "q = 0.33333333333333333 (exactly 1/3)" in str(found)

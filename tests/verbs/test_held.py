@@ -208,6 +208,17 @@ def test_a_box_of_hands_is_decided_as_a_whole(name: str, m: Any, b: Any, k: Any,
     assert inside == {"all": {True}, "none": {False}}.get(share, {True, False})
 
 
+def test_a_box_with_one_hand_that_rings_where_a_delay_has_turned_half_is_not_stable_as_a_whole() -> None:
+    """s^2 + b s + s (1 + exp(-s)) + k is 0 at s = j pi for b = 0 and k = pi^2, and for no other hand of the box on the axis."""
+    late = (hs.effects.delay("1 s"), hs.effects.shunt(b=1))
+    scene = hs.Scene(hs.environments.mass_spring_damper(b=1), late)
+    box = whole_box(scene, hs.Hand("box", 1, [0, 1], [9, 11]))
+    assert box is not None
+    assert box.share is Share.SOME
+    assert float(box.meeting) == pytest.approx(np.pi, rel=1e-12)
+    assert whole_box(scene, hs.Hand("softer", 1, [0, 1], [8, 9])).share is Share.ALL
+
+
 def corners(hand: hs.Hand) -> list[hs.Hand]:
     return [hs.Hand("corner", *x) for x in product(*(p.interval or (p.value, p.value) for p in hand.parameters))]
 

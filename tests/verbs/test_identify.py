@@ -798,7 +798,7 @@ def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> 
     assert row["environment.k"] == other[0]
 
 
-@pytest.mark.few("two lags", "three corners")
+@pytest.mark.few("two lags", "three corners", "lag and hold")
 @pytest.mark.parametrize(
     ("environment", "effects", "count"),
     [
@@ -806,8 +806,11 @@ def test_a_maxwell_element_behind_a_lag_has_two_answers_and_both_are_named() -> 
         (hs.environments.zener(300, 200, 5), [("first-order-lag", hs.effects.first_order_lag(20))], 0),
         (hs.environments.kelvin_voigt(300, 2), 2 * [("first-order-lag", None)], 1),
         (hs.environments.maxwell(300, 6), 2 * [("first-order-lag", None)], 5),  # three corners in any order
+        # its period stands in a delay, which keeps its value, and in a coefficient
+        (hs.environments.kelvin_voigt(300, 6), [("zero-order-hold", hs.effects.zero_order_hold("20 ms"))], 0),
+        (hs.environments.maxwell(300, 6), [("first-order-lag", None), ("zero-order-hold", hs.effects.zero_order_hold("20 ms"))], 1),
     ],
-    ids=["paper", "zener", "two lags", "three corners"],
+    ids=["paper", "zener", "two lags", "three corners", "hold", "lag and hold"],
 )  # fmt: skip
 def test_as_many_answers_are_named_as_there_are_orders_of_what_changes_places(
     environment: hs.Environment, effects: list[Any], count: int

@@ -7,10 +7,11 @@ from dataclasses import replace
 from math import inf, log
 from typing import Any
 
+import flint
 import mpmath
 import numpy as np
 import pytest
-from flint import acb
+from flint import acb, arb
 from hypothesis import given
 from hypothesis import strategies as st
 from marks import examples
@@ -22,7 +23,14 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain, Roots
 from haptisym.verbs.simulate.release import Closed, Mode, Release, modes
-from haptisym.verbs.simulate.rightmost import QuasiPolynomial, Rightmost, clocked_root, rightmost_pole, rightmost_root
+from haptisym.verbs.simulate.rightmost import (
+    QuasiPolynomial,
+    Rightmost,
+    clocked_root,
+    enclosed_roots,
+    rightmost_pole,
+    rightmost_root,
+)
 from haptisym.verbs.stability.held import Held
 
 SPRING = hs.environments.mass_spring_damper(k=100)
@@ -611,3 +619,13 @@ def test_a_wall_far_too_strong_behind_encoder_and_limit_moves_as_from_sample_to_
         x[2:-1] + a * (x[2:-1] - x[1:-2] + g * f[1:-2]) - e * h * f[1:-2] - g * f[2:-1], abs=1e-8
     )
     assert np.ptp(x) > 0.02
+
+
+def test_as_many_balls_as_roots_where_the_polynomial_whose_roots_are_their_middles_has_a_double_one() -> None:
+    """s^2 - 2 n s + n (n - 1) has the roots n +- sqrt(n); with n = 2^200 + 1 its constant times 1 + 2^-200 is n^2."""
+    n = 2**200 + 1
+    with flint.ctx.workprec(512):
+        balls = [x for x, _ in enclosed_roots([arb(n * (n - 1)), arb(-2 * n), arb(1)])]
+        assert len(balls) == 2
+        for exact in (n + arb(n).sqrt(), n - arb(n).sqrt()):
+            assert any(x.real.overlaps(exact) for x in balls)

@@ -20,9 +20,10 @@ from haptisym.judge.bindings import Kind
 from haptisym.judge.crossings import noticed
 from haptisym.kernel.budget import timed_by
 from haptisym.kernel.dynamics import RealFunction, Ring
-from haptisym.kernel.reals import ExactNumber, expression_ball
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.reals import ExactNumber, Sliver, expression_ball
 from haptisym.kernel.rings import omega as w
-from haptisym.kernel.sets import Bisected
+from haptisym.kernel.sets import Bisected, SingleValue, Stretch, ValueSet
 from haptisym.verbs.require import solving
 from haptisym.verbs.require.floatcells import FloatCells
 from haptisym.verbs.require.freeparameter import allowed, critical, edge_polynomial, missing, touch_polynomial
@@ -482,3 +483,28 @@ def test_stability_is_asked_of_a_display_in_a_hand() -> None:
 # --- sets from single verdicts, and what several sets have in common ------------------------------------------------------
 
 """Fractions, roots and pi by their sizes, -6 to 6."""
+
+
+@pytest.mark.parametrize("arrays", [True, False])
+@pytest.mark.parametrize("own", ["1/2", "3/4"])
+def test_a_value_without_a_scene_says_nothing_of_the_values_beside_it(
+    *, arrays: bool, own: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """H_perc = (q - 1)(1 + q s/200) H/(q - 1) is 0/0 at q = 1 alone; with H = 100 + s, |Im dH| = q omega/2 <= 0.1 |H| at 15 rad/s."""
+    monkeypatch.setattr(solving, "has_arrays", lambda: arrays)
+    port = F.two_port("(q - 1)*(1 + q*s/200)", "0", "0", "q - 1", parameters={"q": own})
+    scene = hs.Scene(E.mass_spring_damper(k=100, b=1), (port,))
+    found = hs.require(scene, "q", (0, 3), part=hs.Part.IMAG)
+    end = 0.1 * abs(100 + 15j) / (15 / 2)
+    assert [x[1] for x in ends(found)] == [1, pytest.approx(end, rel=1e-12)]
+    assert 1 not in found.values
+    assert Rational(13, 10) in found.values
+
+
+def test_of_a_single_value_in_an_end_that_is_known_by_its_enclosure_alone_nothing_is_said() -> None:
+    end = SingleValue(Sliver(Fraction(1), Fraction(1025, 1024)), holds=True)
+    found = ValueSet((end,), (Stretch(holds=True), Stretch(holds=False)))
+    assert 1 - Rational(1, 100) in found
+    assert 1 + Rational(1, 100) not in found
+    with pytest.raises(UndecidedError):
+        1 + Rational(1, 4096) in found  # noqa: B015

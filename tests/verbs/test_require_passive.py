@@ -313,6 +313,24 @@ def test_friction_beside_a_delay_and_what_loses_nothing_stay_open(scene: hs.Scen
     assert r.reason
 
 
+@pytest.mark.parametrize(("factor", "kept"), [("(q^2 - 2)", [-2, 2]), ("(2 - q^2)", [-1, 0, 1]), ("-(q^2 - 2)^2", [])])
+def test_a_limit_that_is_no_fraction_is_kept_at_the_limit_itself_with_powers_of_s_too(
+    factor: str, kept: list[int]
+) -> None:
+    """H = 1 + f(q) s + s^(3/2), or with s^(1/2), where f = 0 at +-sqrt(2): there H is the sum of two passive parts."""
+    power = "s^(3/2)" if kept else "s^(1/2)"
+    scene = hs.Scene(E.expression(f"1 + {factor}*s + {power}", parameters={"q": "1"}))
+    found = hs.require(scene, "q", (-3, 3), that="passive").values
+    for value in (root(2), -root(2)):
+        if kept:
+            assert value in found
+        else:
+            with pytest.raises(UndecidedError):
+                value in found  # noqa: B015
+    for value in (-2, -1, 0, 1, 2):
+        assert (value in found) is (value in kept)
+
+
 @pytest.mark.slow
 def test_where_late_dampers_decide_far_out_only_values_near_the_end_stay_open() -> None:
     """3 omega + b omega cos(omega tau) - k sin(omega tau) > 0, of which the first time around decides."""

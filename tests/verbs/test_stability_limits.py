@@ -18,7 +18,7 @@ from windings import late_mass, winding
 
 import haptisym as hs
 from haptisym.judge.bindings import STABLE, STEADY, stable_in
-from haptisym.judge.passivity import takes_energy
+from haptisym.judge.passivity import is_positive_real_by_signs
 from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
@@ -118,6 +118,17 @@ def test_the_delay_that_a_hand_bears_is_the_one_at_which_its_spring_is_critical(
     """K exp(-j w tau) = -Z: at K = 199.85... and tau = 36 ms; the other way round tau is critical at 36 ms for that K."""
     scene = hs.parse_scene(LATE.format(k="199.85210225871012834")).with_hands(ARM)
     assert float(ends_of(scene, "tau")[0][0].value) == pytest.approx(0.036, rel=1e-14)
+
+
+def test_a_damper_beside_its_late_self_leaves_single_stiffnesses_at_which_a_hand_without_damping_rings() -> None:
+    """Of s^2 + s (1 + exp(-s)) + k the damping 1 + cos(omega) is 0 at odd multiples of pi: k = (n pi)^2 rings for ever."""
+    late = (hs.effects.delay("1 s"), hs.effects.shunt(b=1))
+    scene = hs.Scene(E.mass_spring_damper(b=1), late, hands=(hs.Hand("undamped", m=1, b=0, k=5),))
+    found = nearest(scene, "hand.k")
+    first = [float(x.value) for x in found.ends[:5]]  # each single value ends the one interval and begins the next
+    assert first == pytest.approx([0, *2 * [np.pi**2], *2 * [9 * np.pi**2]], rel=1e-12)
+    assert [said(found, x) for x in (0.1, 5, 9.86)] == [True] * 3
+    assert held(scene, hs.Hand("stiffer", m=1, b=0, k="9.88")).stable
 
 
 def test_how_far_a_hand_is_from_shaking_is_told_of_its_nominal_values() -> None:
@@ -1008,7 +1019,7 @@ def test_an_environment_that_is_said_to_take_energy_does_for_all_values_that_are
     pick = Random(form)
     for _ in range(3):
         own = H[form].subs({x: Rational(pick.randint(1, 900), pick.randint(1, 9)), y: Rational(pick.randint(1, 9), 10)})
-        if not takes_energy(own):
+        if not is_positive_real_by_signs(own):
             continue
         value = lambdify((s, q), own, "numpy")
         values = np.array([pick.uniform(1e-3, 1) for _ in range(200)]) * (1 if own.has(s**q) else 1000)

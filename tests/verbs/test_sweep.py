@@ -48,9 +48,11 @@ from haptisym.verbs.sweep.batch import (
     nearest,
     within_reach,
 )
+from haptisym.verbs.sweep.curves import FamilyLattice, SignedProduct
 from haptisym.verbs.sweep.delayterms import Family, Variables
 from haptisym.verbs.sweep.entry import SweepGrid, Swept, compute
-from haptisym.verbs.sweep.passes import Band, FamilyLattice, PassFrequencies, SignedProduct, changes
+from haptisym.verbs.sweep.passes import Band
+from haptisym.verbs.sweep.signchanges import SignChanges, lattice_changes
 
 PAPER = hs.load_scene("fu2019")
 NATURAL, MASS = "effects.filter.omega_n", "environment.m"
@@ -338,7 +340,7 @@ def sign(lattice: FamilyLattice, signs: dict[Family, int], at_0: int | None = No
     """The largest of its terms, each the least of its functions."""
 
     def of(x: SignedProduct) -> int:
-        return at_0 if at_0 is not None and x.begins_at_0 else x.sign * prod(signs[f] for f in x.factors)
+        return at_0 if at_0 is not None and x.vanishes_at_0 else x.sign * prod(signs[f] for f in x.factors)
 
     return max(min(map(of, term)) for term in lattice.terms)
 
@@ -383,12 +385,12 @@ def test_a_lattice_changes_its_sign_where_its_values_do_and_says_where_that_is_n
             zeros[draw.choice(families)].append(x)
         rows.append(zeros)
         told.append({f: draw.choice([-1, 1]) for f in families})
-    given: dict[Family, PassFrequencies] = {}
+    given: dict[Family, SignChanges] = {}
     for f in families:
         own = [(i, x) for i, zeros in enumerate(rows) for x in sorted(zeros[f])]
         numbers, omega = (np.array([x[k] for x in own], dtype=kind) for k, kind in ((0, int), (1, float)))
-        given[f] = PassFrequencies(numbers, omega, np.array([x[f] for x in told], dtype=np.int8))
-    found, certain = changes(lattice, given, LOW, NEAR)
+        given[f] = SignChanges(numbers, omega, np.array([x[f] for x in told], dtype=np.int8))
+    found, certain = lattice_changes(lattice, given, LOW, NEAR)
     for i, (zeros, first) in enumerate(zip(rows, told, strict=True)):
         places, start, sure = followed(lattice, zeros, first)
         assert (bool(certain[i]), found.first[i]) == (sure, start)
@@ -643,7 +645,7 @@ def test_workers_of_a_cluster_give_the_same_and_what_they_are_sent_can_be_copied
         assert hs.sweep(PAPER, FEW, lazy=True, block=5).compute().identical(few)
         assert hs.sweep(PAPER, FEW, out=tmp_path / "a.zarr", block=5).load().identical(few)
     copy = pickle.loads(pickle.dumps(SweepGrid.of(PAPER, axes(PAPER, FEW))))
-    for own, name in zip(compute(copy.kernel, np.ix_(*FEW.values())), copy.variables, strict=True):
+    for own, name in zip(compute(copy.evaluator, np.ix_(*FEW.values())), copy.variables, strict=True):
         assert np.array_equal(own, few[name].values, equal_nan=True)
 
 

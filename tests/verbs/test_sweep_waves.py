@@ -15,12 +15,14 @@ import numpy as np
 import pytest
 from flint import arb
 from scan import FAMILIES, Draw
-from sympy import Rational
+from sympy import Rational, lambdify
 
 import haptisym as hs
+from haptisym.kernel.rings import s
 from haptisym.verbs.sweep import delayterms as libm
 from haptisym.verbs.sweep.axes import axes
 from haptisym.verbs.sweep.batch import Array, Batch, Monomial, Monomials
+from haptisym.verbs.sweep.curves import ThresholdPolynomial, curves_of
 from haptisym.verbs.sweep.delayterms import (
     Family,
     FamilyFactor,
@@ -34,7 +36,6 @@ from haptisym.verbs.sweep.delayterms import (
     nodes,
     refine,
 )
-from haptisym.verbs.sweep.passes import ThresholdPolynomial, curves_of
 
 SWEPT = {
     "satellite-contact": {"effects.loop-delay.tau": (1e-3, 0.3), "environment.k": (2e3, 4e4)},
@@ -236,6 +237,28 @@ def functions(name: str) -> tuple[Array, list[Function]]:
     return sets, judged + [function(x, sets) for x in curves.changeovers if x is not None]
 
 
+@pytest.mark.few("delayed-spring")
+@pytest.mark.parametrize("name", ["delayed-spring", "sampled-wall", "organ-tissue"])
+def test_the_functions_of_a_sweep_have_the_signs_of_those_of_the_scene(name: str) -> None:
+    """r^2 - c^2 from the closed forms in s, at complex numbers by mpmath, without half angles and without sines over omega."""
+    given, (sets, asked) = hs.load_scene(name), functions(name)
+    limits = [float(x.limit) for x in hs.evaluate(given).criteria]
+    signs = set()
+    for i in range(sets.shape[1]):
+        values = {path: Rational(float(x)) for path, x in zip(SWEPT[name], sets[:, i], strict=True)}
+        d = given.with_values(values).distortion()
+        H, G = (lambdify(s, x.expression(), "mpmath") for x in (d.env, d.perc))
+        for fraction in (0.013, 0.21, 0.5, 0.83, 0.999):
+            z = mpmath.mpc(0, fraction * float(given.band[1]))
+            change, size = mpmath.mpc(G(z)) - H(z), abs(H(z)) ** 2
+            for f, part, limit in zip(asked, (change.real, change.imag), limits, strict=False):
+                excess = part**2 / size - limit
+                told = exact_value(f, sets[:, i].tolist(), arb(fraction))
+                assert (told > 0) == (excess > 0)
+                signs.add(excess > 0)
+    assert signs == {True, False}
+
+
 def exact_value(f: Function, params: list[float], x: arb) -> arb:
     """A wave function of one set at a frequency, in balls."""
     total = []
@@ -254,7 +277,7 @@ def family_value(family: Family, params: list[float], x: arb) -> arb:
     waves += [(x.log() * arb(alpha)).exp() for alpha in family.variables.orders]
     total = arb(0)
     for term in family.terms:
-        power, *exponents = family.rows[term.power]
+        power, *exponents = family.exponents[term.power]
         value = monomial_value(term, params) * x**power
         for wave, n in zip(waves, exponents, strict=True):
             value *= wave**n
@@ -478,7 +501,7 @@ def test_what_is_told_of_polynomials_holds_for_all_that_they_may_stand_for() -> 
     b[:, ::7] = pick.uniform(-1, 1, (degree + 1, len(b[0, ::7])))
     wrong, value, slope = (10.0 ** pick.uniform(-4, -0.3, sets) for _ in range(3))
     curves = Interpolants(b, wrong, (value, slope))
-    ends = curves.ends()
+    ends = curves.end_signs()
     none, one = curves.judged(ends)
     t = np.linspace(0, 1, 81)[:, None]
     p = sum(bernstein(degree, k, t) * b[k] for k in range(degree + 1))

@@ -212,13 +212,16 @@ def _environment(e: MeasuredEvaluation, drawn: Any, least: float) -> list[Layer]
 
 
 def _frame(points: Any, radius: Any) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Limits that hold the points and most of their discs."""
-    known = radius[np.isfinite(radius)]
+    """Limits of both axes, (left, right) and (bottom, top), that hold all points and most of their
+    discs."""
+    finite = radius[np.isfinite(radius)]
     # Single huge discs would shrink all others: the largest tenth may leave the axes.
-    reach = float(np.quantile(known, 0.9)) if len(known) else 0.0
-    x, y = points.real, points.imag
-    left, right = float(x.min()) - reach, float(x.max()) + reach
-    bottom, top = float(y.min()) - reach, float(y.max()) + reach
+    reach = float(np.quantile(finite, 0.9)) if len(finite) else 0.0
+    left = float(points.real.min()) - reach
+    right = float(points.real.max()) + reach
+    bottom = float(points.imag.min()) - reach
+    top = float(points.imag.max()) + reach
+    # Where all points are one, without discs, the frame would have no size.
     margin = 0.05 * max(right - left, top - bottom) or 1.0
     return (left - margin, right + margin), (bottom - margin, top + margin)
 
@@ -419,8 +422,8 @@ def _top(e: MeasuredEvaluation, radius: Any) -> float:
     least = 2 * max(float(x.max()) for x in limits_of(e.scene, e.lines.omega).values())
     larger = np.maximum(np.abs(change.real), np.abs(change.imag))[_thinned(len(e))]
     ratios = larger[np.isfinite(larger)]
-    radii = radius[: len(ratios)]
-    bars = (ratios + radii)[np.isfinite(radii)]
+    ends = larger + radius
+    bars = ends[np.isfinite(ends)]
     highest = [float(np.quantile(x, 0.95)) for x in (ratios, bars) if len(x)]
     most = float(ratios.max()) if len(ratios) else 0.0
     # The highest dot is in sight unless it is far above nearly all others.

@@ -30,7 +30,7 @@ from flint import arb
 from sympy import Expr, Rational, sqrt
 
 from haptisym.judge.crossings import JOINT, kept, level, noticed
-from haptisym.judge.peaks import Envelope, Largest, Maximum, ValueAt
+from haptisym.judge.peaks import Envelope, EnvelopeMaximum, LargestOf, ValueAt
 from haptisym.judge.regions import Sided, WayOutside, above_one
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, UndecidedError
@@ -297,8 +297,8 @@ class Growth:
         for i, term in enumerate(self.terms):
             # The least of the squares, as minus the largest of their negatives.
             negatives = tuple(Negative(ValueAt(x, omega)) for x in term.squares)
-            needed[self._envelope.holds(i, signs)].append(Negative(Largest(negatives)))
-        square = Largest(tuple(needed[1]))
+            needed[self._envelope.condition_sign(i, signs)].append(Negative(LargestOf(negatives)))
+        square = LargestOf(tuple(needed[1]))
         # A term that is just about to hold does not matter where another asks for as much.
         if not needed[1] or any(above(x, square) for x in needed[0]):
             raise UndecidedError("which limit holds at the low end of the band")
@@ -310,7 +310,7 @@ class Growth:
     def _first(self) -> RealNumber:
         """The bandwidth for the least number that gives one."""
         first = self._table.points[0]
-        square, slope = self._envelope.counting(first.after)
+        square, slope = self._envelope.active(first.after)
         # Where more is needed right behind the low end, the band ends there; otherwise where as
         # much is needed again.
         if slope > 0:
@@ -334,17 +334,19 @@ class Growth:
                     includes_low=peak.after,
                 )
 
-    def _peaks(self, least: RealNumber, most: RealNumber) -> Iterator[tuple[RealNumber, Maximum]]:
+    def _peaks(
+        self, least: RealNumber, most: RealNumber
+    ) -> Iterator[tuple[RealNumber, EnvelopeMaximum]]:
         """The peaks, and begins of plateaus, between the bandwidths at the ends of the range."""
         for point in self._table.points[1:-1]:
-            peak = self._envelope.top(point) or self._envelope.plateau(point)
+            peak = self._envelope.local_maximum(point) or self._envelope.plateau(point)
             if not peak:
                 continue
             begins = self._is_passed(point, peak) if peak.after else above(point.omega, least)
             if begins and above(most, point.omega):
                 yield point.omega, peak
 
-    def _is_passed(self, point: Point, peak: Maximum) -> bool:
+    def _is_passed(self, point: Point, peak: EnvelopeMaximum) -> bool:
         """Whether a height that is reached only behind a step of the envelope lies in the range;
         the frequency of the step may itself be the least bandwidth."""
         low, high = (ExactNumber(x) for x in self.range)

@@ -26,7 +26,7 @@ import flint
 from flint import arb
 from sympy import Expr, Integer
 
-from haptisym.judge.peaks import Greatest, Largest, greatest
+from haptisym.judge.peaks import LargestOf, Supremum, supremum
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
@@ -93,25 +93,25 @@ class SampledPassivity:
         return sign_of_number(self.at_rest) < 0
 
     @cached_property
-    def needed(self) -> Greatest | None:
+    def needed(self) -> Supremum | None:
         """The largest right-hand side, N s/m, which the device's damping must exceed, and its
         theta. None where it is unbounded, and where the condition does not apply."""
         return self._largest(Integer(0))
 
-    def _largest(self, less: Expr) -> Greatest | None:
+    def _largest(self, less: Expr) -> Supremum | None:
         """The largest value of the right-hand side less a number, and its angle; None as for
         ``needed``."""
         # Angles up to pi/2 by the tangent, the others by the cotangent: both charts end at 1.
         if self.sides is None:
             return None
         shifted = (RealFunction((f.function - f.axis.convert(less)).reduced()) for f in self.sides)
-        near, far = (greatest(f, Integer(0), Integer(1)) for f in shifted)
+        near, far = (supremum(f, Integer(0), Integer(1)) for f in shifted)
         if near is None or far is None:
             return None
         # Floats choose the half with the angle; the value is the larger of both in any case.
         best, is_far = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
         assert best.omega is not None
-        return Greatest(Largest((near.value, far.value)), ClockAngle(best.omega, is_far))
+        return Supremum(LargestOf((near.value, far.value)), ClockAngle(best.omega, is_far))
 
     @cached_property
     def passive(self) -> bool | None:

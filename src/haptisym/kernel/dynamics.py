@@ -67,15 +67,20 @@ class Ring(PolynomialRing):
         # Fractional powers of a parameter, or of a number, are powers of one root: all exponents
         # have a common denominator. That root then is the symbol, in place of the parameter.
         atoms = set(_named(expressions))
-        orders = {_order(x)[1] for x in atoms if _is_fractional(x)}
         roots = [x for x in atoms if _is_root(x)]
-        order = Rational(1, lcm(*(x.exp.q for x in roots)))
-        numbers = {x.base for x in roots if x.base.is_Integer}
-        parameters = {x.base for x in roots if x.base.is_Symbol}
+        denominators = [x.exp.q for x in roots]
+        order = Rational(1, lcm(*denominators))
+        radicands = {x.base for x in roots}
+        numbers = {x for x in radicands if x.is_Integer}
+        parameters = {x for x in radicands if x.is_Symbol}
         bases = _independent(numbers) | parameters
         plain = {x for x in atoms if x.is_Symbol} - {s} - bases
         symbols = plain | {x**order for x in bases}
-        lags = {lag for x in atoms if x.func is exp for lag in _lags(x)}
+        lags: set[Expr] = set()
+        for x in atoms:
+            if x.func is exp:
+                lags.update(_lags(x))
+        orders = {_order(x)[1] for x in atoms if _is_fractional(x)}
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in atoms)
 
     def convert(self, expression: Expr) -> RationalFunction:
@@ -279,7 +284,9 @@ def on_axis(dynamics: RationalFunction) -> Response:
 
 
 def squared_modulus(dynamics: RationalFunction) -> RealFunction:
-    """|f(j omega)|^2, in lowest terms."""
+    """|f(j omega)|^2, in lowest terms; its denominator is nowhere negative."""
+    # Nor is it when factors cancel: one that changes its sign divides Re and Im both where it
+    # divides the sum of their squares, so that an even power of it does, and cancels.
     axis = _axis(dynamics)
     (a, b), (c, d) = axis.parts([dynamics.numerator, dynamics.denominator])
     return RealFunction(

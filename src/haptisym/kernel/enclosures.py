@@ -14,6 +14,9 @@ number, has Taylor coefficients of at most M/R^k (Cauchy). The polynomial of deg
 values at N points all around |q - m| = r is off by at most 2 M (r/R)^N/(1 - r/R) for |q - m| <= r,
 as t^k and t^(k mod N) have the same values there. So M may be found in one wide ball, in which
 everything is multiplied: the power of r/R makes it small.
+
+A *ball* is an interval of any precision, middle and radius (``arb`` of FLINT; complex: ``acb``).
+Begin with ``FunctionPiece`` for the first form and with ``over_circle`` for the second.
 """
 
 from __future__ import annotations
@@ -50,7 +53,8 @@ def bernstein_coefficients(row: Sequence[Ball], reach: Ball) -> arb_mat:
     >>> bernstein_coefficients([arb(3), arb(0), arb(1)], arb(2)).entries()
     [7.00000000000000, -1.00000000000000, 7.00000000000000]
     """
-    scaled, power = [row[0]], arb(1)
+    scaled = [row[0]]
+    power = arb(1)
     for c in row[1:]:
         power = power * reach
         scaled.append(c * power)
@@ -66,16 +70,20 @@ def _converted(row: Sequence[Ball]) -> arb_mat:
 @lru_cache(maxsize=64)
 def _conversion(degree: int, bits: int) -> arb_mat:
     """From the coefficients of 1, u, u^2, ... to those of the Bernstein polynomials on [-1, 1]."""
+    size = degree + 1
     with flint.ctx.workprec(bits):
-        return arb_mat(
-            [[arb(_weight(degree, j, k)) for k in range(degree + 1)] for j in range(degree + 1)]
-        )
+        rows = [[arb(_weight(degree, j, k)) for k in range(size)] for j in range(size)]
+        return arb_mat(rows)
 
 
 def _weight(degree: int, j: int, k: int) -> fmpq:
     """The part of u^k = (t - (1 - t))^k (t + (1 - t))^(degree - k), t = (1 + u)/2, in the j-th
     Bernstein polynomial."""
-    ways = sum((-1) ** (k - i) * comb(k, i) * comb(degree - k, j - i) for i in range(min(j, k) + 1))
+    ways = 0
+    # i factors t come of the first power, j - i of the second.
+    for i in range(min(j, k) + 1):
+        sign = (-1) ** (k - i)
+        ways += sign * comb(k, i) * comb(degree - k, j - i)
     return fmpq(ways, comb(degree, j))
 
 
@@ -113,18 +121,21 @@ class FunctionPiece:
             middle = ((low + high) / 2).mid()
         with flint.ctx.workprec(30):
             reach = (high - middle).max(middle - low).upper()
-        ends = middle - reach, middle + reach
-        whole = ends[0].union(ends[1])
-        row = [*series(middle, 0, _ORDER), *series(whole, _ORDER, _ORDER + 1)]
-        return cls(low, high, ends, bernstein_coefficients(row, reach).entries())
+        start, end = middle - reach, middle + reach
+        at_middle = series(middle, 0, _ORDER)
+        over_piece = series(start.union(end), _ORDER, _ORDER + 1)
+        row = bernstein_coefficients([*at_middle, *over_piece], reach)
+        return cls(low, high, (start, end), row.entries())
 
     def sign(self, order: int = 0) -> int:
         """The sign all over the piece of the function (order 0), its slope (1) or curvature (2): 1,
         -1, or 0 where the enclosure does not show one."""
         row = self._differences(order)
-        if row[0] > 0:
-            return int(all(x > 0 for x in row))
-        return -int(row[0] < 0 and all(x < 0 for x in row))
+        if all(x > 0 for x in row):
+            return 1
+        if all(x < 0 for x in row):
+            return -1
+        return 0
 
     def _differences(self, order: int) -> Sequence[Ball]:
         """The Bernstein coefficients of a derivative, up to a factor > 0: repeated differences."""
@@ -140,20 +151,26 @@ class FunctionPiece:
         # The first and the last Bernstein coefficient are values at ``ends``. From there to low or
         # high, a little further in, the value changes by at most the steepest slope times the way
         # (mean value theorem); the slope is the degree times a difference over the length.
-        value, beyond = row[end], self.ends[end] - (self.low, self.high)[end]
-        if not beyond.is_zero() and len(row) > 1:
-            largest = reduce(arb.max, (abs(b - a).upper() for a, b in pairwise(row)))
-            steepest = largest * (len(row) - 1)
-            value = value + steepest * beyond / (self.ends[1] - self.ends[0]) * _EITHER
+        value = row[end]
+        inner = (self.low, self.high)[end]
+        beyond = self.ends[end] - inner
+        degree = len(row) - 1
+        if not beyond.is_zero() and degree:
+            differences = [abs(b - a).upper() for a, b in pairwise(row)]
+            steepest = reduce(arb.max, differences) * degree
+            start, stop = self.ends
+            value = value + steepest * beyond / (stop - start) * _EITHER
         return int(value > 0) - int(value < 0)
 
 
 # The ranges over -1 <= x <= 1 of odd and of even powers of x.
-_EITHER, _EVEN = arb(0, 1), arb(0.5, 0.5)
+_EITHER = arb(0, 1)
+_EVEN = arb(0.5, 0.5)
 
 # Points on the circle, and R/r: what the polynomial is off by is (1/6)^10 < 2e-8 of the width of
 # the wide ball, for six evaluations, as half of the points are conjugate to the others.
-_POINTS, _WIDER = 10, 6
+_POINTS = 10
+_WIDER = 6
 _UNKNOWN = arb("nan")
 
 
@@ -188,14 +205,15 @@ def over_circle(
     """
     wide = radius * _WIDER
     around = functions(acb(arb(middle, wide), arb(0, wide)))
-    half = [
-        functions(middle + radius * w) for w in _turns(_POINTS, flint.ctx.prec)[: _POINTS // 2 + 1]
-    ]
-    coefficients = _interpolation(_POINTS, flint.ctx.prec) * acb_mat(half)
-    return [
-        _line(acb(wide_ball), [coefficients[k, j].real for k in range(_POINTS)])
-        for j, wide_ball in enumerate(around)
-    ]
+    bits = flint.ctx.prec
+    upper_half = _turns(_POINTS, bits)[: _POINTS // 2 + 1]
+    values = [functions(middle + radius * w) for w in upper_half]
+    coefficients = _interpolation(_POINTS, bits) * acb_mat(values)
+    enclosures = []
+    for j, wide_ball in enumerate(around):
+        row = [coefficients[k, j].real for k in range(_POINTS)]
+        enclosures.append(_line(acb(wide_ball), row))
+    return enclosures
 
 
 def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
@@ -204,7 +222,8 @@ def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
     # The bound of the module's docstring: 2 M (r/R)^n/(1 - r/R), with M the radius of the wide
     # ball.
     wide = 2 * around.rad().upper()
-    off = wide * (arb(1) / _WIDER) ** _POINTS * _WIDER / (_WIDER - 1)
+    share = arb(1) / _WIDER
+    off = wide * share**_POINTS * _WIDER / (_WIDER - 1)
     # The line keeps the linear term; all higher ones widen the place where it stands.
     at = row[0]
     for k, c in enumerate(row[2:]):
@@ -214,14 +233,16 @@ def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
         rate = rate + k * c * (_EITHER if k > 1 else 1)
     # Of f = sum a_m x^m the polynomial has a_m + a_(m + n) + ... in place of a_m, m < n, and by
     # Cauchy |a_m| <= M/R^m in units of r: slopes are off by 2 sum_(m >= n) m M/R^m < (n + 1) off.
-    return LinearEnclosure(at + off * _EITHER, row[1], rate + (_POINTS + 1) * off * _EITHER)
+    rate = rate + (_POINTS + 1) * off * _EITHER
+    return LinearEnclosure(at + off * _EITHER, row[1], rate)
 
 
 @lru_cache(maxsize=8)
 def _turns(n: int, bits: int) -> list[acb]:
     """The n-th roots of 1, all around the circle."""
     with flint.ctx.workprec(bits):
-        return [(acb(0, 2 * k) / n * arb.pi()).exp() for k in range(n)]
+        angles = [acb(0, 2 * k) / n * arb.pi() for k in range(n)]
+        return [angle.exp() for angle in angles]
 
 
 @lru_cache(maxsize=8)
@@ -231,8 +252,10 @@ def _interpolation(n: int, bits: int) -> acb_mat:
 
     The values on the lower half are conjugate to them, since the function is real for real q.
     """
-    turns, half = _turns(n, bits), n // 2
+    turns = _turns(n, bits)
+    half = n // 2
     # A discrete Fourier transform; the points at 1 and -1 are their own conjugates and count once.
     with flint.ctx.workprec(bits):
         weights = [(1 if j in (0, half) else 2) / arb(n) for j in range(half + 1)]
-        return acb_mat([[x * turns[-j * k % n] for j, x in enumerate(weights)] for k in range(n)])
+        numbered = list(enumerate(weights))
+        return acb_mat([[x * turns[-j * k % n] for j, x in numbered] for k in range(n)])

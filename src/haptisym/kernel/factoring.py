@@ -24,12 +24,13 @@ from sympy import Expr, Integer
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import tick
-from haptisym.kernel.delayterms import WaveTerm, vanishes
+from haptisym.kernel.delayterms import WaveTerm
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor, polynomial_factors
 from haptisym.kernel.rings import Polynomial, monomials
 from haptisym.kernel.zeros import Factor, is_clear
+from haptisym.kernel.zerotest import vanishes
 
 Pieces: TypeAlias = list[tuple[Polynomial, int]]
 """Polynomials, and how often each is a factor."""
@@ -203,7 +204,7 @@ def _seems_to_vanish(factor: Factor, axis: Axis) -> bool:
         return False
     # Any frequency would do for a sign that is not 0.
     with flint.ctx.workprec(128):
-        shown = isinstance(factor, AnalyticFactor) and factor.shows_itself
+        shown = isinstance(factor, AnalyticFactor) and factor.is_shown_nonzero
         return not shown and not is_clear(factor.value(arb(1.25)))
 
 
@@ -292,7 +293,7 @@ def _made(terms: tuple[WaveTerm, ...], degrees: tuple[int, ...], axis: Axis) -> 
     shorter = terms
     if len(angles) < len(degrees):
         shorter = tuple(
-            [WaveTerm(tuple(compress(x.turns, degrees)), x.powers, x.coefficients) for x in terms]
+            [WaveTerm(tuple(compress(x.sines, degrees)), x.powers, x.coefficients) for x in terms]
         )
     rates = tuple([(angle.rate, angle.constant) for angle in angles])
     return AnalyticFactor(shorter, rates, tuple(compress(degrees, degrees)), axis.orders)

@@ -21,18 +21,17 @@ from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
 from sympy import Expr, pi
 
 from haptisym.kernel.budget import Waiting, tick
-from haptisym.kernel.delayterms import (
-    NEARER,
-    Wave,
-    WaveSum,
-    by_powers,
+from haptisym.kernel.delayterms import WaveSum
+from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.leadingterm import (
+    LARGEST_RATIO,
+    Direction,
     clear_of_zero,
-    exact_waves,
+    exact_directions,
     leading_term,
     order_at_0,
     taylor_coefficients,
 )
-from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import (
     MOST_BITS,
     SURE_BITS,
@@ -46,9 +45,9 @@ from haptisym.kernel.zeros import (
     SeriesFactor,
     SmoothFactor,
     Zero,
-    around,
     clear_of,
-    exact,
+    dyadic_ball,
+    dyadic_ends,
     is_clear,
     isolated,
     rounded_up,
@@ -100,7 +99,7 @@ class PolynomialFactor(SmoothFactor):
             return 0
         # Descartes' rule: without a change of sign there is no zero between the ends. The first
         # coefficient is the value at the high end, the last one that at the low end.
-        moved = self._moved(*(x.fmpq() for x in around(low, high)))
+        moved = self._moved(*(x.fmpq() for x in dyadic_ends(low, high)))
         signs = {c > 0 for c in moved if c}
         if len(signs) > 1 or not moved[0] or not moved[-1]:
             return 0
@@ -109,8 +108,8 @@ class PolynomialFactor(SmoothFactor):
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         if self.is_rational and self.degree > 1:
             return [
-                Zero(self, exact(a), exact(b), i)
-                for i, (a, b) in enumerate(self._apart(*around(low, high)))
+                Zero(self, dyadic_ball(a), dyadic_ball(b), i)
+                for i, (a, b) in enumerate(self._apart(*dyadic_ends(low, high)))
             ]
         return list(self.positive_roots())
 
@@ -271,35 +270,35 @@ class AnalyticFactor(WaveSum, SeriesFactor):
 
     def steady_sign(self, low: Expr, high: Expr) -> int:
         with flint.ctx.workprec(128):
-            ends = around(low, high)
+            ends = dyadic_ends(low, high)
             box = arb.union(*ends)
             if not self.orders:
-                return 0 if low == 0 and self.begins_with_zero else sign_of(self.value(box))
+                return 0 if low == 0 and self.is_shown_zero_at_0 else sign_of(self.value(box))
             # With a power of omega in every term it vanishes at omega = 0.
             if low == 0 and not any(not any(term.powers) for term in self.terms):
                 return 0
             # Powers of omega are positive: where the cofactors of all of them have one sign, the
-            # sum has it. Two signs of cofactors at any place end the search before ``ranges``,
-            # which is dear.
+            # sum has it. Two signs of cofactors at any place end the search before
+            # ``cofactor_ranges``, which is dear.
             seen = set[int]()
             for place in (((ends[0] + ends[1]) / 2).mid(), box, *ends):
-                signs = set(map(sign_of, self.parts(place)))
+                signs = set(map(sign_of, self.cofactor_values(place)))
                 if place is box and len(signs) == 1 and 0 not in signs:
                     return signs.pop()
                 seen |= signs
                 if {1, -1} <= seen:
                     return 0
-            every = {sign_of(x) for x in self.ranges(box).values()}
+            every = {sign_of(x) for x in self.cofactor_ranges(box).values()}
             return every.pop() if len(every) == 1 else 0
 
     @property
-    def farthest(self) -> float | None:
-        return NEARER if self.orders else None
+    def largest_ratio(self) -> float | None:
+        return LARGEST_RATIO if self.orders else None
 
     def zeros(self, low: Expr, high: Expr) -> list[RealNumber]:
         with flint.ctx.workprec(128):
-            ends = around(low, high)
-            first = (ends[1] - ends[0]) / (NEARER if self.orders else 16)
+            ends = dyadic_ends(low, high)
+            first = (ends[1] - ends[0]) / (LARGEST_RATIO if self.orders else 16)
         return isolated(
             self, self._edge(low, first, above=True), self._edge(high, first, above=False)
         )
@@ -338,7 +337,7 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
     if place == 0 and factor.orders:
         return leading_term(factor).exponent
     if place == 0 and not any(constant for _, constant in factor.rates):
-        if not factor.begins_with_zero:
+        if not factor.is_shown_zero_at_0:
             return 0
         if (order := order_at_0(factor)) is not None:
             return order
@@ -346,7 +345,7 @@ def _order_at(factor: AnalyticFactor, place: Expr) -> Any:
         return 0
     if factor.orders:
         return _order_with_powers(factor, place)
-    exact = exact_waves(factor, place)
+    exact = exact_directions(factor, place)
     # Where no exact value is known only a sign can decide, which proves that there is no zero.
     if exact is None:
         factor.sign_at(lambda bits: expression_ball(place))
@@ -359,7 +358,7 @@ def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
     where cofactors that are not zero may cancel."""
     # Taylor coefficients vanish below the least order of all cofactors. If the next one is clear of
     # 0, that is the order.
-    parts = by_powers(factor).values()
+    parts = factor.cofactors().values()
     least = min(AnalyticFactor(p.terms, p.rates, p.degrees, ()).order_at(place) for p in parts)
     with flint.ctx.workprec(MOST_BITS):
         if is_clear(factor.taylor(expression_ball(place), least)):
@@ -367,7 +366,7 @@ def _order_with_powers(factor: AnalyticFactor, place: Expr) -> int:
     raise UndecidedError(f"the order of a zero at omega = {place} rad/s")
 
 
-def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Wave]) -> int:
+def _exact_order(factor: AnalyticFactor, place: Expr, waves: list[Direction]) -> int:
     """The order of the zero at a place where the waves are known exactly: the first derivative that
     is not zero there."""
     for order, coefficient in zip(

@@ -1,17 +1,34 @@
-"""How many roots a characteristic function has in the closed right half plane: the argument
-principle, counted exactly on a chart.
+"""How many roots has a characteristic function D(s) in the closed right half plane Re s >= 0?
 
-D(s) is a polynomial in s, delays exp(-s tau) and powers s^alpha. By the argument principle the
-number of roots inside of a contour is the number of turns of D along it. The contour goes up the
-imaginary axis to j R and back on a large half circle; D is real for real s, so that half of it is
-enough. As omega goes from 0 to R, the quarter turns of D(j omega) are read off the exact signs of
-its real and imaginary part. R is chosen such that beyond it one power of s prevails, and the turn
-on the half circle is that of this power. With D = A + B exp(-s tau) it is enough that |A| > |B|
-from R on: D then turns with A, a polynomial. Roots on the axis are passed on their left, so that
-they count.
+D(s) = sum of s^p L_p(s) over powers p >= 0, which may be fractions, with coefficients L_p(s) = sum
+of c exp(-s lag). All numbers are exact. Each lag is a sum of *unit delays*, those of the ring; a
+term is known by how often each is in it. L = L_n, of the highest power n, is the *leading
+coefficient*.
 
-The count is exact, or there is an UndecidedError. Whether all poles of rational dynamics lie in the
-open left half plane is decided by Routh's array. Begin reading at ``count_roots``.
+**The argument principle.** Let phi be the angle of D in quarter turns, followed along a path: from
+a small real number e > 0 on a small quarter circle to the imaginary axis, up the axis to j R, and
+back to a large real number X beyond all roots. Roots on the axis are passed on their left, so that
+they count; 0 is passed on its right. D is real for real s, so that path and mirror image enclose
+all roots in the half plane, and N roots in there give phi(X) - phi(e) = -2 N. On the way from j R
+to X D turns back by a known number of quarter turns, *settled*. Hence
+
+    N = (phi(e) + settled - phi(j R))/2.
+
+phi(e) is 0 or 2, by the sign of D; phi(j R) is read off the exact signs of the real and imaginary
+part of D(j omega) on a chart (``turned``). The *reach* R is one of two:
+
+- For |s| >= R, Re s >= 0 the power s^n prevails. The way back is a quarter circle, and settled is n
+  and the turn of L.
+- D = A + B exp(-s tau) with polynomials A and B, and |A| > |B| on the axis from j R on. The way
+  back goes further up the axis, and then round a circle, and D turns with A.
+
+If L has delays (neutral type) D has a *chain* of infinitely many roots that tend to the zeros of L.
+They must lie clear of the axis on its left, |L| >= floor > 0 for Re s >= 0, or there is no count
+(``floor_of``).
+
+**Guaranteed**: the count is exact, or there is an UndecidedError. Whether all poles of rational
+dynamics lie in the open left half plane is decided by Routh's array (``is_stable``). Begin reading
+at ``count_roots``.
 """
 
 from __future__ import annotations
@@ -40,298 +57,39 @@ from haptisym.kernel.reals import (
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, s
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 
-_MOST_TERMS = 64  # terms of the expansion at s = 0 that are tried
-
 Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
-"""The coefficients of a characteristic function by the power of s, and then by the exponent of each
-unit delay."""
-
-
-def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
-    """The coefficients of a polynomial of the ring, which must hold no parameters; none of them is
-    0."""
-    table: Terms = {}
-    lags = len(ring.lags)
-    for exponents, value in monomials(polynomial):
-        degrees = [int(n) for n in exponents]
-        turns, powers = tuple(degrees[ring.size : ring.size + lags]), degrees[ring.size + lags :]
-        # s^n times powers s^alpha are one power of s; terms that differ as monomials may meet in
-        # it.
-        broken = (n * order for n, order in zip(powers, ring.orders, strict=False))
-        power = sum(broken, Integer(degrees[0]))
-        group = table.setdefault(power, {})
-        number = Rational(int(value.p), int(value.q))
-        group[turns] = group.get(turns, Integer(0)) + (
-            number * pi ** degrees[1] if degrees[1] else number
-        )
-    exact = {
-        p: {turns: c for turns, c in group.items() if sign_of_number(c)}
-        for p, group in table.items()
-    }
-    return {p: group for p, group in exact.items() if group}
-
-
-def size(number: Expr) -> Expr:
-    """The absolute value of an exact number."""
-    return number * sign_of_number(number)
-
-
-def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
-    """The order of the zero at s = 0, exact: 1 - exp(-s tau) has one of order 1, s^alpha one of
-    order alpha."""
-    if not ring.functions:  # powers of s with numbers before them, none of which is 0
-        return Integer(min(int(exponents[0]) for exponents in polynomial.monoms()))
-    return beginning_at_0(terms_of(polynomial, ring), ring)[0]
-
-
-def at_least(order: Rational) -> int:
-    """The number of roots that a zero of that order counts as: a fractional order, of s^alpha,
-    counts as the next whole number."""
-    return -int(-order.p // order.q)
-
-
-def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
-    """Exponent and sign of the first term of the expansion at s = 0; UndecidedError where too many
-    terms vanish."""
-    # A term of power p has, with its delays expanded, the exponents p, p + 1, p + 2, ...
-    rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
-    for exponent, _ in groupby(rising):
-        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
-        total = sum(
-            (_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0)
-        )
-        if sign := sign_of_number(total):
-            return exponent, sign
-    raise UndecidedError("the order of a characteristic function at s = 0")
-
-
-def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
-    """The coefficient of s^k in the expansion of the sum of c exp(-s lag) at s = 0."""
-    if not k:
-        return sum(group.values(), Integer(0))
-    lags = {
-        turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
-        for turns in group
-    }
-    return sum(
-        (c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)
-    ).expand() / factorial(k)
-
-
-BITS = 128
-
-
-def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
-    """The exact real and imaginary part of D(j omega), times a factor > 0."""
-    axis = ring.axis
-    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
-    modulus = c * c + d * d
-    return (
-        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
-        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
-    )
-
-
-def times(point: Point) -> int:
-    """The order of the zero of D at a point: that of real and imaginary part at once."""
-    return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
-
-
-def turned(
-    parts: Sequence[RealFunction], terms: Terms, start: Expr, reach: Expr, ring: Ring
-) -> tuple[Chart, Ball]:
-    """The chart up to j R, and the angle of D at j R in quarter turns, counted on continuously from
-    the direction ``start`` just above omega = 0."""
-    curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
-    return curve, _lifted(_last_quadrant(curve, start), terms, reach, ring)
-
-
-_QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
-
-
-def _last_quadrant(curve: Chart, start: Expr) -> int:
-    """The quarter turn at which the last quadrant of D begins, counted on from the direction
-    ``start`` of D just above omega = 0."""
-    # An undecided point may be a zero of D, past which the number of turns is not known.
-    if curve.undecided:
-        raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
-    quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
-    # D starts within its first quadrant or on an edge of it, so that one of two is the first.
-    now = next(n for n in (int(start // 1), int(-(-start // 1)) - 1) if n % 4 == quadrants[0])
-    for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
-        # A root on the axis that is passed on its left turns D back by half a turn. What is left is
-        # a quarter turn or none, as one part changes its sign at a time; two quarters could be
-        # either way round.
-        passed = -2 * times(point)
-        step = (after - before - passed) % 4
-        if step == 2:
-            raise UndecidedError("a turn of a characteristic function")
-        now += passed + {0: 0, 1: 1, 3: -1}[step]
-    return now
-
-
-def _lifted(quarter: int, terms: Terms, reach: Expr, ring: Ring) -> Ball:
-    """The angle of D at j R in quarter turns, which lies in the quadrant that begins at
-    ``quarter``."""
-    with flint.ctx.workprec(BITS):
-        value = value_at(terms, reach, ring)
-        # Turns the quadrant's middle onto the positive real axis, as far as can be from the cut of
-        # the argument.
-        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)
-        return quarter + arb(1) / 2 + (value * middle).arg() * 2 / arb.pi()
-
-
-def value_at(terms: Terms, reach: Expr, ring: Ring) -> acb:
-    """A ball around the value of D at j R."""
-    at = expression_ball(reach)
-    return sum(
-        (_power(at, p) * factor_at(group, reach, ring) for p, group in terms.items()), acb(0)
-    )
-
-
-def _power(omega: Ball, exponent: Expr) -> acb:
-    """(j omega)^p, omega > 0."""
-    p = expression_ball(exponent)
-    return acb(0, p * arb.pi() / 2).exp() * omega**p
-
-
-def factor_at(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> acb:
-    """A ball around the value at j R of the coefficient of a power of s, a sum of delays."""
-    angles = [expression_ball(lag) * expression_ball(reach) for lag in ring.lags]
-    total = acb(0)
-    for turns, c in group.items():
-        angle = sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))
-        total += expression_ball(c) * acb(0, -angle).exp()
-    return total
-
-
-def whole(lacking: Ball) -> int:
-    """The whole number next to a ball that is known to lie within 1/6 of one; UndecidedError where
-    that does not show."""
-    # 1/3 leaves the ball a radius of 1/6 on top of the deviation, and still tells one number from
-    # the next.
-    nearest = round(float(lacking))
-    if not abs(lacking - nearest) < arb(1) / 3:
-        raise UndecidedError("a turn of a characteristic function")
-    return nearest
-
-
+"""The coefficients c of a characteristic function by the power of s, and then by the exponent of
+each unit delay, in the order of ``ring.lags``; (0, ...) is the undelayed term."""
 Row: TypeAlias = list[Expr]
 """The coefficients, ascending, of a polynomial in one free parameter; a single one where there is
 no parameter."""
 
-_BITS = 128
-# From about 1e-6 to 1e18 rad/s.
-_FIRST, _MOST_DOUBLINGS = Rational(1, 1 << 20), 80
-
-
-def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple[int, ...] | None:
-    """The one product of unit delays that occurs, by their exponents; None where none or several
-    occur, or a power of s is fractional: then D is not A + B exp(-s tau) with polynomials A and B.
-    """
-    late = [x for x in turns if any(x)]
-    return late[0] if len(late) == 1 and all(p.is_Integer for p in powers) else None
-
-
-def squares(
-    table: Mapping[Rational, Mapping[tuple[int, ...], Row]], late: tuple[int, ...]
-) -> list[Row]:
-    """The coefficients of |A|^2 - |B|^2 at s = j omega, by falling powers of omega^2, for D = A + B
-    exp(-s tau) given as a table like ``Terms``."""
-    none = (0,) * len(late)
-    degree = int(max(table))
-    longest = max(len(row) for group in table.values() for row in group.values())
-    rows = [[Integer(0)] * (2 * longest - 1) for _ in range(degree + 1)]
-    # The products a_p a_r j^p (-j)^r omega^(p + r): those of odd p - r cancel in pairs.
-    for p, r in product(table, repeat=2):
-        if (p - r) % 2:
-            continue
-        row, sign = rows[degree - int(p + r) // 2], (-1) ** (int(abs(p - r)) // 2)
-        for turns, side in ((none, sign), (late, -sign)):
-            for i, x in enumerate(table[p].get(turns, ())):
-                for k, y in enumerate(table[r].get(turns, ())):
-                    row[i + k] += side * x * y
-    return [[c.expand() for c in row] for row in rows]
-
-
-def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
-    """A frequency beyond which |A|^2 - |B|^2 > 0; None where none is found. |A| must not be the
-    smaller one at infinity."""
-    table = {p: {turns: [c] for turns, c in group.items()} for p, group in terms.items()}
-    with flint.ctx.workprec(_BITS):
-        first, *others = (expression_ball(row[0]).lower() for row in squares(table, late))
-        # Over omega^(2 n - 2): c_0 omega^2 + c_1 + c_2/omega^2 + ..., with c_0 >= 0 and what
-        # follows c_1 not above 0, grows with omega. Once positive, it stays so.
-        weights = [first.max(arb(0)), *others[:1], *(x.min(arb(0)) for x in others[1:])]
-        at = _FIRST
-        for _ in range(_MOST_DOUBLINGS):
-            ball = arb(int(at.p)) / int(at.q)
-            if sum((x * ball ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
-                return at
-            at *= 2
-    return None
-
-
-def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
-    """Whether L(1/z) is L(z) or -L(z) up to powers of z: then with each zero s of L(exp(-s tau)),
-    -s is one too, however long the delays are, and a chain of zeros cannot lie on the left alone.
-
-    >>> from sympy import Integer
-    >>> of = [{(0, 0): 3, (1, 0): 1, (0, 1): 1, (1, 1): 3}, {(0, 0): 3, (1, 0): 1, (0, 1): 2, (1, 1): 3}, {(0, 0): 3}]
-    >>> [is_mirrored({turns: Integer(c) for turns, c in group.items()}) for group in of]
-    [True, False, False]
-    """
-    most = [max(column) for column in zip(*group, strict=True)]
-    other = {
-        turns: group.get(tuple(n - k for n, k in zip(most, turns, strict=True)), 0)
-        for turns in group
-    }
-    return len(group) > 1 and any(
-        all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1)
-    )
-
-
-_MOST_BITS = 512  # of working precision for Routh's array
+BITS = 128
+"""Bits of working precision of balls: far more than it takes to tell whole numbers of turns."""
+_ROUTH_BITS = 512  # the most bits of working precision for Routh's array
+# Terms of the expansion at s = 0 that are tried until one does not vanish.
+_MOST_TERMS = 64
 # Radians by which a delay may turn up to the reach: thousands of zeros on a chart take minutes.
 _MOST_TURNING = 2000
-_ARCS = 1 << 8, 1 << 13  # into so many the unit circle is cut: few at first, then many
-
-
-class RootChain(Enum):
-    """Where infinitely many roots of large modulus lie, if they do not all lie clear of the axis on
-    its left."""
-
-    NEAR = "as near to the imaginary axis as one likes"
-    RIGHT = "to the right of the imaginary axis"
-
-
-@dataclass(frozen=True)
-class Roots:
-    """The roots in Re s >= 0.
-
-    ``number`` : how many there are, with their multiplicities. ``right`` : how many of them have Re
-    s > 0. Both are None where a ``chain`` makes them infinitely many, or hides them.
-    ``on_axis``: the frequencies >= 0 of those on the axis, rad/s, ascending, each once.
-    """
-
-    number: int | None
-    right: int | None
-    on_axis: tuple[RealNumber, ...] = ()
-    chain: RootChain | None = None
+# Into so many arcs the unit circle is cut to bound |L| on it: few at first, then many.
+_ARCS = 1 << 8, 1 << 13
+# Frequencies that are tried as the one beyond which |A| > |B|: from about 1e-6 to 1e18 rad/s.
+_FIRST, _MOST_DOUBLINGS = Rational(1, 1 << 20), 80
+# The quadrant by the signs of real and imaginary part, as the quarter turn at which it begins.
+_QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
 
 
 def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> Roots:
-    """The roots of a polynomial of a ring in Re s >= 0, proven. UndecidedError where that stays
-    open.
+    """Return the roots of a polynomial of a ring in Re s >= 0, proven; UndecidedError where that
+    stays open.
 
-    ``rests`` : whether it is known beforehand (of a passive system) that there is no such root but
-    at 0, unless a chain of roots comes as near to the axis as one likes.
+    ``rests`` : whether it is known beforehand, as of a passive system, that there is no such root
+    but at 0, unless a chain of roots comes as near to the axis as one likes.
 
-    Guaranteed: for polynomials, and with delays where the highest power of s outweighs its own
-    delayed terms (else the chain of roots that these make is recognised exactly for one unit
-    delay).
-    Not decided: more than some hundred turns, delays whose chain is none of these, and functions
-    with j among their numbers.
+    Decided: polynomials, and functions with delays where in the leading coefficient the undelayed
+    term outweighs the delayed ones, or one unit delay alone occurs.
+    Not decided: delays that turn by more than some thousand radians up to the reach, other chains
+    of roots, and functions with j among their numbers.
 
     >>> from sympy import exp
     >>> def roots(expression):
@@ -366,8 +124,7 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     order, sign = beginning_at_0(terms, ring)
     start = 0 if sign > 0 else 2
     curve, angle = turned(parts, terms, order + start, reach, ring)
-    # Without roots on the right D would turn by ``settled`` quarters up to j R; each root takes
-    # half a turn away, its share of the upper half of the contour.
+    # N = (phi(e) + settled - phi(j R))/2, with phi(e) = ``start`` (see the module's docstring).
     with flint.ctx.workprec(BITS):
         if undelayed is None:
             settled = expression_ball(degree) + _own_turn(terms[degree], reach, ring)
@@ -383,12 +140,36 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     return Roots(left_of_it + at_least(order), right, (*at_0, *(p.omega for p in passed)))
 
 
-def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:
-    """The angle of A + B exp(-s tau) at j R, in quarter turns, if it had no root on the right: its
-    turn on the half circle is known from A = ``own``.
+class RootChain(Enum):
+    """Where a chain of infinitely many roots lies, if it does not lie clear of the axis on its
+    left."""
 
-    It is the angle of A itself, half a turn more for each of A's roots on the right, and the angle
-    between A and D, which is less than a quarter turn as |A| > |B| there.
+    NEAR = "as near to the imaginary axis as one likes"
+    RIGHT = "to the right of the imaginary axis"
+
+
+@dataclass(frozen=True)
+class Roots:
+    """The roots in Re s >= 0.
+
+    ``number`` : how many there are, with their multiplicities. ``right`` : how many of them have Re
+    s > 0. Both are None where there is a ``chain``, of which infinitely many may be among them.
+    ``on_axis``: the frequencies >= 0 of those on the axis, rad/s, ascending, each once.
+    ``chain`` : None where no chain of roots comes near to the axis or lies right of it.
+    """
+
+    number: int | None
+    right: int | None
+    on_axis: tuple[RealNumber, ...] = ()
+    chain: RootChain | None = None
+
+
+def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball:
+    """Return ``settled`` for D = A + B exp(-s tau), A = ``own``, where |A| > |B| on the axis from j
+    R on.
+
+    For A alone it is N = (phi(e) + settled - phi(j R))/2 solved for settled, with N counted as of a
+    polynomial. The angle from A to D at j R is added, which is less than a quarter turn.
     """
     alone = terms_of(own, ring)
     order, sign = beginning_at_0(alone, ring)
@@ -401,7 +182,8 @@ def _turn_of_own(own: Polynomial, terms: Terms, reach: Expr, ring: Ring) -> Ball
 
 
 def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """The polynomial without the delays that all of its terms share: exp(-s tau) is nowhere 0."""
+    """Return the polynomial without the delays that all of its terms share: exp(-s tau) is nowhere
+    0."""
     for i in range(ring.size, ring.size + len(ring.lags)):
         shared = min(int(exponents[i]) for exponents in polynomial.monoms())
         if shared:
@@ -409,64 +191,7 @@ def _without_shared_delays(polynomial: Polynomial, ring: Ring) -> Polynomial:
     return polynomial
 
 
-# The coefficient of the highest power of s, L(exp(-s tau_1), ...). Where it holds delays (the
-# neutral type), its zeros are the limits of a chain of infinitely many roots of D.
-
-
-def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootChain:
-    """A lower bound > 0 of |L| for all s with Re s >= 0; or, where there is none, where the chain
-    of roots lies. UndecidedError for several delays that outweigh the undelayed term."""
-    undelayed = next((c for turns, c in group.items() if not any(turns)), Integer(0))
-    delayed = {turns: c for turns, c in group.items() if any(turns)}
-    margin = size(undelayed) - sum(map(size, delayed.values()), Integer(0))
-    # A highest power with delays alone (the advanced type): roots run off to the right.
-    if sign_of_number(undelayed) == 0:
-        return RootChain.RIGHT
-    if sign_of_number(margin) > 0:
-        return margin
-    used = {i for turns in delayed for i, n in enumerate(turns) if n}
-    if len(used) == 1:
-        return _floor_of_one(group, used.pop())
-    raise UndecidedError("the chain of roots of a neutral function with several delays")
-
-
-def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
-    """The same for an L with one unit delay z = exp(-s tau), a polynomial in z.
-
-    With z = (1 - w)/(1 + w) the disc |z| <= 1 is the half plane Re w >= 0, in which zeros are
-    counted; z = -1 is w = infinity, and shows as a lower degree in w.
-    """
-    ring = Ring()
-    n = max(turns[place] for turns in group)
-    powers = [
-        sum((c for turns, c in group.items() if turns[place] == i), Integer(0))
-        for i in range(n + 1)
-    ]
-    turned = sum((c * (1 - s) ** i * (1 + s) ** (n - i) for i, c in enumerate(powers)), Integer(0))
-    w = ring.convert(turned.expand()).numerator
-    inside = count_roots(w, ring)
-    if inside.number or int(w.degrees()[0]) < n:
-        return RootChain.RIGHT if inside.right else RootChain.NEAR
-    # No zero in the disc: by the minimum principle |L| is least on the circle, which is covered by
-    # balls of short arcs.
-    with flint.ctx.workprec(BITS):
-        row = [expression_ball(c) for c in powers]
-        for arcs in _ARCS:
-            turns = (arb(i) / arcs + arb(0, 0.5 / arcs) for i in range(arcs))
-            on_arcs = (
-                abs(
-                    sum((c * acb(0, 2 * arb.pi() * x * k).exp() for k, c in enumerate(row)), acb(0))
-                )
-                for x in turns
-            )
-            least = float(min(x.lower() for x in on_arcs))
-            if least > 0:
-                # A float is rounded by much less than a thousandth.
-                return Rational(least) * Rational(999, 1000)
-    raise UndecidedError("how near the chain of a neutral function comes to the axis")
-
-
-# The contour
+# The reach
 
 
 def _reach(
@@ -479,8 +204,8 @@ def _reach(
     tau), R is a much smaller frequency from which on |A| > |B| on the axis: there D turns with A.
     """
     degree = max(terms)
-    # Doubled: at most half leaves the direction of D within 1/6 of a half turn of that of its
-    # highest power, by which ``whole`` knows the number of turns.
+    # Doubled: |D/(s^n L) - 1| <= 1/2 leaves the angle of D within arcsin(1/2), 1/6 of a half turn,
+    # of that of s^n L, and the count within 1/6 of a whole number, as ``whole`` needs it.
     weights = {
         p: 2 * sum(map(size, group.values()), Integer(0))
         for p, group in terms.items()
@@ -502,27 +227,9 @@ def _reach(
     return 2 * pi * turns / leading_delays[0], None
 
 
-def _need_few_turns(radius: Rational, terms: Terms, ring: Ring) -> None:
-    """UndecidedError where a delay turns too often up to the reach for a chart."""
-    late = {i for group in terms.values() for turns in group for i, n in enumerate(turns) if n}
-    if any(sign_of_number(radius * ring.lags[i] - _MOST_TURNING) > 0 for i in late):
-        raise UndecidedError("the roots of a function that its delays turn thousands of times")
-
-
-def _undelayed(polynomial: Polynomial, ring: Ring) -> Polynomial:
-    """A of A + B exp(-s tau): the terms without delays."""
-    lags = range(ring.size, ring.size + len(ring.lags))
-    kept = {x: c for x, c in polynomial.to_dict().items() if not any(int(x[i]) for i in lags)}
-    return polynomial.context().from_dict(kept)
-
-
-def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
-    """The unit delays that occur in the coefficient of a power of s."""
-    return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
-
-
 def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) -> Rational:
-    """A radius from which on floor radius^degree exceeds the weighted lower powers."""
+    """Return a radius from which on floor radius^degree exceeds the sum of weight radius^p over all
+    lower powers p. ``floor`` > 0; ``weights`` : by power."""
     # A power of 2, so that it is exact and short; once lower powers are exceeded, they stay so.
     with flint.ctx.workprec(BITS):
         least = expression_ball(floor)
@@ -535,9 +242,28 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
     return Rational(2) ** n
 
 
+def _need_few_turns(radius: Rational, terms: Terms, ring: Ring) -> None:
+    """Raise UndecidedError where a delay turns too often up to the radius for a chart."""
+    late = {i for group in terms.values() for turns in group for i, n in enumerate(turns) if n}
+    if any(sign_of_number(radius * ring.lags[i] - _MOST_TURNING) > 0 for i in late):
+        raise UndecidedError("the roots of a function that its delays turn thousands of times")
+
+
+def _undelayed(polynomial: Polynomial, ring: Ring) -> Polynomial:
+    """Return A of A + B exp(-s tau): the terms without delays."""
+    lags = range(ring.size, ring.size + len(ring.lags))
+    kept = {x: c for x, c in polynomial.to_dict().items() if not any(int(x[i]) for i in lags)}
+    return polynomial.context().from_dict(kept)
+
+
+def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
+    """Return the unit delays, s, that occur in the coefficient of a power of s."""
+    return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
+
+
 def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
-    """The angle of L at j R, in quarter turns, from that of its undelayed term on: 0 where the one
-    delay in it has made whole turns (``_reach``).
+    """Return the angle of L at j R, in quarter turns, less that of its undelayed term: 0 where the
+    one delay in it has made whole turns (``_reach``).
 
     Of several delays the undelayed term outweighs all others, so that the angle is less than a
     quarter turn.
@@ -547,6 +273,315 @@ def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) ->
     undelayed = next(c for turns, c in group.items() if not any(turns))
     with flint.ctx.workprec(BITS):
         return (factor_at(group, reach, ring) / expression_ball(undelayed)).arg() * 2 / arb.pi()
+
+
+def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple[int, ...] | None:
+    """Return the exponents of the one product of unit delays, exp(-s tau), that occurs in D = A + B
+    exp(-s tau) with polynomials A and B; None where D has not that form, as none or several occur,
+    or a power of s is fractional. ``turns`` : the exponents of all terms; ``powers`` : of s."""
+    late = [x for x in turns if any(x)]
+    return late[0] if len(late) == 1 and all(p.is_Integer for p in powers) else None
+
+
+def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
+    """Return a frequency from which on |A|^2 - |B|^2 > 0 on the axis; None where none is found. |A|
+    must not be the smaller one at infinity."""
+    table = {p: {turns: [c] for turns, c in group.items()} for p, group in terms.items()}
+    with flint.ctx.workprec(BITS):
+        first, *others = (expression_ball(row[0]).lower() for row in squares(table, late))
+        second, later = others[:1], others[1:]
+        # |A|^2 - |B|^2 over omega^(2 n - 2) is c_0 omega^2 + c_1 + c_2/omega^2 + ... . It is at
+        # least the same sum with c_0 >= 0 at its lower bound and positive c_2, c_3, ... left out,
+        # which does not fall with omega: once positive, it stays so.
+        weights = [first.max(arb(0)), *second, *(x.min(arb(0)) for x in later)]
+        at = _FIRST
+        for _ in range(_MOST_DOUBLINGS):
+            ball = arb(int(at.p)) / int(at.q)
+            if sum((x * ball ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
+                return at
+            at *= 2
+    return None
+
+
+def squares(
+    table: Mapping[Rational, Mapping[tuple[int, ...], Row]], late: tuple[int, ...]
+) -> list[Row]:
+    """Return the coefficients of |A|^2 - |B|^2 at s = j omega, by falling powers of omega^2, for
+    D = A + B exp(-s tau). ``table`` : as ``Terms``, each coefficient a polynomial in a free
+    parameter; ``late`` : the exponents of exp(-s tau)."""
+    none = (0,) * len(late)
+    degree = int(max(table))
+    longest = max(len(row) for group in table.values() for row in group.values())
+    rows = [[Integer(0)] * (2 * longest - 1) for _ in range(degree + 1)]
+    # The products a_p a_r j^p (-j)^r omega^(p + r): those of odd p - r cancel in pairs.
+    for p, r in product(table, repeat=2):
+        if (p - r) % 2:
+            continue
+        row = rows[degree - int(p + r) // 2]
+        sign = (-1) ** (int(abs(p - r)) // 2)
+        for turns, side in ((none, sign), (late, -sign)):
+            for i, x in enumerate(table[p].get(turns, ())):
+                for k, y in enumerate(table[r].get(turns, ())):
+                    row[i + k] += side * x * y
+    return [[c.expand() for c in row] for row in rows]
+
+
+# The angle along the axis
+
+
+def turned(
+    parts: Sequence[RealFunction], terms: Terms, start: Expr, reach: Expr, ring: Ring
+) -> tuple[Chart, Ball]:
+    """Return the chart of the ``parts`` of D from 0 to R = ``reach``, and phi(j R): the angle of D
+    in quarter turns, followed from ``start``, its angle just above omega = 0."""
+    curve = chart(dict(zip(("real", "imag"), parts, strict=True)), Integer(0), reach)
+    return curve, _lifted(_last_quadrant(curve, start), terms, reach, ring)
+
+
+def _last_quadrant(curve: Chart, start: Expr) -> int:
+    """Return the quarter turn at which the last quadrant of D on a chart begins, followed from
+    ``start``, the angle of D just above omega = 0."""
+    # An undecided point may be a zero of D, past which the number of turns is not known.
+    if curve.undecided:
+        raise UndecidedError("whether a characteristic function vanishes on the imaginary axis")
+    quadrants = [_QUADRANT[p.after["real"], p.after["imag"]] for p in curve.points[:-1]]
+    # D starts within its first quadrant or on an edge of it, so that one of two is the first.
+    floor, ceiling = int(start // 1), int(-(-start // 1))
+    now = next(n for n in (floor, ceiling - 1) if n % 4 == quadrants[0])
+    for point, (before, after) in zip(curve.points[1:], pairwise(quadrants), strict=False):
+        # A root on the axis that is passed on its left turns D back by half a turn. What is left is
+        # a quarter turn or none, as one part changes its sign at a time; two quarters could be
+        # either way round.
+        passed = -2 * times(point)
+        step = (after - before - passed) % 4
+        if step == 2:
+            raise UndecidedError("a turn of a characteristic function")
+        now += passed + {0: 0, 1: 1, 3: -1}[step]
+    return now
+
+
+def _lifted(quarter: int, terms: Terms, reach: Expr, ring: Ring) -> Ball:
+    """Return the angle of D at j R in quarter turns, given that it lies in the quadrant that begins
+    at ``quarter``."""
+    with flint.ctx.workprec(BITS):
+        value = value_at(terms, reach, ring)
+        # Turns the quadrant's middle onto the positive real axis, as far as can be from the cut of
+        # the argument.
+        middle = acb(0, -1) ** (quarter % 4) * acb(1, -1)
+        return quarter + arb(1) / 2 + (value * middle).arg() * 2 / arb.pi()
+
+
+def whole(lacking: Ball) -> int:
+    """Return the whole number that a count is, from a ball whose true value differs from it by at
+    most 1/6; UndecidedError where the ball is too wide to tell."""
+    # 1/3 leaves the ball a radius of 1/6 on top of the deviation, and still tells one number from
+    # the next.
+    nearest = round(float(lacking))
+    if not abs(lacking - nearest) < arb(1) / 3:
+        raise UndecidedError("a turn of a characteristic function")
+    return nearest
+
+
+def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
+    """Return the exact real and imaginary part of D(j omega), both times one factor > 0."""
+    axis = ring.axis
+    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
+    modulus = c * c + d * d
+    return (
+        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
+        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
+    )
+
+
+def times(point: Point) -> int:
+    """Return the order of the zero of D at a point of a chart of its two parts, "real" and "imag":
+    the smaller of their orders; 0 where D is not 0."""
+    return max(min(point.orders.get(name, 0) for name in ("real", "imag")), 0)
+
+
+def value_at(terms: Terms, reach: Expr, ring: Ring) -> acb:
+    """Return a ball around the value of D at j R."""
+    at = expression_ball(reach)
+    return sum(
+        (_power(at, p) * factor_at(group, reach, ring) for p, group in terms.items()), acb(0)
+    )
+
+
+def factor_at(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> acb:
+    """Return a ball around the value at j R of the coefficient L_p of a power of s."""
+    angles = [expression_ball(lag) * expression_ball(reach) for lag in ring.lags]
+    total = acb(0)
+    for turns, c in group.items():
+        angle = sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))
+        total += expression_ball(c) * acb(0, -angle).exp()
+    return total
+
+
+def _power(omega: Ball, exponent: Expr) -> acb:
+    """Return (j omega)^p for omega > 0: exp(j p pi/2) omega^p."""
+    p = expression_ball(exponent)
+    return acb(0, p * arb.pi() / 2).exp() * omega**p
+
+
+# The terms, and the beginning of the expansion at s = 0
+
+
+def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
+    """Return the coefficients of a polynomial of the ring, which must have no parameters; none of
+    them is 0.
+
+    Exponents of the ring are of s, of pi, then of the unit delays, then of the powers s^order.
+    """
+    table: Terms = {}
+    lags = len(ring.lags)
+    for exponents, value in monomials(polynomial):
+        degrees = [int(n) for n in exponents]
+        turns, powers = tuple(degrees[ring.size : ring.size + lags]), degrees[ring.size + lags :]
+        # s^n times powers s^alpha are one power of s; terms that differ as monomials may meet in
+        # it.
+        broken = (n * order for n, order in zip(powers, ring.orders, strict=False))
+        power = sum(broken, Integer(degrees[0]))
+        group = table.setdefault(power, {})
+        number = Rational(int(value.p), int(value.q))
+        group[turns] = group.get(turns, Integer(0)) + (
+            number * pi ** degrees[1] if degrees[1] else number
+        )
+    exact = {
+        p: {turns: c for turns, c in group.items() if sign_of_number(c)}
+        for p, group in table.items()
+    }
+    return {p: group for p, group in exact.items() if group}
+
+
+def size(number: Expr) -> Expr:
+    """Return the absolute value of an exact number."""
+    return number * sign_of_number(number)
+
+
+def order_at_0(polynomial: Polynomial, ring: Ring) -> Rational:
+    """Return the order of the zero of D at s = 0, exact: 1 - exp(-s tau) has one of order 1,
+    s^alpha one of order alpha. 0 where D(0) is not 0."""
+    if not ring.functions:  # powers of s with numbers before them, none of which is 0
+        return Integer(min(int(exponents[0]) for exponents in polynomial.monoms()))
+    return beginning_at_0(terms_of(polynomial, ring), ring)[0]
+
+
+def at_least(order: Rational) -> int:
+    """Return the number of roots that a zero of an order counts as: a fractional order counts as
+    the next larger whole number."""
+    return -int(-order.p // order.q)
+
+
+def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
+    """Return exponent and sign of the first term of the expansion of D at s = 0 that does not
+    vanish; UndecidedError where too many do."""
+    # A term of power p has, with its delays expanded, the exponents p, p + 1, p + 2, ...
+    rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
+    for exponent, _ in groupby(rising):
+        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
+        total = sum(
+            (_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0)
+        )
+        if sign := sign_of_number(total):
+            return exponent, sign
+    raise UndecidedError("the order of a characteristic function at s = 0")
+
+
+def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
+    """Return the coefficient of s^k, sum of c (-lag)^k/k!, in the expansion of the sum of c exp(-s
+    lag) at s = 0."""
+    if not k:
+        return sum(group.values(), Integer(0))
+    lags = {
+        turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
+        for turns in group
+    }
+    return sum(
+        (c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)
+    ).expand() / factorial(k)
+
+
+# The leading coefficient L, a polynomial in the unit delays exp(-s tau_i). Where it has delays (the
+# neutral type), its zeros are the limits of a chain of infinitely many roots of D.
+
+
+def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootChain:
+    """Return a lower bound > 0 of |L| for all s with Re s >= 0; or, where there is none, where the
+    chain of roots lies. UndecidedError for several delays that outweigh the undelayed term."""
+    undelayed = next((c for turns, c in group.items() if not any(turns)), Integer(0))
+    delayed = {turns: c for turns, c in group.items() if any(turns)}
+    margin = size(undelayed) - sum(map(size, delayed.values()), Integer(0))
+    # A highest power with delays alone (the advanced type): roots run off to the right.
+    if sign_of_number(undelayed) == 0:
+        return RootChain.RIGHT
+    if sign_of_number(margin) > 0:
+        return margin
+    used = {i for turns in delayed for i, n in enumerate(turns) if n}
+    if len(used) == 1:
+        return _floor_of_one(group, used.pop())
+    raise UndecidedError("the chain of roots of a neutral function with several delays")
+
+
+def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
+    """Return what ``floor_of`` does for an L with one unit delay z = exp(-s tau), the one with the
+    index ``place``: a polynomial in z, and |z| <= 1 where Re s >= 0.
+
+    With z = (1 - w)/(1 + w) the disc |z| <= 1 is the half plane Re w >= 0, in which zeros are
+    counted; z = -1 is w = infinity, and shows as a lower degree in w.
+    """
+    ring = Ring()
+    n = max(turns[place] for turns in group)
+    powers = [
+        sum((c for turns, c in group.items() if turns[place] == i), Integer(0))
+        for i in range(n + 1)
+    ]
+    in_w = Integer(0)
+    for i, c in enumerate(powers):
+        in_w += c * (1 - s) ** i * (1 + s) ** (n - i)
+    w = ring.convert(in_w.expand()).numerator
+    inside = count_roots(w, ring)
+    if inside.number or int(w.degrees()[0]) < n:
+        return RootChain.RIGHT if inside.right else RootChain.NEAR
+    # No zero in the disc: by the minimum principle |L| is least on the circle, which is covered by
+    # balls of short arcs.
+    with flint.ctx.workprec(BITS):
+        row = [expression_ball(c) for c in powers]
+
+        def value_on(arc: Ball) -> acb:
+            waves = (acb(0, 2 * arb.pi() * arc * k).exp() for k in range(len(row)))
+            return sum((c * x for c, x in zip(row, waves, strict=True)), acb(0))
+
+        for arcs in _ARCS:
+            # Arcs as shares of a turn.
+            shares = (arb(i) / arcs + arb(0, 0.5 / arcs) for i in range(arcs))
+            least = float(min(abs(value_on(x)).lower() for x in shares))
+            if least > 0:
+                # A float is rounded by much less than a thousandth.
+                return Rational(least) * Rational(999, 1000)
+    raise UndecidedError("how near the chain of a neutral function comes to the axis")
+
+
+def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
+    """Whether L(1/z) is L(z) or -L(z) up to powers of z, for L as a polynomial in the unit delays z
+    = exp(-s tau): then with each zero s of L, -s is one too, however long the delays are, and a
+    chain of roots cannot lie on the left alone.
+
+    >>> from sympy import Integer
+    >>> of = [{(0, 0): 3, (1, 0): 1, (0, 1): 1, (1, 1): 3}, {(0, 0): 3, (1, 0): 1, (0, 1): 2, (1, 1): 3}, {(0, 0): 3}]
+    >>> [is_mirrored({turns: Integer(c) for turns, c in group.items()}) for group in of]
+    [True, False, False]
+    """
+    most = [max(column) for column in zip(*group, strict=True)]
+    other = {
+        turns: group.get(tuple(n - k for n, k in zip(most, turns, strict=True)), 0)
+        for turns in group
+    }
+    return len(group) > 1 and any(
+        all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1)
+    )
+
+
+# Stability of a dynamics
 
 
 def is_stable(dynamics: RationalFunction) -> bool | None:
@@ -577,7 +612,7 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
             # A zero at 0 that the numerator shares is no pole.
             row = ring.coefficients(dynamics.denominator / ring.variable ** int(order))
             right = at_rising_precision(
-                lambda _: routh([expression_ball(c) for c in row]), 128, _MOST_BITS
+                lambda _: routh([expression_ball(c) for c in row]), 128, _ROUTH_BITS
             )
             if right is not None:
                 return right == 0
@@ -590,20 +625,21 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
 
 
 def routh(c: Sequence[Ball]) -> int | None:
-    """How many roots a polynomial with ascending coefficients has in Re s > 0: the changes of sign
-    in the first column of Routh's array.
+    """Return how many roots a polynomial with ascending coefficients has in Re s > 0: the changes
+    of sign in the first column of Routh's array.
 
-    A number proves that no root is on the axis. None where a ball in that column holds 0, as where
-    two roots add up to 0.
+    A number proves that no root is on the axis. None where a ball in that column contains 0, as
+    where two roots add up to 0.
     """
-    above, row, signs = list(c[::-2]), list(c[-2::-2]), [c[-1]]
-    while row and not signs[-1].contains(0):
-        signs.append(row[0])
+    # Two rows of the array at a time; ``column`` is the first one, which each new row extends.
+    above, row = list(c[::-2]), list(c[-2::-2])
+    column = [c[-1]]
+    while row and not column[-1].contains(0):
+        column.append(row[0])
         ratio = above[0] / row[0]
-        above, row = (
-            row,
-            [x - ratio * y for x, y in zip(above[1:], [*row[1:], arb(0)], strict=False)],
-        )
-    if any(x.contains(0) or not x.is_finite() for x in signs):
+        # A row may be shorter by one than that above it: it goes on with 0.
+        pairs = zip(above[1:], [*row[1:], arb(0)], strict=False)
+        above, row = row, [x - ratio * y for x, y in pairs]
+    if any(x.contains(0) or not x.is_finite() for x in column):
         return None
-    return sum(bool(x * y < 0) for x, y in pairwise(signs))
+    return sum(bool(x * y < 0) for x, y in pairwise(column))

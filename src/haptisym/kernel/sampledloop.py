@@ -14,6 +14,11 @@ have not. So polynomials are written in z - 1, and then in v, z = (1 + v)/(1 - v
 1 are those with Re v < 0, Routh's array counts the others, and Hurwitz' determinants show where one
 leaves. Counts and statements are proven, in balls; where these stay open at a limit of bits the
 answer is None, or an UndecidedError.
+
+A *ball* is an interval of any precision, middle and radius (``arb`` of FLINT; complex: ``acb``); it
+is *clear of* a number that it does not contain. Begin with ``SampledLoop.unstable`` for a count,
+with ``circle_tests`` for where a root reaches the circle, and with ``_moved`` for the pulse
+transfer function.
 """
 
 from __future__ import annotations
@@ -38,7 +43,7 @@ from haptisym.kernel.rootcount import routh
 Numbers: TypeAlias = Sequence[Expr]
 """Coefficients, ascending: rational numbers times powers of pi, and sums of such."""
 
-_MOST_DOUBLINGS = 64
+_MOST_DOUBLINGS = 64  # of X/2^n in ``States.integral``: beyond it nothing is known of the plant
 _MOST_BITS = 2048  # of working precision, up to which a root is distinguished from the circle
 _MOST_PIECES = 200  # intervals of the axis examined for one polynomial (``has_no_pair``)
 
@@ -47,15 +52,22 @@ def matrix(rows: list[list[Any]], columns: int | None = None) -> Any:
     """A matrix of real or complex balls, which may have no rows or columns."""
     width = len(rows) if columns is None else columns
     entries = [x for row in rows for x in row] if width else []
-    return (acb_mat if _are_complex(entries) else arb_mat)(len(rows), width, entries)
+    kind = acb_mat if _are_complex(entries) else arb_mat
+    return kind(len(rows), width, entries)
+
+
+def _identity(n: int) -> Any:
+    return matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
 
 
 def _polynomial(row: Sequence[Any]) -> Any:
     """A polynomial with these coefficients, ascending, in real or complex balls."""
-    return (acb_poly if _are_complex(row) else arb_poly)(row)
+    kind = acb_poly if _are_complex(row) else arb_poly
+    return kind(row)
 
 
 def _are_complex(numbers: Iterable[Any]) -> bool:
+    """Whether any of these balls is complex."""
     return any(isinstance(x, acb) for x in numbers)
 
 
@@ -81,23 +93,30 @@ class States:
         # The largest |q_i|^(1/(n - i)) bounds the roots of Q up to a factor 2. Only a scale: its
         # middle is as good as any number near it, so that it adds no radius.
         n = self.size
-        sizes = [float(abs(q).mid()) ** (1 / (n - i)) for i, q in enumerate(self.Q[:n])]
+        sizes = []
+        for i, q in enumerate(self.Q[:n]):
+            size = float(abs(q).mid())
+            sizes.append(size ** (1 / (n - i)))
         return arb(max([*sizes, 1.0]))
 
     @cached_property
     def A(self) -> Any:
         """The companion matrix of Q, its states scaled by the rate."""
-        n, rate = self.size, self.rate
-        last = [-q / rate ** (n - 1 - j) for j, q in enumerate(self.Q[:n])]
-        return matrix(
-            [[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)]
-            + ([last] if n else [])
-        )
+        n = self.size
+        rate = self.rate
+        rows = [[rate * int(j == i + 1) for j in range(n)] for i in range(n - 1)]
+        if n:
+            rows.append([-x for x in self._scaled(self.Q[:n])])
+        return matrix(rows)
+
+    def _scaled(self, row: Sequence[Ball]) -> list[Ball]:
+        """Coefficients of y, y', ... as those of the states."""
+        n = self.size
+        return [x / self.rate ** (n - 1 - i) for i, x in enumerate(row)]
 
     def row(self, C: Sequence[Ball]) -> Any:
         """The row vector that gives c_0 y + c_1 y' + ... from the states."""
-        n = self.size
-        return matrix([[c / self.rate ** (n - 1 - j) for j, c in enumerate(C)]], n)
+        return matrix([self._scaled(C)], self.size)
 
     def integral(self, time: Ball) -> Any:
         """int_0^time exp(A t) dt = time S(A time), S(X) = 1 + X/2! + X^2/3! + ...: the series at
@@ -106,25 +125,25 @@ class States:
         As S(2 X) = S(X) + X S(X)^2/2, numbers that are nearly equal are nowhere subtracted. Not a
         number where the plant is so fast that too many doublings were needed.
         """
-        X, total = self.A * time, self._one
+        X = self.A * time
+        one = total = _identity(self.size)
         # frexp gives e with |X| < 2^e.
-        doublings = max(0, frexp(float(norm(X).upper()))[1] + 2)  # then |X| <= 1/4
+        _, exponent = frexp(float(norm(X).upper()))
+        doublings = max(0, exponent + 2)  # then |X| <= 1/4
         if doublings > _MOST_DOUBLINGS:
             return total * arb("nan")
-        X, (rest, shares) = X * arb(2) ** -doublings, _series(flint.ctx.prec)
+        X = X * arb(2) ** -doublings
+        rest, shares = _series(flint.ctx.prec)
         # Horner's rule for 1 + X/2 (1 + X/3 (1 + ...)).
         for share in shares:
-            total = self._one + X * total * share
+            total = one + X * total * share
         # With Q = s^n, masses alone, A^n = 0: the series ends, nothing is left out of it.
         if not all(q.is_zero() for q in self.Q[:-1]):
             total = widened(total, rest)
         for _ in range(doublings):
-            total, X = total + X * total * total * arb(0.5), X * 2
+            total = total + X * total * total * arb(0.5)
+            X = X * 2
         return total * time
-
-    @cached_property
-    def _one(self) -> Any:
-        return matrix([[arb(int(i == j)) for j in range(self.size)] for i in range(self.size)])
 
 
 @lru_cache(maxsize=16)
@@ -132,11 +151,14 @@ def _series(bits: int) -> tuple[Ball, list[Ball]]:
     """For the series S of ``States.integral`` with |X| <= 1/4: a bound of the sum of all terms that
     are left out, and 1/n from its last term down to 1/2."""
     with flint.ctx.workprec(bits):
-        rest, k = arb(1), 1
+        rest = arb(1)
+        k = 1
         while rest > arb(2) ** -(bits + 8):
             # 4^(1 - k)/k!, more than all terms from X^k/(k + 1)! on; below the rounding in the end.
-            k, rest = k + 1, rest / (4 * (k + 1))
-        return rest, [arb(1) / n for n in range(k, 1, -1)]
+            k += 1
+            rest = rest / (4 * k)
+        shares = [arb(1) / n for n in range(k, 1, -1)]
+        return rest, shares
 
 
 def column(M: Any, j: int) -> Any:
@@ -147,16 +169,18 @@ def column(M: Any, j: int) -> Any:
 def norm(X: Any) -> Ball:
     """The infinity norm of a square matrix: the largest sum of absolute values in a row."""
     n = X.nrows()
-    return max(
-        (sum((abs(X[i, j]).upper() for j in range(n)), arb(0)) for i in range(n)), default=arb(0)
-    )
+    sums = []
+    for i in range(n):
+        sizes = (abs(X[i, j]).upper() for j in range(n))
+        sums.append(sum(sizes, arb(0)))
+    return max(sums, default=arb(0))
 
 
 def widened(M: Any, radius: Ball) -> Any:
     """A matrix with balls wider by ``radius``, in both parts where they are complex."""
     more = arb(0, radius.upper())
     more = acb(more, more) if isinstance(M, acb_mat) else more
-    rows = [[M[i, j] + more for j in range(M.ncols())] for i in range(M.nrows())]
+    rows = [[x + more for x in row] for row in M.tolist()]
     return matrix(rows, M.ncols())
 
 
@@ -174,6 +198,9 @@ def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
     # before it.
     if not 4 * norm(X) < arb.pi():
         return None
+    if not n:
+        return arb(0) * period / 2
+    # e is the last unit vector: the force acts on the last state alone.
     power = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
     total = matrix([[arb(0)] for _ in range(n)], 1)
     for share in _TANH[1:]:
@@ -181,17 +208,22 @@ def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
         total += power * arb(share)
     # The last power times a geometric series: coefficients fall by 4/pi^2, X^2 by (pi/4)^2, so that
     # all terms left out add up to at most 1/4 + 1/16 + ... = 1/3 of that of the last one.
-    largest = max((abs(power[i, 0]).upper() for i in range(n)), default=arb(0))
-    total = widened(total, largest * (4 / arb.pi() ** 2) ** (len(_TANH) - 1) / 3)
-    direct = C[0, n - 1] if n else arb(0)
-    return (direct + (C * total)[0, 0] if n else direct) * period / 2
+    largest = max(abs(power[i, 0]).upper() for i in range(n))
+    last_coefficient = (4 / arb.pi() ** 2) ** (len(_TANH) - 1)
+    total = widened(total, largest * last_coefficient / 3)
+    direct = C[0, n - 1]
+    later = C * total
+    return (direct + later[0, 0]) * period / 2
 
 
 def _tanh(count: int) -> list[fmpq]:
     """The first coefficients of tanh(x)/x in powers of x^2, from tanh' = 1 - tanh^2."""
     row = [fmpq(1)]
     for k in range(1, count):
-        row.append(-sum((row[i] * row[k - 1 - i] for i in range(k)), fmpq(0)) / (2 * k + 1))
+        of_square = fmpq(0)
+        for x, y in zip(row, reversed(row), strict=True):
+            of_square += x * y
+        row.append(-of_square / (2 * k + 1))
     return row
 
 
@@ -277,24 +309,32 @@ class SampledLoop:
 
         terms = tuple((lag.xreplace(values), put(N)) for lag, N in self.plant.terms)
         return SampledLoop(
-            Plant(put(self.plant.denominator), terms),
-            self.T.xreplace(values),
-            put(self.above),
-            put(self.below),
+            plant=Plant(put(self.plant.denominator), terms),
+            T=self.T.xreplace(values),
+            above=put(self.above),
+            below=put(self.below),
         )
+
+    @property
+    def _of_plant(self) -> list[Expr]:
+        """All numbers of the plant, and the period."""
+        numbers = [self.T, *self.plant.denominator]
+        for lag, N in self.plant.terms:
+            numbers += lag, *N
+        return numbers
 
     @cached_property
     def symbols(self) -> frozenset[Symbol]:
         """The symbols that are left in it."""
-        every = self.above, self.below, self.plant.denominator, *(N for _, N in self.plant.terms)
-        numbers = self.T, *(lag for lag, _ in self.plant.terms), *(x for row in every for x in row)
+        numbers = [*self._of_plant, *self.above, *self.below]
         return frozenset[Symbol]().union(*(x.free_symbols for x in numbers))
 
     def unstable(self) -> tuple[int, int]:
         """How many roots have |z| > 1, and how many lie at z = 1; UndecidedError where any other
         may lie on the circle."""
         at_1 = self.roots_at_one
-        outside = at_rising_precision(lambda _: _count_right(self.in_v({}, at_1)), 128, _MOST_BITS)
+        count = lambda _: _count_right(self.in_v({}, at_1))  # noqa: E731
+        outside = at_rising_precision(count, 128, _MOST_BITS)
         if outside is None:
             raise UndecidedError("whether a root lies on the unit circle")
         return outside, at_1
@@ -306,7 +346,8 @@ class SampledLoop:
         if self.at_one != 0:
             return 0
         # An open loop has the plant's poles: those at s = 0 go to z = 1, and their number is exact.
-        is_closed = any(self.above) and any(x for _, N in self.plant.terms for x in N)
+        moves = any(any(N) for _, N in self.plant.terms)
+        is_closed = any(self.above) and moves
         if not is_closed:
             return next(n for n, x in enumerate(self.plant.denominator) if x != 0)
         # C(1) = 0 exactly; the root is a simple one where the next coefficient is clear of 0.
@@ -319,39 +360,46 @@ class SampledLoop:
     def at_one(self) -> Expr:
         """B(1) Q(0) + A(1) N(0), with A = above and B = below: C(1) up to a factor that is nowhere
         0. Exact, so that a root at z = 1 is recognised."""
-        above, below = (Add(*row) for row in (self.above, self.below))
-        return (
-            below * self.plant.denominator[0] + above * Add(*(N[0] for _, N in self.plant.terms))
-        ).expand()
+        Q = self.plant.denominator[0]
+        N = Add(*(above[0] for _, above in self.plant.terms))
+        at_1 = Add(*self.below) * Q + Add(*self.above) * N
+        return at_1.expand()
 
     @cached_property
     def at_minus_one(self) -> tuple[Expr, Expr]:
         """A(-1) and B(-1), exact: the factors of N(-1) and Q(-1) in C at z = -1."""
         size = self._size
-        above, below = (
-            Add(*(x * (-1) ** (size - k) for k, x in enumerate(row))).expand()
-            for row in (self.above, self.below)
-        )
-        return above, below
+
+        def value(row: Numbers) -> Expr:
+            # z^size times the polynomial in w = 1/z.
+            terms = [x * (-1) ** (size - k) for k, x in enumerate(row)]
+            return Add(*terms).expand()
+
+        return value(self.above), value(self.below)
 
     @property
     def _size(self) -> int:
+        """The degree of the controller: the larger of those of its numerator and denominator."""
         return max(len(self.above), len(self.below)) - 1
 
     def balls(self, known: Mapping[Expr, Ball] = MappingProxyType({})) -> list[Ball]:
         """The coefficients of C in w, ascending, at the current working precision; ``known`` : what
         symbols stand for."""
-        n, degree = len(self.plant.denominator) - 1, len(self.below) - 1
+        n = len(self.plant.denominator) - 1
+        degree = len(self.below) - 1
         if any(self.above):
             whole = self.plant.samples(self.T, known)
-            shifts = (
-                ell + int(len(N) > n or (lag - ell * self.T).expand() != 0)
-                for (lag, N), ell in zip(self.plant.terms, whole, strict=True)
-            )
+            shifts = []
+            for (lag, N), ell in zip(self.plant.terms, whole, strict=True):
+                theta = (lag - ell * self.T).expand()
+                is_later = len(N) > n or theta != 0
+                shifts.append(ell + int(is_later))
             degree = max(degree, len(self.above) - 1 + max(shifts))
-        row = [*arb_poly(self.about_one(known))(arb_poly([-1, 1])).coeffs()][::-1]
+        about_1 = arb_poly(self.about_one(known))
+        in_z = about_1(arb_poly([-1, 1])).coeffs()
+        in_w = in_z[::-1]
         # Without the roots at z = 0 that ``about_one`` may have added.
-        return row[: degree + n + 1]
+        return list(in_w[: degree + n + 1])
 
     def about_one(self, known: Mapping[Expr, Ball]) -> list[Ball]:
         """The coefficients of z^N C(1/z) in z - 1, ascending; roots at z = 0 may be added."""
@@ -364,10 +412,11 @@ class SampledLoop:
 
     def _both(self, moved: _Moved, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
         """A N and B Q, polynomials in z - 1."""
-        above, below = (
-            _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
-            for row in (self.above, self.below)
-        )
+
+        def in_balls(row: tuple[Expr, ...]) -> Any:
+            return _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
+
+        above, below = in_balls(self.above), in_balls(self.below)
         return above * moved.above, below * moved.below
 
     def sides(self, known: Mapping[Expr, Ball]) -> tuple[Any, Any]:
@@ -384,19 +433,16 @@ class SampledLoop:
         moved = self._moved(known)
         c = about_axis(self._row(moved, known)[always:])
         above, below = (expression_ball(x, known) for x in self.at_minus_one)
-        there = (below * moved.below(arb(-2)) + above * moved.opposite) / (-2) ** always
+        there = below * moved.below(arb(-2)) + above * moved.opposite
+        there = there / (-2) ** always
+        n = len(c) - 1
         # The highest power of v in (1 - v)^n C is (-1)^n C(z = -1) v^n.
-        return [*c[:-1], there if len(c) % 2 else -there]
+        return [*c[:-1], -there if n % 2 else there]
 
     @cached_property
     def _is_of_numbers(self) -> bool:
         """Whether plant and period hold no symbols, so that only the controller may vary."""
-        numbers = (
-            self.T,
-            *self.plant.denominator,
-            *(x for lag, N in self.plant.terms for x in (lag, *N)),
-        )
-        return not any(x.free_symbols for x in numbers)
+        return not any(x.free_symbols for x in self._of_plant)
 
     def _moved(self, known: Mapping[Expr, Ball]) -> _Moved:
         """The pulse transfer function of the plant, from the cache where it does not vary."""
@@ -414,25 +460,33 @@ def _count_right(c: Sequence[Ball]) -> int | None:
     computed.
     """
     # Times v + 7/5: the root is on the left, and leaves the count as it is.
-    further = [7 * x / 5 + y for x, y in zip([*c, arb(0)], [arb(0), *c], strict=True)]
-    if (count := routh(c)) is not None or (count := routh(further)) is not None:
-        return count
+    neighbours = zip([*c, arb(0)], [arb(0), *c], strict=True)
+    further = [7 * x / 5 + y for x, y in neighbours]
+    for row in (c, further):
+        count = routh(row)
+        if count is not None:
+            return count
     if c[-1].contains(0):
         return None
     try:
         sides = [v.real for v in acb_poly(c).roots()]
     except ValueError:
         return None
-    return None if any(x.contains(0) for x in sides) else sum(bool(x > 0) for x in sides)
+    if any(x.contains(0) for x in sides):
+        return None
+    return sum(bool(x > 0) for x in sides)
 
 
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
     """The coefficients in v, ascending, of (1 - v)^n p(z - 1), where z - 1 = 2 v/(1 - v) and n is
     the degree of p."""
     n = len(row) - 1
-    turned = sum((x * own for x, own in zip(row, _turned(n), strict=True)), arb_poly([]))
-    c = turned.coeffs()
-    return [*c, *[arb(0)] * (n + 1 - len(c))]
+    total = arb_poly([])
+    for x, in_v in zip(row, _turned(n), strict=True):
+        total = total + x * in_v
+    c = total.coeffs()
+    missing = n + 1 - len(c)
+    return [*c, *[arb(0)] * missing]
 
 
 def hurwitz(c: Sequence[Ball]) -> Ball:
@@ -441,9 +495,12 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
     n = len(c) - 1
     if n < 2:
         return arb(1)
-    down = c[::-1]
-    places = [[2 * (j + 1) - (i + 1) for j in range(n - 1)] for i in range(n - 1)]
-    return matrix([[down[k] if 0 <= k <= n else arb(0) for k in line] for line in places]).det()
+    descending = c[::-1]
+    rows = []
+    for i in range(1, n):
+        places = [2 * j - i for j in range(1, n)]
+        rows.append([descending[k] if 0 <= k <= n else arb(0) for k in places])
+    return matrix(rows).det()
 
 
 def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> bool:
@@ -462,29 +519,32 @@ def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> boo
         return False
     halves = _halves(c)
     if lines:
-        (E_0, O_0), (E_1, O_1) = (
-            map(arb_poly, _halves(x)) for x in ([y.at for y in lines], [y.slope for y in lines])
-        )
+        E_0, O_0 = map(arb_poly, _halves([y.at for y in lines]))
+        E_1, O_1 = map(arb_poly, _halves([y.slope for y in lines]))
         halves.append((E_1 * O_0 - O_1 * E_0).coeffs())
     # In x over [0, 1] and, with the coefficients reversed, in 1/x over [0, 1]: all of x >= 0.
-    both = [arb_poly(x) for x in halves], [arb_poly(x[::-1]) for x in halves]
-    waiting = deque((parts, 0.0, 1.0) for parts in both)
+    in_x = [arb_poly(row) for row in halves]
+    in_inverse = [arb_poly(row[::-1]) for row in halves]
+    waiting = deque([(in_x, 0.0, 1.0), (in_inverse, 0.0, 1.0)])
     for _ in range(_MOST_PIECES):
         if not waiting:
             return True
         parts, low, high = waiting.popleft()
         at = arb(low).union(arb(high))
-        if all(p(at).contains(0) for p in parts):
-            middle = (low + high) / 2
-            if all(p(arb(middle)).contains(0) for p in parts):
-                return False  # open at a single place, it stays so however small the interval is
-            waiting += [(parts, low, middle), (parts, middle, high)]
+        if not all(p(at).contains(0) for p in parts):
+            continue
+        middle = (low + high) / 2
+        if all(p(arb(middle)).contains(0) for p in parts):
+            return False  # open at a single place, it stays so however small the interval is
+        waiting.append((parts, low, middle))
+        waiting.append((parts, middle, high))
     return not waiting
 
 
 def _halves(c: Sequence[Ball]) -> list[list[Ball]]:
     """The coefficients in x of the even part E and the odd part O of a polynomial on v = j nu."""
-    return [[x * (-1) ** i for i, x in enumerate(c[start::2])] for start in (0, 1)]
+    even, odd = c[::2], c[1::2]
+    return [[x * (-1) ** i for i, x in enumerate(half)] for half in (even, odd)]
 
 
 def circle_tests(
@@ -497,7 +557,8 @@ def circle_tests(
     are, which do not count.
     """
     c = loop.in_v(known, always)
-    return c[0] if always else expression_ball(one, known), c[-1], hurwitz(c)
+    at_1 = c[0] if always else expression_ball(one, known)
+    return at_1, c[-1], hurwitz(c)
 
 
 def is_clear(loop: SampledLoop, known: Mapping[Expr, Ball], one: Expr, always: int = 0) -> bool:
@@ -520,11 +581,10 @@ def most_on_circle(
     def told(numbers: Mapping[Expr, Any]) -> list[Any]:
         """C at z = 1, and the coefficients in v/T, fewer of which change where the period T is the
         parameter."""
-        T, c = expression_ball(loop.T, numbers), loop.in_v(numbers, always)
-        return [
-            c[0] if always else expression_ball(one, numbers),
-            *(x * T**i for i, x in enumerate(c)),
-        ]
+        T = expression_ball(loop.T, numbers)
+        c = loop.in_v(numbers, always)
+        at_1 = c[0] if always else expression_ball(one, numbers)
+        return [at_1, *(x * T**i for i, x in enumerate(c))]
 
     def tested(numbers: Mapping[Expr, Any]) -> list[Any]:
         tests = told(numbers)
@@ -541,19 +601,23 @@ def most_on_circle(
     if not all(x.ball.is_finite() for x in lines):
         return None
     is_pair_open = pair.ball.contains(0) and not has_no_pair([x.ball for x in c], c)
-    if not is_pair_open and not any(x.ball.contains(0) for x in ends):
+    is_end_open = any(x.ball.contains(0) for x in ends)
+    if not is_pair_open and not is_end_open:
         return 0
     # Each test is clear of 0, or monotone in the parameter.
-    is_once = all(not (x.ball.contains(0) and x.rate.contains(0)) for x in (*ends, pair))
-    return 1 if is_once else None
+    for test in (*ends, pair):
+        if test.ball.contains(0) and test.rate.contains(0):
+            return None
+    return 1
 
 
 def _is_clear(told: Sequence[Ball]) -> bool:
     """Whether no root is on the circle, from C at z = 1 and the coefficients in v, the last of
     which is C at z = -1 up to its sign."""
     at_1, *c = told
-    if any(x.contains(0) or not x.is_finite() for x in (at_1, c[-1])):
-        return False
+    for end in (at_1, c[-1]):
+        if end.contains(0) or not end.is_finite():
+            return False
     return not hurwitz(c).contains(0) or has_no_pair(c)
 
 
@@ -578,41 +642,51 @@ def _of_numbers(plant: Plant, period: Expr, bits: int) -> _Moved:
 def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     """The pulse transfer function of a plant where symbols have the values ``known``."""
     whole = plant.samples(period, known)
-    T, lead = (expression_ball(x, known) for x in (period, plant.denominator[-1]))
+    T = expression_ball(period, known)
+    lead = expression_ball(plant.denominator[-1], known)
     Q = [expression_ball(x, known) / lead for x in plant.denominator]
     n = len(Q) - 1
     states = States(Q)
-    lates = [
-        expression_ball(lag - ell * period, known)
-        for (lag, _), ell in zip(plant.terms, whole, strict=True)
-    ]
-    # A broken part theta of a delay splits each period: for T - theta the new force acts, for theta
-    # still the one before. A delay of whole samples only shifts.
-    parts = [None if x.is_zero() else (states.integral(T - x), states.integral(x)) for x in lates]
     integral = states.integral(T)
+    held = column(integral, n - 1)
     # M = exp(A T) - 1, without the subtraction; |z - exp(A T)| is |x - M| at x = z - 1.
-    M, held = states.A * integral, column(integral, n - 1)
-    total, opposite, (den, adjugate) = arb_poly([]), arb(0), _leverrier(M)
-    longest, there = max(whole) + 1, den(arb(-2))
-    for (_, above), ell, part in zip(plant.terms, whole, parts, strict=True):
+    M = states.A * integral
+    den, adjugate = _leverrier(M)
+    den_opposite = den(arb(-2))
+    total = arb_poly([])
+    opposite = arb(0)
+    longest = max(whole) + 1
+    for (lag, above), ell in zip(plant.terms, whole, strict=True):
         N = [expression_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
+        direct = N[n]
         # N/Q = N_n + C (s - A)^-1 e: the direct term apart, the rest is strictly proper.
-        C = states.row([x - N[n] * q for x, q in zip(N, Q, strict=True)][:n])
-        newer = column(part[0], n - 1) if part else held
-        response = _power(1) * _between(C, adjugate, newer) + N[n] * den
-        if part:
+        proper = [x - direct * q for x, q in zip(N, Q, strict=True)]
+        C = states.row(proper[:n])
+        theta = expression_ball(lag - ell * period, known)
+        by_series = None
+        if theta.is_zero():
+            # A delay of whole samples only shifts.
+            response = _power(1) * _between(C, adjugate, held) + direct * den
+            by_series = opposite_response(states, C, T)
+        else:
+            # A broken part theta of a delay splits each period: for T - theta the new force acts,
+            # for theta still the one before.
+            early = states.integral(T - theta)
+            newer = column(early, n - 1)
+            older = column(states.integral(theta), n - 1)
+            response = _power(1) * _between(C, adjugate, newer) + direct * den
             # exp(A (T - theta)) = 1 + A early carries what the older force did on to the sample.
-            early, late = part[0], column(part[1], n - 1)
-            response += _between(C, adjugate, late + states.A * (early * late))
-        total += response * _power(longest - 1 - ell)
+            response += _between(C, adjugate, older + states.A * (early * older))
+        shift = longest - 1 - ell
+        total += response * _power(shift)
         # At z = -1 the narrower of two balls counts: the polynomial's, and that of the series,
         # which is as narrow as its numbers, but no narrower than the terms it leaves out.
         values = [response(arb(-2))]
-        by_series = None if part else opposite_response(states, C, T)
         if by_series is not None:
-            values.append((by_series + N[n]) * there)
-        opposite += (-1) ** (longest - 1 - ell) * min(values, key=lambda x: float(x.rad()))
+            values.append((by_series + direct) * den_opposite)
+        narrowest = min(values, key=lambda x: float(x.rad()))
+        opposite += (-1) ** shift * narrowest
     return _Moved(total, den * _power(longest), opposite)
 
 
@@ -620,13 +694,14 @@ def _leverrier(M: Any) -> tuple[Any, list[Any]]:
     """|x - M|, and the matrix coefficients of adj(x - M), ascending in x (the Faddeev-LeVerrier
     algorithm)."""
     n = M.nrows()
-    one = matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
-    row, N = [arb(1)], one
+    one = N = _identity(n)
+    row = [arb(1)]
     adjugate = [one] if n else []
     for k in range(1, n + 1):
         moved = N * M
-        row.append(-moved.trace() / k)
-        N = moved + one * row[-1]
+        c = -moved.trace() / k
+        row.append(c)
+        N = moved + one * c
         if k < n:
             adjugate.append(N)
     return _polynomial(row[::-1]), adjugate[::-1]
@@ -634,17 +709,19 @@ def _leverrier(M: Any) -> tuple[Any, list[Any]]:
 
 def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
     """C adj(x - M) start, a polynomial in x."""
-    return _polynomial([(C * N * start)[0, 0] for N in adjugate])
+    products = [C * N * start for N in adjugate]
+    return _polynomial([x[0, 0] for x in products])
 
 
 @lru_cache(maxsize=64)
 def _turned(n: int) -> list[Any]:
     """The polynomials (z - 1)^k (1 - v)^n = (2 v)^k (1 - v)^(n - k) in v, k = 0, ..., n."""
-    return [
-        arb_poly([0] * k + [2**k])
-        * arb_poly([(-1) ** i * comb(n - k, i) for i in range(n - k + 1)])
-        for k in range(n + 1)
-    ]
+    rows = []
+    for k in range(n + 1):
+        power = arb_poly([0] * k + [2**k])
+        binomials = [(-1) ** i * comb(n - k, i) for i in range(n - k + 1)]
+        rows.append(power * arb_poly(binomials))
+    return rows
 
 
 @lru_cache(maxsize=64)

@@ -1,30 +1,41 @@
-"""For which values of a parameter does a verdict hold? Sets of values, and the one way to find
+"""For which values q of a parameter does a verdict hold? Sets of values, and the one way to find
 them.
 
-A *verdict* on one exact number is yes, no, or undecided. A ``ValueSet`` says for all values of a
-range which verdict they have. It is a line of *points*, each a single value, and of *stretches*,
-each all values strictly between two neighbouring points; both have a verdict, and a reason where it
-is undecided.
+A *verdict* is a function of one exact number q: yes, no, or undecided. In code these are True,
+False and None, and a text gives the reason of None, where one is known. A ``ValueSet`` gives the
+verdict on all values of a range. With the *points* p_1 < ... < p_n, each a single value, it has n +
+1 *stretches*, each all values strictly between two neighbouring points, below p_1 or above p_n;
+points and stretches both have a verdict. A *piece* is a run of neighbouring points and stretches
+with one verdict.
+
+Values are ``RealNumber`` objects, which balls enclose to any precision. ``ordered(x, y)`` compares
+two: 1 where y is the larger, -1 where x is, and 0 where hundreds of bits do not distinguish them;
+these count as one value.
 
 **Guaranteed** of a ValueSet at any moment, also of one that a limit cut short: every value that was
 searched lies in a point or a stretch; the verdict of each is proven for all values in it, or it is
-undecided. Nothing is claimed of values that were not searched. Union and intersection keep that:
-what one set leaves open is open unless another one settles it.
+undecided. Nothing is claimed of values that were not searched. A point that is known by an
+enclosure alone (a ``Sliver``) stands for its neighbours' change of verdict somewhere in there: of a
+single value inside of it nothing is claimed. Union and intersection keep that: what one set leaves
+open is open unless another one settles it.
 
 **How it is found** (``solve``). A ``Question`` is a verdict at one number, and what is known beyond
 that:
 
-1. *Critical values* (``changes``): numbers at which alone the verdict may change, all of them but
-   in stretches that are named as open. Between two neighbours one verdict then settles all values,
-   however far apart they are.
-2. *Cells* (``cells``): stretches that are settled as wholes, by bounds that hold for all values in
-   them.
-3. *One end* (``end``): in a narrow cell between values that hold and values that fail, the one
+1. *Critical values* (``changes``): the only numbers at which the verdict may change, all of them
+   but in ranges that are named as open. Between two neighbours the verdict is constant, so that
+   asking it for one number settles all values, however far apart the neighbours are.
+2. *Cells* (``cells``): closed intervals that are settled as wholes, by bounds that hold for all
+   values in them. They fill the stretches that critical values leave open.
+3. *One end* (``end``): in a cell left open between values that hold and values that fail, the one
    value at which that changes, where it is proven that there is just one.
 4. The present value, 0 and the ends of the range are asked by themselves.
 
 What none of these settles is undecided, and stays so in the answer. A limit of time is an exception
 that ``solve`` catches once: what is not settled by then is undecided for that reason.
+
+Begin reading at ``ValueSet`` for the answer, at ``Question`` and ``solve`` for how it is found.
+``Bisected`` is an end that is closed in on by asking.
 
 >>> from haptisym.kernel.reals import SquareRoot
 >>> root = CriticalValue(SquareRoot(ExactNumber(Integer(2))))
@@ -60,6 +71,7 @@ from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
     RealNumber,
+    Sliver,
     bounds,
     dyadic,
     rational,
@@ -67,20 +79,25 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.roots import ascending, is_told, ordered
 
+# Reasons of undecided verdicts.
 STOPPED = "stopped at the limit"
-"""Why something is undecided where the time was over."""
+"""The time was over."""
 UNSEARCHED = "not searched"
-"""Why nothing is known of values that nobody looked at: they are no part of what was searched."""
+"""The values are no part of what was searched."""
 NOT_NEEDED = "beyond the nearest ends"
-"""The same of a set of which only what lies near to the present value was asked for."""
-_UNASKED_REASONS = UNSEARCHED, NOT_NEEDED
-_UNTOLD = "where a verdict changes is not known closely enough"
-_ALONE = "whether it holds at this one value is not known"
+"""Only the values near to the present one were asked for (``solve``, ``near``)."""
+_UNASKED_REASONS = UNSEARCHED, NOT_NEEDED  # nobody wanted to know: not reported as undecided
+_UNENCLOSED = "where a verdict changes is not known closely enough"
+_UNKNOWN_ALONE = "whether it holds at this one value is not known"
+
+# ``Bisected`` asks on both sides of a guess, at 2^-4 of the width of the enclosure at first: near
+# enough to shrink it, and wide enough for a rough guess.
+_FIRST_SHARPNESS = 4
 
 
 class Verdict(StrEnum):
-    """What is known of values: the verdict is yes for all of them, no for all of them, or not
-    known."""
+    """What is known of all values of a piece: the verdict is yes for all of them, no for all of
+    them, or not known."""
 
     HOLDS = "holds"
     FAILS = "fails"
@@ -91,16 +108,15 @@ _VERDICTS = {True: Verdict.HOLDS, False: Verdict.FAILS, None: Verdict.UNDECIDED}
 
 
 def _is_up_to(high: RealNumber | None, low: RealNumber | None) -> bool:
-    """Whether values that end at ``high`` lie below those that begin at ``low``; False where one of
-    the two is None, that is, has no end there."""
-    # ``ordered(x, y)`` is 1 where y is the larger number: here ``high <= low``.
+    """Return whether ``high <= low``: all values up to ``high`` then lie below those from ``low``
+    on. False where one of the two is None, without end."""
     return high is not None and low is not None and ordered(high, low) >= 0
 
 
 @dataclass(frozen=True)
 class Domain:
-    """The values that are asked about: an interval, None where it has no end, and whether its ends
-    belong to it."""
+    """An interval of values: its ends, exact numbers, None where it has no end, and whether the
+    ends belong to it."""
 
     low: Expr | None
     high: Expr | None
@@ -110,33 +126,40 @@ class Domain:
     @property
     def ends(self) -> tuple[ExactNumber | None, ExactNumber | None]:
         """The low and the high end as numbers; None where there is none."""
-        low, high = (None if x is None else ExactNumber(x) for x in (self.low, self.high))
+        low = None if self.low is None else ExactNumber(self.low)
+        high = None if self.high is None else ExactNumber(self.high)
         return low, high
 
     def holds(self, value: RealNumber) -> bool:
         """Whether a value belongs to the domain."""
-        low, high = (None if x is None else ordered(x, value) for x in self.ends)
-        above = low is None or low > 0 or (low == 0 and self.holds_low)
-        return above and (high is None or high < 0 or (high == 0 and self.holds_high))
+        low, high = self.ends
+        to_low = 1 if low is None else ordered(low, value)
+        to_high = 1 if high is None else ordered(value, high)
+        is_above = to_low > 0 or (to_low == 0 and self.holds_low)
+        return is_above and (to_high > 0 or (to_high == 0 and self.holds_high))
 
     def misses(self, low: RealNumber | None, high: RealNumber | None) -> bool:
-        """Whether no value strictly between two others belongs to the domain."""
+        """Whether no value strictly between two others (None: without end) belongs to the
+        domain."""
         first, last = self.ends
         return _is_up_to(high, first) or _is_up_to(last, low)
 
     @staticmethod
     def common(domains: Sequence[Domain]) -> Domain:
         """The intersection of some domains."""
-        lows, highs = ([x for own in domains if (x := own.ends[i]) is not None] for i in (0, 1))
+        lows = [end for x in domains if (end := x.ends[0]) is not None]
+        highs = [end for x in domains if (end := x.ends[1]) is not None]
         low = ascending(lows, lambda x: x)[-1] if lows else None
         high = ascending(highs, lambda x: x)[0] if highs else None
-        belongs = (x is None or all(own.holds(x) for own in domains) for x in (low, high))
-        return Domain(low and low.value, high and high.value, *belongs)
+        holds_low = low is None or all(x.holds(low) for x in domains)
+        holds_high = high is None or all(x.holds(high) for x in domains)
+        return Domain(low and low.value, high and high.value, holds_low, holds_high)
 
 
 @dataclass(frozen=True)
 class SingleValue:
-    """One value by itself. ``holds`` : the verdict on it; None: undecided, for a ``reason``.
+    """A point: one value by itself. ``holds`` : the verdict on it; None: undecided, for a
+    ``reason``.
 
     ``bindings`` : the conditions that limit there, where the verdict changes, as the ``Question``
     gave them; this module only passes them on.
@@ -150,8 +173,8 @@ class SingleValue:
 
 @dataclass(frozen=True)
 class Stretch:
-    """All values strictly between two neighbouring points, or beyond the last one. ``holds`` : as
-    of a ``SingleValue``."""
+    """All values strictly between two neighbouring points, or beyond the first or the last one.
+    ``holds`` : the verdict on all of them; None: undecided, for a ``reason``."""
 
     holds: bool | None
     reason: str = ""
@@ -161,9 +184,9 @@ class Stretch:
 class Piece(Shown):
     """A run of neighbouring values with one verdict, as long as possible.
 
-    ``first``, ``last`` : the points at its ends, None where it has no end; a single value if both
-    are the same.
-    ``closed`` : whether these belong to it. ``reason`` : of undecided values.
+    ``first``, ``last`` : the points at its low and its high end, None where it has no end; a single
+    value if both are the same.
+    ``closed`` : whether these two belong to it. ``reason`` : why it is undecided, where it is.
     """
 
     first: SingleValue | None
@@ -184,8 +207,9 @@ class Piece(Shown):
 
     @property
     def ends(self) -> tuple[SingleValue, ...]:
-        """The points at its ends, each once."""
-        return tuple(dict.fromkeys(x for x in (self.first, self.last) if x is not None))
+        """The points at its ends, in order, each once."""
+        points = (x for x in (self.first, self.last) if x is not None)
+        return tuple(dict.fromkeys(points))
 
     @property
     def is_single(self) -> bool:
@@ -193,8 +217,8 @@ class Piece(Shown):
         return self.first is not None and self.first == self.last
 
     def is_open_beyond(self, end: RealNumber | None, side: int) -> bool:
-        """Whether the piece is undecided and is all that lies beyond ``end`` on that side (1:
-        above, -1: below), without an end of its own there."""
+        """Whether the piece is undecided and is all that lies beyond ``end`` on one ``side`` (1:
+        above, -1: below), without an end of its own there. False where ``end`` is None."""
         inner, outer = (self.low, self.high)[::side]
         if (
             self.verdict is not Verdict.UNDECIDED
@@ -210,7 +234,8 @@ class Piece(Shown):
 
 
 def spanned(piece: Piece) -> str:
-    """``from 122.356 on``, ``0 to 3.5``, ``7``, ``any``."""
+    """The values of a piece in words, to six digits: ``from 122.356 on``, ``0 to 3.5``, ``7``,
+    ``any``."""
     low, high = (None if x is None else x.digits(6) for x in (piece.low, piece.high))
     if low is None or high is None:
         return "any" if low == high else f"up to {high}" if low is None else f"from {low} on"
@@ -219,19 +244,20 @@ def spanned(piece: Piece) -> str:
 
 @dataclass(frozen=True, repr=False)
 class ValueSet(Shown):
-    """For which values of a number a verdict holds: an ordered cover of what was searched.
+    """For which values of a parameter a verdict holds: an ordered cover of what was searched.
 
     ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and
-    ``undecided`` : those of one kind. ``value in found`` is true, false, or an UndecidedError that
-    says why it is not known; ``&`` and ``|`` are the values for which two sets hold, or one of them
-    does; ``about`` is the piece in which a value lies.
+    ``undecided`` : those of one kind. ``value in values`` is true, false, or an UndecidedError that
+    says why it is not known; ``&`` and ``|`` are the values for which both of two sets hold, or one
+    of them does; ``about`` is the piece in which a value lies.
 
-    ``points`` : single values, in ascending order; ``stretches`` : one more, of the values below
-    the first point, between each two, and above the last one; None where nothing is asked about.
-    ``searched`` : beyond which values nothing is claimed.
+    ``points`` : single values, in ascending order. ``stretches`` : one more than points, the i-th
+    of the values between the points i - 1 and i; None, first or last, where the domain ends at that
+    point and nothing is asked beyond it.
+    ``searched`` : the domain beyond which nothing is claimed.
 
     Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is
-    proven for all its values.
+    proven for all its values that were searched.
 
     >>> import haptisym as hs
     >>> low, high = (hs.require("fu2019", path).values for path in ("omega_n", "zeta"))
@@ -247,8 +273,8 @@ class ValueSet(Shown):
 
     @classmethod
     def all_of(cls, domain: Domain, *, holds: bool | None, reason: str = "") -> ValueSet:
-        """A set in which all values of a domain have one verdict; ends that do not belong to the
-        domain fail."""
+        """Return a set in which all values of a domain have one verdict; ends that do not belong to
+        the domain fail."""
         points = tuple(
             SingleValue(x, holds, reason=reason) if domain.holds(x) else SingleValue(x, holds=False)
             for x in domain.ends
@@ -267,9 +293,9 @@ class ValueSet(Shown):
 
     @cached_property
     def pieces(self) -> tuple[Piece, ...]:
-        """All that was asked about, in order, as few pieces as possible.
+        """All that was asked about, in order, in as few pieces as possible.
 
-        What is open beyond what was searched is no piece: the last one that is then has no end on
+        Undecided values beyond the domain searched are no piece: its neighbour then has no end on
         that side.
         """
         pieces: list[Piece] = []
@@ -286,9 +312,13 @@ class ValueSet(Shown):
         # rather than an end that nobody has found.
         low, high = self.searched.ends
         if len(pieces) > 1 and pieces[-1].is_open_beyond(high, 1):
-            pieces[-2:] = [replace(pieces[-2], last=None, closed=(pieces[-2].closed[0], False))]
+            neighbour = pieces[-2]
+            closed_low, _ = neighbour.closed
+            pieces[-2:] = [replace(neighbour, last=None, closed=(closed_low, False))]
         if len(pieces) > 1 and pieces[0].is_open_beyond(low, -1):
-            pieces[:2] = [replace(pieces[1], first=None, closed=(False, pieces[1].closed[1]))]
+            neighbour = pieces[1]
+            _, closed_high = neighbour.closed
+            pieces[:2] = [replace(neighbour, first=None, closed=(False, closed_high))]
         return tuple(pieces)
 
     @property
@@ -298,8 +328,8 @@ class ValueSet(Shown):
 
     def is_alone(self, piece: Piece) -> bool:
         """Whether a piece is a single value, and the verdict on both its neighbours is known."""
-        beside = (x for x in self.pieces if x is not piece and {x.first, x.last} & {piece.first})
-        return piece.is_single and all(x.verdict is not Verdict.UNDECIDED for x in beside)
+        neighbours = (x for x in self.pieces if x is not piece and piece.first in (x.first, x.last))
+        return piece.is_single and all(x.verdict is not Verdict.UNDECIDED for x in neighbours)
 
     @property
     def undecided(self) -> tuple[Piece, ...]:
@@ -313,7 +343,8 @@ class ValueSet(Shown):
         )
 
     def _is_searched(self, x: Piece) -> bool:
-        """Whether a value of the piece was searched; the ends of the range searched count, too."""
+        """Return whether a value of the piece was searched; the ends of the domain searched count,
+        too."""
         closed = replace(self.searched, holds_low=True, holds_high=True)
         if x.is_single and x.first:
             return closed.holds(x.first.value)
@@ -327,9 +358,9 @@ class ValueSet(Shown):
     @property
     def ends(self) -> tuple[SingleValue, ...]:
         """The points, in order, at which a piece that holds ends because some condition binds; not
-        those at which only the range ends."""
-        listed = (end for piece in self.feasible for end in piece.ends)
-        return tuple(x for x in listed if x.bindings)
+        those at which only the domain ends."""
+        every = (end for piece in self.feasible for end in piece.ends)
+        return tuple(x for x in every if x.bindings)
 
     def end(self, value: RealNumber, side: int) -> SingleValue | None:
         """The end, above (side 1) or below (side -1), of the piece in which a value lies, if a
@@ -349,7 +380,7 @@ class ValueSet(Shown):
     def about(self, value: RealNumber) -> Piece:
         """The piece in which a value lies. UndecidedError where the value is not among those that
         were asked about."""
-        # ``ordered(x, y)`` is 1 where y is the larger: both are negative strictly inside the piece.
+        # -1, 0 or 1 where the value lies inside of an end, at it, or beyond it.
         for piece in self.pieces:
             below = -1 if piece.low is None else ordered(value, piece.low)
             above = -1 if piece.high is None else ordered(piece.high, value)
@@ -367,10 +398,16 @@ class ValueSet(Shown):
             raise UndecidedError(
                 f"the value {number!r}: {piece.reason or 'nothing is proven there'}"
             )
+        known = self.at(number)
         # A piece may have been extended beyond the range searched (see ``pieces``); a point
         # outside, such as the present value, was asked by itself.
-        if not self.searched.holds(number) and not isinstance(self.at(number), SingleValue):
+        if not self.searched.holds(number) and not isinstance(known, SingleValue):
             raise UndecidedError(f"the value {number!r}: it was not searched")
+        # The verdict changes somewhere in a Sliver: on which side of that a value in it lies is not
+        # known.
+        place = known.value if isinstance(known, SingleValue) else None
+        if isinstance(place, Sliver) and place is not number:
+            raise UndecidedError(f"the value {number!r}: the verdict changes too near to it")
         return piece.verdict is Verdict.HOLDS
 
     def __and__(self, other: ValueSet) -> ValueSet:
@@ -384,34 +421,38 @@ class ValueSet(Shown):
     def without(self, values: Sequence[RealNumber]) -> ValueSet:
         """The set with the verdict no at some values, for which the question has no meaning."""
         gone = _each_once(SingleValue(x, holds=False) for x in values)
-        return self & ValueSet(tuple(gone), (Stretch(holds=True),) * (len(gone) + 1))
+        between = (Stretch(holds=True),) * (len(gone) + 1)
+        return self & ValueSet(tuple(gone), between)
 
     def below(self, value: RealNumber | None) -> Stretch | None:
-        """What is known of the values just below one; with None, of those beyond the last point."""
-        return self.stretches[-1 if value is None else _place(self.points, value)[0]]
+        """Return the stretch of the values just below one, or, with None, of those above the last
+        point; None where nothing is asked there."""
+        return self.stretches[-1 if value is None else _position(self.points, value)[0]]
 
     def at(self, value: RealNumber) -> SingleValue | Stretch | None:
-        """What is known of one value: its point, or the stretch in which it lies."""
-        i, is_point = _place(self.points, value)
+        """Return what is known of one value: its point, or the stretch in which it lies, None where
+        nothing is asked there."""
+        i, is_point = _position(self.points, value)
         return self.points[i] if is_point else self.stretches[i]
 
 
 def _as_number(value: object) -> RealNumber:
+    """Return a user's number, SymPy's or one whose text is a decimal, as an exact one."""
     if isinstance(value, RealNumber):
         return value
     return ExactNumber(value if isinstance(value, Expr) else Rational(str(value)))
 
 
-def _place(points: Sequence[SingleValue], value: RealNumber) -> tuple[int, bool]:
-    """How many points lie below a value, and whether the next point is that value."""
-    # ``ordered`` is 0 for numbers that 600 bits do not distinguish: they count as one value.
+def _position(points: Sequence[SingleValue], value: RealNumber) -> tuple[int, bool]:
+    """Return how many points lie below a value, which is also the index of the stretch that ends at
+    or above it, and whether the next point is that value."""
     i = bisect_left(points, 0, key=lambda x: -ordered(x.value, value))
     return i, i < len(points) and not ordered(points[i].value, value)
 
 
 def _each_once(points: Iterable[SingleValue]) -> list[SingleValue]:
-    """Points in ascending order, those at one value merged: with all bindings, and with the exact
-    number where one of them has it."""
+    """Return points in ascending order, those at one value merged: with all bindings, and with the
+    exact number where one of them has it."""
     merged = list[SingleValue]()
     for x in ascending(points, lambda x: x.value):
         if merged and not ordered(merged[-1].value, x.value):
@@ -426,7 +467,7 @@ def _each_once(points: Iterable[SingleValue]) -> list[SingleValue]:
 
 
 def _bounded(domain: Domain, stretches: Sequence[Stretch]) -> tuple[Stretch | None, ...]:
-    """The stretches with None in place of those beyond the ends of a domain."""
+    """Return stretches with None in place of those beyond the ends of a domain."""
     bounded = list[Stretch | None](stretches)
     if domain.low is not None:
         bounded[0] = None
@@ -454,12 +495,15 @@ def _append(pieces: list[Piece], piece: Piece) -> None:
 
 
 def _joined(reasons: Iterable[str]) -> str:
-    """All reasons in one text, each once."""
+    """Return all reasons in one text, each once, between semicolons."""
     every = (x for reason in reasons for x in reason.split("; "))
     return "; ".join(dict.fromkeys(x for x in every if x))
 
 
+# Several sets together
+
 Rule = Callable[[Sequence[bool | None]], bool | None]
+"""A function that makes one verdict of those of several sets."""
 
 
 # Logic of three values: one False settles "all", one True settles "any", whatever is undecided.
@@ -473,9 +517,10 @@ def _any(verdicts: Sequence[bool | None]) -> bool | None:
 
 def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
     """Combine sets of values of one parameter, over the values that all of them ask about: by
-    default the values for which all hold.
+    default to the values for which all hold.
 
-    No verdict is asked. Works even where the time is over, as it only puts known points in order.
+    No verdict is asked. It works also where the time is over, as it only puts known points in
+    order.
     """
     if len(sets) == 1:
         return sets[0]
@@ -483,26 +528,31 @@ def combined(sets: Sequence[ValueSet], rule: Rule = _all) -> ValueSet:
     # combine the verdicts at every point, just below it, and above the last one.
     with spared():
         points, stretches = list[SingleValue](), list[Stretch | None]()
-        for x in _each_once(p for own in sets for p in own.points):
-            here = _together([own.at(x.value) for own in sets], rule)
-            if here is not None:
-                points.append(replace(x, holds=here.holds, reason=here.reason))
-                stretches.append(_together([own.below(x.value) for own in sets], rule))
-        stretches.append(_together([own.below(None) for own in sets], rule))
-        searched = Domain.common([own.searched for own in sets])
+        for point in _each_once(x for one in sets for x in one.points):
+            value = point.value
+            combined_at = _together([x.at(value) for x in sets], rule)
+            if combined_at is not None:
+                point = replace(point, holds=combined_at.holds, reason=combined_at.reason)
+                points.append(point)
+                stretches.append(_together([x.below(value) for x in sets], rule))
+        stretches.append(_together([x.below(None) for x in sets], rule))
+        searched = Domain.common([x.searched for x in sets])
     return ValueSet(tuple(points), tuple(stretches), searched)
 
 
-def _together(found: Sequence[SingleValue | Stretch | None], rule: Rule) -> Stretch | None:
-    """The combined verdict on values, from their verdicts in several sets; None where one of these
-    does not ask about them."""
-    known = [x for x in found if x is not None]
-    if len(known) < len(found):
+def _together(of_sets: Sequence[SingleValue | Stretch | None], rule: Rule) -> Stretch | None:
+    """Return the combined verdict on values, from their points or stretches in several sets; None
+    where one of the sets does not ask about them."""
+    known = [x for x in of_sets if x is not None]
+    if len(known) < len(of_sets):
         return None
     holds = rule([x.holds for x in known])
     if holds is not None:
         return Stretch(holds, "")
     return Stretch(holds, _joined(x.reason for x in known if x.holds is None))
+
+
+# Questions
 
 
 @dataclass(frozen=True)
@@ -515,22 +565,22 @@ class CriticalValue:
 
 @dataclass(frozen=True)
 class Open:
-    """A range between two values (None: without end) in which critical values may have been missed,
-    for a ``reason``."""
+    """An interval between two values (None: without end) in which critical values may have been
+    missed, for a ``reason``."""
 
     low: RealNumber | None
     high: RealNumber | None
     reason: str = ""
 
     def covers(self, low: RealNumber | None, high: RealNumber | None) -> bool:
-        """Whether all values between two others lie in the range."""
-        above = self.low is None or (low is not None and ordered(self.low, low) >= 0)
-        return above and (self.high is None or (high is not None and ordered(high, self.high) >= 0))
+        """Whether all values between two others (None: without end) lie in the interval."""
+        begins = self.low is None or _is_up_to(self.low, low)
+        return begins and (self.high is None or _is_up_to(high, self.high))
 
 
 @dataclass(frozen=True)
 class CriticalValues:
-    """All values at which a verdict may change, but for those in stretches that are ``open``."""
+    """All values at which a verdict may change, but for those in intervals that are ``open``."""
 
     values: Sequence[CriticalValue] = ()
     open: Sequence[Open] = ()
@@ -538,8 +588,9 @@ class CriticalValues:
 
 @dataclass(frozen=True)
 class Cell:
-    """A closed interval of values, and the verdict that is proven for all of them; None where none
-    is."""
+    """A closed interval of values (None: without end), and the verdict that is proven for all of
+    them; None where none is, for a ``reason``. A cell that fails need not do so at an end that is a
+    critical value, where a condition may hold with equality."""
 
     low: RealNumber | None
     high: RealNumber | None
@@ -548,7 +599,7 @@ class Cell:
 
 
 def _nothing_known() -> Iterable[CriticalValues]:
-    """No value is known at which a verdict may change."""
+    """Return that critical values may be anywhere."""
     return [CriticalValues(open=[Open(None, None)])]
 
 
@@ -560,17 +611,19 @@ class Question:
     the reason, where it is undecided.
     ``own`` : the parameter's present value. It is asked first, and what lies near to it before what
     is far.
-    ``changes`` : yields critical values, each time with fewer ranges left open; the last ones
+    ``changes`` : yields critical values, each time with fewer intervals left open; the last ones
     count, and replace all that were given before.
     ``at`` : gives the verdict at an irrational critical value next to values that hold; None means
-    that it holds like them.
+    that it holds like them, as it does without ``at``, which is right for closed conditions alone,
+    that hold at limits of values that hold.
     ``lone`` : gives the verdict at an irrational critical value between values that fail; None
-    means unknown. Without ``lone`` such a value fails like its neighbours, which is right for
-    strict conditions.
-    ``cells`` : covers the range between two values by cells, in order.
-    ``end`` : given a range between values that hold on one side and fail on the other, and whether
-    the lower ones hold, gives the one value at which that changes; None where it is not proven that
-    there is just one.
+    means not known. Without ``lone`` such a value fails like its neighbours, which is right for
+    strict conditions alone. So a question of closed conditions gives ``lone``, one of strict
+    conditions ``at``, unless it has no such critical values.
+    ``cells`` : covers the interval between two values (None: without end) by cells, in order.
+    ``end`` : called as end(low, high, low_holds) where the values next to one of the two hold, the
+    lower ones if ``low_holds``, and those next to the other fail. It gives the one value between at
+    which that changes; None where it is not proven that there is just one.
     ``alone`` : further values that are asked by themselves.
 
     An UndecidedError in any of them leaves open what it was asked for, for that reason.
@@ -589,11 +642,13 @@ class Question:
 def solve(
     question: Question, domain: Domain, searched: Domain | None = None, *, near: bool = False
 ) -> ValueSet:
-    """The values of a domain for which the verdict is yes, as far as that is found in time.
+    """Return the values of a domain for which the verdict is yes, and those for which it is no,
+    where that is found in time; the rest is undecided.
 
-    ``searched`` : outside of which nothing is claimed; the domain if not given.
-    ``near`` : only as far from the question's own value as it takes to know between which values
-    its verdict holds, and where it fails, between which it holds next; the rest is undecided.
+    ``searched`` : the domain outside of which nothing is claimed; by default the whole domain.
+    ``near`` : ask only for what lies near to the question's own value: if it holds, up to the first
+    end on each side; if it fails, up to the end of the next values that hold. All else is
+    ``NOT_NEEDED``.
     """
     work = _Solving(question, domain, searched or domain, near=near)
     # The one place where a limit of time ends a search: what is settled by then is proven, and
@@ -601,19 +656,21 @@ def solve(
     with suppress(LimitError):
         work.run()
     with spared():
-        return work.found()
+        return work.settled()
 
 
 _TO_ASK = Stretch(None, STOPPED)
-"""A stretch all of whose values have one verdict that was not asked for yet. It equals an undecided
-one, and is distinguished from it by identity."""
+"""A stretch all of whose values have one verdict that was not asked for yet. If the time ends first
+it is what it says, undecided for that reason. It is compared by identity, as other stretches may
+equal it."""
 
 
 class _Solving:
-    """A set that is being found: points and stretches, of which more and more are settled.
+    """A set that is being found: points and stretches, laid out as in ``ValueSet``, of which more
+    and more are settled.
 
     At any moment what is known of each is proven, so that work that is broken off leaves a set as
-    well.
+    well. ``asked`` : the verdicts on single rational numbers so far.
     """
 
     def __init__(self, question: Question, domain: Domain, searched: Domain, *, near: bool) -> None:
@@ -623,12 +680,12 @@ class _Solving:
         self.stretches = list[Stretch | None]()
         self._cut(CriticalValues(open=[Open(None, None, STOPPED)]))
 
-    def found(self) -> ValueSet:
-        """The set as far as it is settled, with the verdicts on single values inside of undecided
-        stretches; nothing more is asked."""
+    def settled(self) -> ValueSet:
+        """Return the set as it is settled by now, with the verdicts on single values inside of
+        undecided stretches; nothing more is asked."""
         for value, point in self.asked.items():
             if point.holds is not None and self._is_left_open(value):
-                i, _ = _place(self.points, point.value)
+                i, _ = _position(self.points, point.value)
                 self.points.insert(i, point)
                 self.stretches.insert(i, self.stretches[i])
         self._settle_points(ask=False)
@@ -636,9 +693,9 @@ class _Solving:
 
     def run(self) -> None:
         """Settle what can be settled. LimitError where the time is over."""
-        own = self.question.own
-        if isinstance(own, Rational) and self.domain.holds(ExactNumber(own)):
-            self._ask(own)
+        present = self.question.own
+        if isinstance(present, Rational) and self.domain.holds(ExactNumber(present)):
+            self._ask(present)
         # From what settles whole ranges to what settles one value: each step works only on what the
         # steps before it left open. Points come last, as their neighbours often tell their verdict.
         self._use_changes()
@@ -650,7 +707,8 @@ class _Solving:
                 self._ask(value)
 
     def _ask(self, value: Rational) -> SingleValue:
-        """The verdict on one value, or why it is not known. LimitError where the time is over."""
+        """Return one value with its verdict, or why that is not known. LimitError where the time is
+        over."""
         if value not in self.asked:
             tick()
             holds, reason = None, ""
@@ -662,19 +720,20 @@ class _Solving:
         return self.asked[value]
 
     def _is_left_open(self, value: Rational) -> bool:
-        """Whether a value lies strictly inside of a stretch of the domain that is undecided."""
-        i, is_point = _place(self.points, ExactNumber(value))
+        """Return whether a value lies strictly inside of a stretch of the domain that is
+        undecided."""
+        i, is_point = _position(self.points, ExactNumber(value))
         return not is_point and _is_open(self.stretches[i])
 
     def _ends(self, i: int) -> tuple[RealNumber | None, RealNumber | None]:
-        """The two ends of the i-th stretch; None where it has none."""
+        """Return the two ends of the i-th stretch; None where it has none."""
         low = self.points[i - 1].value if i else None
         return low, self.points[i].value if i < len(self.points) else None
 
     # Critical values
 
     def _use_changes(self) -> None:
-        """Cut the domain at critical values, as long as finer ones come and something is open."""
+        """Cut the domain at critical values, until all is decided or no finer ones come."""
         try:
             for changes in self.question.changes():
                 self._cut(changes)
@@ -685,36 +744,37 @@ class _Solving:
             self.stretches = [open_ if _is_open(x) else x for x in self.stretches]
 
     def _cut(self, changes: CriticalValues) -> None:
-        """Cut the whole domain anew, at critical values and at the ends of ranges that are open;
+        """Cut the whole domain anew, at critical values and at the ends of intervals that are open;
         the verdicts asked so far settle the stretches that they lie in."""
-        edges = [x for own in changes.open for x in (own.low, own.high) if x is not None]
-        listed = [
-            *(SingleValue(x.value, bindings=x.bindings) for x in changes.values),
-            *map(SingleValue, edges),
-        ]
+        critical = [SingleValue(x.value, bindings=x.bindings) for x in changes.values]
+        edges = [end for x in changes.open for end in (x.low, x.high) if end is not None]
+        cuts = [*critical, *map(SingleValue, edges)]
         # A number that no ball encloses cannot be put in order. It may lie anywhere, so that no
         # stretch is free of critical values then.
-        enclosed = [x for x in listed if is_told(x.value)]
+        enclosed = [x for x in cuts if is_told(x.value)]
         open_ = changes.open
-        if len(enclosed) < len(listed):
-            open_ = [*changes.open, Open(None, None, _UNTOLD)]
+        if len(enclosed) < len(cuts):
+            open_ = [*changes.open, Open(None, None, _UNENCLOSED)]
         whole = replace(self.domain, holds_low=True, holds_high=True)
-        ends = (SingleValue(x) for x in self.domain.ends if x is not None)
-        points = _each_once([*ends, *(x for x in enclosed if whole.holds(x.value))])
-        places = [None, *(x.value for x in points), None]
-        stretches = [self._known(low, high, open_) for low, high in pairwise(places)]
+        ends = [SingleValue(x) for x in self.domain.ends if x is not None]
+        inside = [x for x in enclosed if whole.holds(x.value)]
+        points = _each_once([*ends, *inside])
+        values = [None, *(x.value for x in points), None]
+        stretches = [self._unasked(low, high, open_) for low, high in pairwise(values)]
         self.points, self.stretches = points, [*_bounded(self.domain, stretches)]
 
-    def _known(
+    def _unasked(
         self, low: RealNumber | None, high: RealNumber | None, open_: Sequence[Open]
     ) -> Stretch:
-        """What is known of the values between two neighbouring points, before any is asked."""
+        """Return the stretch between two neighbouring points with what is known of it before any of
+        its values is asked: open, settled by a verdict asked earlier, or ``_TO_ASK``."""
         around = next((x for x in open_ if x.covers(low, high)), None)
         if around is not None:
             return Stretch(None, around.reason)
         # No critical value lies in between: one verdict, asked earlier, settles all of them.
         for x in self.asked.values():
-            if x.holds is not None and not _is_up_to(x.value, low) and not _is_up_to(high, x.value):
+            is_inside = not _is_up_to(x.value, low) and not _is_up_to(high, x.value)
+            if x.holds is not None and is_inside:
                 return Stretch(x.holds)
         return _TO_ASK
 
@@ -727,30 +787,36 @@ class _Solving:
         home = self._home()
         home_stretch = self._asked(home)
         is_done = home_stretch.holds is not None
-        # From the own value upward, then downward: on each side a near set ends where it is enough.
-        for ahead in (range(home + 1, len(self.stretches)), range(home - 1, -1, -1)):
+        upward = range(home + 1, len(self.stretches))
+        downward = range(home - 1, -1, -1)
+        for indices in (upward, downward):
+            # The verdicts from the own value on to this side: a near set ends where they are
+            # enough.
             verdicts = [home_stretch.holds]
-            for i in ahead:
+            for i in indices:
                 if self.near and _is_enough(verdicts):
-                    self._leave_out(i, i - (ahead.step > 0))
+                    # The point between this stretch and the one before it on the way.
+                    self._leave_out(i, i - 1 if indices is upward else i)
                 elif self.stretches[i] is not None:
-                    verdicts.append(self._asked(i).holds)
-                    is_done &= verdicts[-1] is not None or self.searched.misses(*self._ends(i))
+                    holds = self._asked(i).holds
+                    verdicts.append(holds)
+                    is_done &= holds is not None or self.searched.misses(*self._ends(i))
         return is_done
 
     def _home(self) -> int:
-        """The stretch in which the question's own value lies, or that ends there; the first one
-        where the question has no own value."""
-        own, i = self.question.own, 0
-        if own is not None and own.is_number:
-            i, _ = _place(self.points, ExactNumber(own))
+        """Return the index of the stretch in which the question's own value lies, or that ends
+        there; of the first one where the question has no own value."""
+        present, i = self.question.own, 0
+        if present is not None and present.is_number:
+            i, _ = _position(self.points, ExactNumber(present))
         # At an end of the domain the stretch on one side is None, as nothing is asked there.
-        beside = (i, i + 1, i - 1)
-        return next(j for j in beside if j < len(self.stretches) and self.stretches[j] is not None)
+        nearest = (i, i + 1, i - 1)
+        within = (j for j in nearest if j < len(self.stretches))
+        return next(j for j in within if self.stretches[j] is not None)
 
     def _asked(self, i: int) -> Stretch:
-        """A stretch with its verdict, which is asked for at one of its values where that settles
-        all."""
+        """Return the i-th stretch with its verdict, which is asked for at one of its values where
+        that settles all."""
         if self.stretches[i] is _TO_ASK:
             # A rational number, since verdicts are exact for these; the own value if it lies there.
             sample = self._ask(rational_between(*self._ends(i), self.question.own))
@@ -759,14 +825,14 @@ class _Solving:
         assert stretch is not None
         return stretch
 
-    def _leave_out(self, i: int, before: int) -> None:
-        """Mark a stretch as not needed, and with it the point before it, unless that is the
-        question's own value."""
-        stretch = self.stretches[i]
-        if stretch is not None and stretch.reason != UNSEARCHED:
-            self.stretches[i] = Stretch(None, NOT_NEEDED)
-        if _rational(self.points[before]) != self.question.own:
-            self.points[before] = replace(self.points[before], reason=NOT_NEEDED)
+    def _leave_out(self, stretch: int, point: int) -> None:
+        """Mark a stretch as not needed, and with it a point, unless that is the question's own
+        value."""
+        left_out = self.stretches[stretch]
+        if left_out is not None and left_out.reason != UNSEARCHED:
+            self.stretches[stretch] = Stretch(None, NOT_NEEDED)
+        if _rational(self.points[point]) != self.question.own:
+            self.points[point] = replace(self.points[point], reason=NOT_NEEDED)
 
     # Cells
 
@@ -780,7 +846,8 @@ class _Solving:
     def _fill(
         self, i: int, cells_of: Callable[[RealNumber | None, RealNumber | None], Iterable[Cell]]
     ) -> None:
-        """Put cells in place of a stretch; where the time is over, those that are found by then."""
+        """Put cells in place of the i-th stretch; where the time is over, those that are found by
+        then."""
         cells, (low, high) = list[Cell](), self._ends(i)
         try:
             for x in cells_of(low, high):
@@ -796,22 +863,26 @@ class _Solving:
                 self._splice(i, cells)
 
     def _splice(self, i: int, cells: Sequence[Cell]) -> None:
-        """Put cells in place of a stretch, neighbours of one verdict merged.
+        """Put cells in place of the i-th stretch, neighbours of one verdict merged.
 
         Cells are closed: the point between two has the verdict of the one that is settled.
         """
         merged = list[Cell]()
         for x in cells:
-            if merged and merged[-1].holds is x.holds:
-                merged[-1] = replace(
-                    merged[-1], high=x.high, reason=_joined([merged[-1].reason, x.reason])
-                )
+            last = merged[-1] if merged else None
+            if last is not None and last.holds is x.holds:
+                reason = _joined([last.reason, x.reason])
+                merged[-1] = replace(last, high=x.high, reason=reason)
             else:
                 merged.append(x)
-        # The points at both ends belong to the outer cells as well; rational ones are asked later.
+        # The points at both ends belong to the outer cells as well; rational ones are asked later,
+        # and so are critical values next to cells that fail.
         for j, x in ((i - 1, merged[0]), (i, merged[-1])):
             if 0 <= j < len(self.points) and _rational(self.points[j]) is None:
-                self.points[j] = replace(self.points[j], holds=x.holds)
+                point = self.points[j]
+                if x.holds or (x.holds is False and not point.bindings):
+                    self.points[j] = replace(point, holds=x.holds)
+        # Two cells that are settled share an end only if one verdict is proven for it.
         inner = [
             SingleValue(a.high, b.holds if a.holds is None else a.holds)
             for a, b in pairwise(merged)
@@ -825,14 +896,11 @@ class _Solving:
         for i in reversed(range(1, len(self.stretches) - 1)):
             before, between, after = self.stretches[i - 1 : i + 2]
             low, high = self._ends(i)
-            if (
-                self.question.end is None
-                or not _is_open(between)
-                or before is None
-                or after is None
-            ):
+            if self.question.end is None or not _is_open(between):
                 continue
-            if low is None or high is None or {before.holds, after.holds} != {True, False}:
+            if before is None or after is None or low is None or high is None:
+                continue
+            if {before.holds, after.holds} != {True, False}:
                 continue
             tick()
             try:
@@ -854,7 +922,7 @@ class _Solving:
             if not self.domain.holds(x.value):
                 self.points[i] = SingleValue(x.value, holds=False)
             elif x.holds is None and not x.reason:
-                holds, reason = self._told(i, ask=ask)
+                holds, reason = self._verdict_at(i, ask=ask)
                 self.points[i] = replace(x, holds=holds, reason=reason)
             # At the end of the range, next to values that hold, it is the range that ends there,
             # and no condition.
@@ -863,55 +931,54 @@ class _Solving:
             if is_range_end and self.points[i].holds:
                 self.points[i] = replace(self.points[i], bindings=())
 
-    def _told(self, i: int, *, ask: bool) -> tuple[bool | None, str]:
-        """The verdict on a point and, where that is None, the reason.
+    def _verdict_at(self, i: int, *, ask: bool) -> tuple[bool | None, str]:
+        """Return the verdict on the i-th point and, where that is None, the reason.
 
-        At a rational value the question's verdict counts; elsewhere what its neighbours and its
-        ``at`` and ``lone`` give.
+        At a rational value the question's verdict counts; elsewhere what the neighbours and the
+        question's ``at`` and ``lone`` give. ``ask`` : whether these may be called.
         """
-        point, near = self.points[i], [x for x in self.stretches[i : i + 2] if x is not None]
-        value, verdicts = _rational(point), [x.holds for x in near]
+        point = self.points[i]
+        neighbours = [x for x in self.stretches[i : i + 2] if x is not None]
+        value = _rational(point)
         if value is not None:
             answer = self._ask(value) if ask else self.asked.get(value)
             return (None, STOPPED) if answer is None else (answer.holds, answer.reason)
-        is_beside = True in verdicts
-        # Beside values that hold, and with a known binding, ``at`` decides whatever the other side
-        # is.
+        verdicts = [x.holds for x in neighbours]
+        is_beside = True in verdicts  # next to values that hold
+        # There, and with a known binding, ``at`` decides whatever the other side is.
         if None in verdicts and not (is_beside and point.bindings):
-            return None, next(x.reason for x in near if x.holds is None) or STOPPED
-        tell = self.question.at if is_beside else self.question.lone
+            return None, next(x.reason for x in neighbours if x.holds is None) or STOPPED
+        rule = self.question.at if is_beside else self.question.lone
         # Without a binding nothing changes at the point: it has the verdict of its neighbours.
-        if tell is None or (is_beside and not point.bindings):
+        if rule is None or (is_beside and not point.bindings):
             return is_beside, ""
         if not ask:
             return None, STOPPED
         try:
-            verdict = tell(CriticalValue(point.value, point.bindings))
+            verdict = rule(CriticalValue(point.value, point.bindings))
         except UndecidedError as error:
             return None, _reason(error)
-        return (
-            (True, "")
-            if verdict is None and is_beside
-            else (verdict, _ALONE if verdict is None else "")
-        )
+        if verdict is None and is_beside:
+            return True, ""
+        return verdict, _UNKNOWN_ALONE if verdict is None else ""
 
 
 def _is_open(x: Stretch | None) -> bool:
-    """Whether a stretch is undecided, belongs to the domain and is needed."""
+    """Return whether a stretch is undecided, belongs to the domain and is needed."""
     return x is not None and x.holds is None and x.reason != NOT_NEEDED
 
 
 def _rational(x: SingleValue) -> Rational | None:
-    """The value of a point as a rational number; None where it is not given as one."""
+    """Return the value of a point as a rational number; None where it is not given as one."""
     if isinstance(x.value, ExactNumber) and isinstance(x.value.value, Rational):
         return x.value.value
     return None
 
 
 def _is_enough(verdicts: Sequence[bool | None]) -> bool:
-    """Whether the verdicts of the stretches from the own value on to one side are enough for a near
-    set: up to where it stops holding, or, where it fails, up to where it holds next and stops
-    again.
+    """Return whether the verdicts of the stretches from the own value on to one side are enough for
+    a near set: up to where they stop holding, or, where the first fails, up to where they hold next
+    and stop again. An undecided one ends it: which end is nearest is not known beyond it.
     """
     if None in verdicts:
         return True
@@ -920,7 +987,8 @@ def _is_enough(verdicts: Sequence[bool | None]) -> bool:
 
 
 def _reason(error: UndecidedError) -> str:
-    """The reason of an undecided verdict; LimitError where the time for all of the work is over."""
+    """Return the reason of an undecided verdict; LimitError where the time for all of the work is
+    over."""
     # A LimitError may come of a share of the time, which is a reason like others; if it is the
     # whole time that is over, this tick raises it again.
     if isinstance(error, LimitError):
@@ -928,14 +996,21 @@ def _reason(error: UndecidedError) -> str:
     return str(error)
 
 
+# An end that is closed in on
+
+
 @dataclass(frozen=True, repr=False)
 class Bisected(RealNumber):
     """The one value between two at which a verdict changes, enclosed by asking the verdict.
 
-    ``verdict`` : of a rational number, exact. ``low_holds`` : whether the lower values hold.
-    ``excess`` : by how much a number fails, if it does, at the working precision. Where that, or
-    its square root, is about linear, its zero shows where to ask next (the secant method).
-    Guaranteed of each ball: the verdicts at its ends differ, so that the value lies in it.
+    ``verdict`` : of a rational number, exact; None, or an UndecidedError, where it is undecided.
+    ``low``, ``high`` : between which the value lies. ``low_holds`` : whether the lower values hold.
+    ``excess`` : by how much a number that fails does so, at the working precision; 0 at the value.
+    Where that, or its square root, is about linear, its zero shows where to ask next (the secant
+    method).
+
+    Guaranteed of each ball, if the verdict changes just once between ``low`` and ``high``: the
+    verdicts at its ends differ, so that the value lies in it.
     """
 
     verdict: Callable[[Rational], bool | None]
@@ -943,50 +1018,64 @@ class Bisected(RealNumber):
     high: Fraction
     low_holds: bool
     excess: Callable[[Rational], Ball] | None = None
+    # What later calls begin with: the "enclosure" so far, and the "last" two values that fail, the
+    # one "before" farther away, each with its excess.
     _known: dict[str, Any] = field(default_factory=dict, compare=False)
 
     @property
     def known(self) -> tuple[Fraction, Fraction]:
-        """The two nearest values, so far, between which it is known to lie."""
-        low, high = self._known.get("", (self.low, self.high))
+        """The enclosure so far: the two nearest values between which the value is known to lie."""
+        low, high = self._known.get("enclosure", (self.low, self.high))
         return low, high
 
     def between(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Two values between which it lies, to about that many bits of relative accuracy; farther
-        apart where a verdict is undecided."""
+        """Return two values between which the value lies, to about that many bits of relative
+        accuracy; farther apart where a verdict is undecided."""
         low, high = self.known
-        sharp, is_root = 4, False
+        # ``sharpness`` : the bits by which a good guess narrows the enclosure.
+        # ``is_root`` : whether the guess takes the square root of the excess to be linear.
+        sharpness, is_root = _FIRST_SHARPNESS, False
         # At the value 0 no relative accuracy would ever be reached: there this width is enough.
-        least = (self.high - self.low) / 4**bits
+        least_width = (self.high - self.low) / 4**bits
         with flint.ctx.workprec(2 * bits + 64):
-            while high - low > max(least, max(abs(low), abs(high)) / 2**bits):
+            while high - low > max(least_width, abs(low) / 2**bits, abs(high) / 2**bits):
                 tick()
                 # Around a guess two values are asked, a small part of the width to either side; if
                 # both are right, the width shrinks by that part, which doubles its bits each time
                 # (the convergence of the secant method). Without a guess it is bisected.
-                width, near = high - low, self._guess(is_root=is_root)
-                off = width / 2**sharp
-                for x in [(low + high) / 2] if near is None else [near - off, near + off]:
-                    asked = Fraction(*_short(x - off / 2, x + off / 2))
+                width = high - low
+                offset, guess = width / 2**sharpness, self._guess(is_root=is_root)
+                tried = [(low + high) / 2]
+                if guess is not None:
+                    tried = [guess - offset, guess + offset]
+                for x in tried:
+                    asked = Fraction(*_short(x - offset / 2, x + offset / 2))
                     # The very value that is looked for may be undecided: then one beside the middle
                     # is asked.
                     aside = (33 * low + 31 * high) / 64
-                    if low < x < high and not (self._ask(asked) or self._ask(aside)):
+                    # Rounding may move a value out of the enclosure, where nothing is known.
+                    if low < asked < high and not (self._ask(asked) or self._ask(aside)):
                         return self.known
                     low, high = self.known
-                is_near = near is not None and (high - low) * 2 ** (sharp - 2) < width
-                sharp, is_root = (2 * sharp, is_root) if is_near else (4, is_root is (near is None))
+                # Up to a factor of 4 by as much as a good guess would.
+                if guess is not None and (high - low) * 2 ** (sharpness - 2) < width:
+                    sharpness *= 2
+                else:
+                    # A guess that was not good: the other form of the excess is tried next. Without
+                    # a guess the form stays.
+                    sharpness, is_root = _FIRST_SHARPNESS, is_root is (guess is None)
         return low, high
 
     def _ask(self, value: Fraction) -> bool:
-        """Narrow the enclosure by the verdict on one value; False where that is undecided."""
+        """Narrow the enclosure by the verdict on one value; return False where that is
+        undecided."""
         low, high = self.known
         try:
             holds = self.verdict(rational(value))
         except UndecidedError:
             holds = None
         if holds is not None:
-            self._known[""] = (value, high) if holds == self.low_holds else (low, value)
+            self._known["enclosure"] = (value, high) if holds == self.low_holds else (low, value)
         return holds is not None
 
     @property
@@ -996,21 +1085,28 @@ class Bisected(RealNumber):
         return self.known[self.low_holds]
 
     def _guess(self, *, is_root: bool) -> Fraction | None:
-        """Where the value lies if the excess, or its root, is linear beyond it: the secant through
-        the last two values that fail. None where there are no two, or it leaves the enclosure."""
+        """Return where the value lies if the excess, or its square root (``is_root``), is linear
+        beyond it: the zero of the secant through the last two values that fail. None where there
+        are no two, or it leaves the enclosure."""
         if self.excess is None:
             return None
         last = self._known.get("last")
         if last is None or last[0] != self.beyond:
-            self._known["before"], last = last, (self.beyond, self.excess(rational(self.beyond)))
+            self._known["before"] = last
+            last = self.beyond, self.excess(rational(self.beyond))
             self._known["last"] = last
         before = self._known.get("before")
         if before is None:
             return None
-        (x, f), (y, g) = ((dyadic(a), b.sqrt() if is_root else b) for a, b in (last, before))
-        at = (x - (y - x) * f / (g - f)).mid()
-        near = bounds(at)[0] if at.is_finite() else self.low
-        return near if self.known[0] < near < self.known[1] else None
+        (x, f), (y, g) = last, before
+        x, y = dyadic(x), dyadic(y)
+        if is_root:
+            f, g = f.sqrt(), g.sqrt()
+        zero = (x - (y - x) * f / (g - f)).mid()
+        if not zero.is_finite():
+            return None
+        guess = bounds(zero)[0]
+        return guess if self.known[0] < guess < self.known[1] else None
 
     def rough(self) -> Ball:
         low, high = self.known
@@ -1023,8 +1119,10 @@ class Bisected(RealNumber):
 
 
 def _short(low: Fraction, high: Fraction) -> tuple[int, int]:
-    """A dyadic number near the middle between two others with as few bits as possible, as numerator
-    and denominator."""
-    middle, width = (low + high) / 2, (high - low) / 8
-    places = max(0, -(width.numerator.bit_length() - width.denominator.bit_length()) + 1)
+    """Return a dyadic number near the middle between two others, with few bits, so that verdicts on
+    it are cheap, as numerator and denominator."""
+    middle, tolerance = (low + high) / 2, (high - low) / 8
+    # Binary places of which the last one is at most about the tolerance.
+    bits = tolerance.numerator.bit_length() - tolerance.denominator.bit_length()
+    places = max(0, 1 - bits)
     return round(middle * 2**places), 2**places

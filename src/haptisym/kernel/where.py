@@ -81,7 +81,8 @@ _UNKNOWN = 32  # pieces of a cell about which nothing is known that are cut
 _CROWD = 16
 _LOST = 64  # times all that F changes: a remainder that says nothing of the side that it is due to
 _FINEST = 1e-10  # of an inner side: pieces are cut no further
-_MOST, _BATCH = 100_000, 1024
+_MOST = 100_000  # pieces that are looked at in a search, unless it is told otherwise
+_BATCH = 1024  # cells that are bounded together
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,15 +106,20 @@ class LineBound:
         """The bound that follows from a Taylor model c0 + c1.t + t.c2.t +- r over each cell; shapes
         (n,), (n, sides), (n, sides, sides), (n,)."""
         with np.errstate(all="ignore"):  # what is not finite is unknown
-            first, second = np.abs(c1), np.abs(c2).sum(-1)
+            slope = c1[:, 0]
+            bend = c2[:, 0, 0]
+            first = np.abs(c1)
+            second = np.abs(c2).sum(-1)
             change = first + second
             largest = change.max(-1)
-            size = np.abs(c0) + first.sum(-1) + second.sum(-1)
+            all_second = second.sum(-1)
+            size = np.abs(c0) + first.sum(-1) + all_second
             # Along every side |t| <= 1, so that a coefficient is the most that its term can be: all
             # but the line and the bend along omega goes into the rest.
             across = first[:, 1:].sum(-1)
-            mixed = second.sum(-1) - np.abs(c2[:, 0, 0])
+            mixed = all_second - np.abs(bend)
             rest = across + mixed + r
+            rest = rest + _ROUNDING * (size + r)
             # The remainder is of third order, so that a side's share in it goes by the cube.
             share = (change / largest[:, None]) ** 3
             unit = np.where(largest > 0, r / share.sum(-1), 0.0)
@@ -121,15 +127,17 @@ class LineBound:
             # Such a remainder comes of cancellation, not of a side: with no change known at all,
             # ``_rates`` cuts the side that is relatively widest.
             changes[r > _LOST * largest] = 0.0
-            return cls(c0, c1[:, 0], c2[:, 0, 0], rest + _ROUNDING * (size + r), changes)
+            return cls(c0, slope, bend, rest, changes)
 
     @classmethod
     def between(cls, low: Array, high: Array, changes: Array) -> LineBound:
         """The bound of a function that lies between two known numbers on each cell."""
         with np.errstate(all="ignore"):
-            middle, rest = (low + high) / 2, (high - low) / 2
+            middle = (low + high) / 2
+            rest = (high - low) / 2
+            size = np.abs(middle) + rest
             none = np.zeros_like(middle)
-            return cls(middle, none, none, rest + _ROUNDING * (np.abs(middle) + rest), changes)
+            return cls(middle, none, none, rest + _ROUNDING * size, changes)
 
     @property
     def known(self) -> Array:
@@ -153,16 +161,22 @@ class LineBound:
         with np.errstate(all="ignore"):
             # With rest >= max(middle + slope t + bend t^2) the lower bound is nowhere positive.
             # Where that maximum is negative the rest stays as it is, so that F < 0 still shows.
-            sizes = np.abs(self.middle) + np.abs(self.slope) + np.abs(self.bend)
-            top = self.middle + np.abs(self.slope) + np.maximum(self.bend, 0.0)
-            return replace(self, rest=np.maximum(self.rest, top + _ROUNDING * sizes))
+            steepest = np.abs(self.slope)
+            sizes = np.abs(self.middle) + steepest + np.abs(self.bend)
+            top = self.middle + steepest + np.maximum(self.bend, 0.0)
+            top = top + _ROUNDING * sizes
+            return replace(self, rest=np.maximum(self.rest, top))
 
     def known_negative(self, which: Array) -> LineBound:
         """The bound with F < 0 on the chosen cells, where that was proven in another way."""
-        middle, slope, bend, rest = (
-            x.copy() for x in (self.middle, self.slope, self.bend, self.rest)
-        )
-        middle[which], slope[which], bend[which], rest[which] = -1.0, 0.0, 0.0, 0.0
+        middle = self.middle.copy()
+        slope = self.slope.copy()
+        bend = self.bend.copy()
+        rest = self.rest.copy()
+        middle[which] = -1.0
+        slope[which] = 0.0
+        bend[which] = 0.0
+        rest[which] = 0.0
         return LineBound(middle, slope, bend, rest, self.changes)
 
     def __getitem__(self, which: Array) -> LineBound:
@@ -177,8 +191,11 @@ class LineBound:
     @classmethod
     def together(cls, own: Sequence[LineBound]) -> LineBound:
         """Concatenate bounds into one that covers all of their cells."""
-        names = ("middle", "slope", "bend", "rest", "changes")
-        return cls(*(np.concatenate([getattr(x, name) for x in own]) for name in names))
+        arrays = []
+        for name in ("middle", "slope", "bend", "rest", "changes"):
+            parts = [getattr(x, name) for x in own]
+            arrays.append(np.concatenate(parts))
+        return cls(*arrays)
 
 
 def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
@@ -191,9 +208,14 @@ def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
     # Scaled to at most 1, so that b^2 and 4 a c cannot overflow. With the root of the discriminant
     # taken with the sign of b nothing cancels in q; the other zero is c/q (Vieta).
     size = np.maximum(np.maximum(np.abs(a), np.abs(b)), np.abs(c))
-    a, b, c = a / size, b / size, c / size
-    q = -(b + np.where(b < 0, -1.0, 1.0) * np.sqrt(b * b - 4 * a * c)) / 2
-    one, other = q / a, c / q
+    a = a / size
+    b = b / size
+    c = c / size
+    sign = np.where(b < 0, -1.0, 1.0)
+    root = np.sqrt(b * b - 4 * a * c)
+    q = -(b + sign * root) / 2
+    one = q / a
+    other = c / q
     return np.minimum(one, other), np.maximum(one, other)
 
 
@@ -202,32 +224,41 @@ def _hull(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
     where it is so everywhere."""
     with np.errstate(all="ignore"):
         first, last = _roots(a, b, c)
-        none, linear = b * b - 4 * a * c < 0, np.abs(a) <= 0
-        at = -c / b
+        has_no_zero = b * b - 4 * a * c < 0
+        linear = np.abs(a) <= 0
+        at = -c / b  # the zero of the line
         # Bent down, it is >= 0 between its zeros; bent up, outside of them, which leaves an end of
         # [-1, 1] as it is unless the outer part on that side lies beyond it.
-        bent_low = np.where(a < 0, first, np.where(first < -1, last, -1.0))
-        bent_high = np.where(a < 0, last, np.where(last > 1, first, 1.0))
-        low = np.where(linear, np.where(b > 0, at, -1.0), bent_low)
-        high = np.where(linear, np.where(b < 0, at, 1.0), bent_high)
+        bent_up_low = np.where(first < -1, last, -1.0)
+        bent_up_high = np.where(last > 1, first, 1.0)
+        bent_low = np.where(a < 0, first, bent_up_low)
+        bent_high = np.where(a < 0, last, bent_up_high)
+        linear_low = np.where(b > 0, at, -1.0)
+        linear_high = np.where(b < 0, at, 1.0)
+        low = np.where(linear, linear_low, bent_low)
+        high = np.where(linear, linear_high, bent_high)
         # Rounded outward by more than the rounding of a zero in [-1, 1], as what is cut is lost.
-        low, high = np.maximum(low - _SOLVED, -1.0), np.minimum(high + _SOLVED, 1.0)
+        low = np.maximum(low - _SOLVED, -1.0)
+        high = np.minimum(high + _SOLVED, 1.0)
         # Without zeros the sign is that of c; where a zero is not finite nothing is cut off.
-        empty = np.where(linear & (b == 0), c < 0, np.where(none, c < 0, low > high))
-        whole = none | ~(np.isfinite(low) & np.isfinite(high))
-        low = np.where(empty, 1.0, np.where(whole, -1.0, low))
-        high = np.where(empty, -1.0, np.where(whole, 1.0, high))
-        return low, high
+        constant = linear & (b == 0)
+        empty = np.where(constant | has_no_zero, c < 0, low > high)
+        whole = has_no_zero | ~(np.isfinite(low) & np.isfinite(high))
+        low = np.where(whole, -1.0, low)
+        high = np.where(whole, 1.0, high)
+        return np.where(empty, 1.0, low), np.where(empty, -1.0, high)
 
 
 def _first(a: Array, b: Array, c: Array) -> Array:
     """The lowest t of [-1, 1] at which a t^2 + b t + c > 0 shows; nan where none does."""
     with np.errstate(all="ignore"):
-        at_start, at_end = a - b + c > 0, a + b + c > 0
+        at_start = a - b + c > 0
+        at_end = a + b + c > 0
         low, high = _roots(a, b, c)
         # Not positive at -1, it becomes so at its lower zero if it bends down, at the upper one if
         # it bends up. The zero is rounded upward, since a ceiling may be too high, never too low.
-        inside = np.where(np.abs(a) > 0, np.where(a < 0, low, high), -c / b) + _SOLVED
+        bent_zero = np.where(a < 0, low, high)
+        inside = np.where(np.abs(a) > 0, bent_zero, -c / b) + _SOLVED
         top = np.clip(-b / (2 * a), -1.0, 1.0)  # where it is largest, if it bends down
         # A zero alone proves nothing: a value further on must be seen to be positive.
         at_top = c + top * (b + top * a) > 0
@@ -304,7 +335,10 @@ class Batches(Generic[R]):
         what: str = "",
     ) -> None:
         self.examined = 0
-        self._size, self._rank, self._most, self._what = size, rank, most, what
+        self._size = size
+        self._rank = rank
+        self._most = most
+        self._what = what
         self._waiting: list[R] = [first]
         self._given: R = first[:0]
 
@@ -315,18 +349,22 @@ class Batches(Generic[R]):
 
     def replace(self, cells: R) -> None:
         """Replace the queue by these cells."""
-        self._given, self._waiting = cells[:0], [cells]
+        self._given = cells[:0]
+        self._waiting = [cells]
 
     def __iter__(self) -> Iterator[R]:
-        while sum(map(len, self._waiting)) and (self._most is None or self.examined < self._most):
+        while any(map(len, self._waiting)):
+            if self._most is not None and self.examined >= self._most:
+                return
             cells = joined(self._waiting)
             # Before any cell leaves the queue: a LimitError here loses none of them from ``rest``.
-            tick(min(self.examined, self._most or self.examined), self._most, self._what)
-            order = (
-                slice(None) if self._rank is None else np.argsort(self._rank(cells), kind="stable")
-            )
-            cells = cells[order]
-            self._given, self._waiting = cells[: self._size], [cells[self._size :]]
+            examined = min(self.examined, self._most or self.examined)
+            tick(examined, self._most, self._what)
+            if self._rank is not None:
+                order = np.argsort(self._rank(cells), kind="stable")
+                cells = cells[order]
+            self._given = cells[: self._size]
+            self._waiting = [cells[self._size :]]
             self.examined += len(self._given)
             yield self._given
             self._given = self._given[:0]
@@ -351,9 +389,13 @@ def joined(rows: Sequence[R]) -> R:
 
 def halves(cells: Array, side: Array) -> Array:
     """Each cell (n, sides, 2) cut in two along a side: all lower halves, then all upper ones."""
-    lower, upper, rows = cells.copy(), cells.copy(), np.arange(len(cells))
-    middle = (cells[rows, side, 0] + cells[rows, side, 1]) / 2
-    lower[rows, side, 1], upper[rows, side, 0] = middle, middle
+    lower = cells.copy()
+    upper = cells.copy()
+    rows = np.arange(len(cells))
+    start, end = cells[rows, side].T
+    middle = (start + end) / 2
+    lower[rows, side, 1] = middle
+    upper[rows, side, 0] = middle
     return np.concatenate([lower, upper])
 
 
@@ -368,8 +410,10 @@ def touching(cells: Array) -> Array:
         while waiting:
             # Closed boxes meet where their intervals overlap along every side, ends included.
             current = waiting.pop()
-            begins_before = (low[:, alone] <= high[:, current, None]).all(0)
-            ends_after = (low[:, current, None] <= high[:, alone]).all(0)
+            start = low[:, current, None]
+            end = high[:, current, None]
+            begins_before = (low[:, alone] <= end).all(0)
+            ends_after = (start <= high[:, alone]).all(0)
             near = begins_before & ends_after
             label[alone[near]] = first
             waiting += alone[near].tolist()
@@ -394,12 +438,15 @@ class Pieces:
     @classmethod
     def together(cls, own: Sequence[Pieces]) -> Pieces:
         """Concatenate pieces of the same outer cells."""
-        return cls(np.concatenate([x.owner for x in own]), np.concatenate([x.inner for x in own]))
+        owner = np.concatenate([x.owner for x in own])
+        inner = np.concatenate([x.inner for x in own])
+        return cls(owner, inner)
 
     def cells(self, outer: Array) -> Array:
         """The cells that a judge takes: omega, the sides of the outer cell, the other inner
         sides."""
-        return np.concatenate([self.inner[:, :1], outer[self.owner], self.inner[:, 1:]], 1)
+        omega, others = self.inner[:, :1], self.inner[:, 1:]
+        return np.concatenate([omega, outer[self.owner], others], 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -423,12 +470,14 @@ class Cells:
         """Outer cells of which nothing is known; ``inner`` : for each judge the pieces to begin
         with, (pieces, inner, 2)."""
         cells = np.asarray(outer, float)
-        n, pieces = len(cells), list[Pieces]()
+        n = len(cells)
+        pieces = []
         for boxes in inner:
             first = np.asarray(boxes, float)
             owner = np.repeat(np.arange(n), len(first))
             pieces.append(Pieces(owner, np.tile(first, (n, 1, 1))))
-        floor, ceiling = np.full(n, -np.inf), np.full(n, np.inf)
+        floor = np.full(n, -np.inf)
+        ceiling = np.full(n, np.inf)
         return cls(cells, tuple(pieces), floor, ceiling, np.full(n, -1))
 
     def __len__(self) -> int:
@@ -441,13 +490,14 @@ class Cells:
         chosen = np.arange(len(self))[which]
         number = np.full(len(self), -1)
         number[chosen] = np.arange(len(chosen))
-        owners = [number[x.owner] for x in self.pieces]
-        kept_pieces = (
-            Pieces(n[n >= 0], x.inner[n >= 0]) for n, x in zip(owners, self.pieces, strict=True)
-        )
+        pieces = []
+        for x in self.pieces:
+            owner = number[x.owner]
+            is_kept = owner >= 0
+            pieces.append(Pieces(owner[is_kept], x.inner[is_kept]))
         return Cells(
             self.outer[chosen],
-            tuple(kept_pieces),
+            tuple(pieces),
             self.floor[chosen],
             self.ceiling[chosen],
             self.by[chosen],
@@ -456,33 +506,37 @@ class Cells:
     @classmethod
     def together(cls, rows: Sequence[Cells]) -> Cells:
         """Concatenate cells; the owners of pieces are renumbered."""
-        starts = np.cumsum([0, *map(len, rows)])
-        moved = [
-            [replace(p, owner=p.owner + n) for p in x.pieces]
-            for x, n in zip(rows, starts, strict=False)
-        ]
-        pieces = tuple(map(Pieces.together, zip(*moved, strict=True)))
-        arrays = (
-            np.concatenate([getattr(x, name) for x in rows])
-            for name in ("outer", "floor", "ceiling", "by")
+        moved = []
+        start = 0
+        for x in rows:
+            moved.append([replace(p, owner=p.owner + start) for p in x.pieces])
+            start += len(x)
+        return cls(
+            outer=np.concatenate([x.outer for x in rows]),
+            pieces=tuple(map(Pieces.together, zip(*moved, strict=True))),
+            floor=np.concatenate([x.floor for x in rows]),
+            ceiling=np.concatenate([x.ceiling for x in rows]),
+            by=np.concatenate([x.by for x in rows]),
         )
-        outer, floor, ceiling, by = arrays
-        return cls(outer, pieces, floor, ceiling, by)
 
     @property
     def has_no_pieces(self) -> Array:
         """For each cell, whether no sign is open in it, so that cutting it would show no more."""
         owners = [np.zeros(0, int), *(x.owner for x in self.pieces)]
-        return np.bincount(np.concatenate(owners), minlength=len(self)) == 0
+        counts = np.bincount(np.concatenate(owners), minlength=len(self))
+        return counts == 0
 
     def extended(self, inner: Sequence[ArrayLike]) -> Cells:
         """The cells with more pieces for each judge, at which nothing is known yet; what was proven
         at lower frequencies stays."""
         more = Cells.of(self.outer, inner).pieces
-        pieces = tuple(Pieces.together(pair) for pair in zip(self.pieces, more, strict=True))
-        least = min(
-            (np.asarray(x)[:, 0, 0].min() for x in inner if len(np.asarray(x))), default=np.inf
-        )
+        pairs = zip(self.pieces, more, strict=True)
+        pieces = tuple(map(Pieces.together, pairs))
+        least = np.inf  # of all omega on the new pieces
+        for x in inner:
+            boxes = np.asarray(x)
+            if len(boxes):
+                least = min(least, boxes[:, 0, 0].min())
         return replace(self, pieces=pieces, floor=np.minimum(self.floor, least))
 
     def halves(self, side: Array) -> Cells:
@@ -542,15 +596,20 @@ class Search:
         most: int = _MOST,
         what: str = "cells",
     ) -> None:
-        self.judges, self.settled, self.looked = judges, settled, 0
-        self._wide, self._last, self._most, self._what = wide, last, most, what
-        self._finest = [
-            np.ptp(x.inner.reshape(-1, x.inner.shape[1], 2), (0, 2)) * _FINEST if len(x) else 0.0
-            for x in first.pieces
-        ]
-        self.waiting = Batches(
-            first, size=len(first) + most if rank is None else batch, rank=rank, what=what
-        )
+        self.judges = judges
+        self.settled = settled
+        self.looked = 0
+        self._wide = wide
+        self._last = last
+        self._most = most
+        self._what = what
+        # For each judge the width of the domain along each inner side, times the share.
+        self._finest: list[Array] = []
+        for x in first.pieces:
+            widths = np.ptp(x.inner, (0, 2)) if len(x) else 0.0
+            self._finest.append(widths * _FINEST)
+        size = len(first) + most if rank is None else batch
+        self.waiting = Batches(first, size=size, rank=rank, what=what)
         self._small: list[Cells] = [first[:0]]
 
     def __iter__(self) -> Iterator[Cells]:
@@ -560,11 +619,13 @@ class Search:
                     return
                 judged, changes = self._judged(cells)
                 done = self.settled(judged.floor, judged.ceiling)
-                open_, changes = judged[~done], changes[~done]
+                open_cells = judged[~done]
+                changes = changes[~done]
                 # Without an open piece no judge has anything to add, on however small a cell.
-                small = ~self._wide(open_.outer).any(-1) | open_.has_no_pieces
-                self._small.append(open_[small])
-                self.waiting.add(self._cut(open_[~small], changes[~small]))
+                is_wide = self._wide(open_cells.outer).any(-1)
+                small = ~is_wide | open_cells.has_no_pieces
+                self._small.append(open_cells[small])
+                self.waiting.add(self._cut(open_cells[~small], changes[~small]))
                 yield judged[done]
         except LimitError:
             return
@@ -590,7 +651,8 @@ class Search:
             side = np.argmax(np.where(wide, changes, -1.0), -1)
             # About half as much is left along the side that is cut, which the second cut respects.
             changes[np.arange(len(side)), side] /= 2
-            cells = joined([cells[~is_cut], cells[is_cut].halves(side[is_cut])])
+            in_two = cells[is_cut].halves(side[is_cut])
+            cells = joined([cells[~is_cut], in_two])
             cut = changes[is_cut]
             changes = np.concatenate([changes[~is_cut], cut, cut])
         return cells
@@ -600,7 +662,8 @@ class Search:
         is open changes along each of their sides."""
         judged = replace(cells, ceiling=cells.ceiling.copy(), by=cells.by.copy())
         changes = np.zeros(cells.outer.shape[:2])
-        waiting, kept = [*cells.pieces], [list[Pieces]() for _ in cells.pieces]
+        waiting = [*cells.pieces]
+        kept = [list[Pieces]() for _ in cells.pieces]
         # In the first round each judge sees all of its pieces, in the next ones the halves of those
         # that were cut. A ceiling that one judge lowers spares the others all pieces above it. In
         # the last round nothing is cut, so that none is left waiting.
@@ -611,12 +674,11 @@ class Search:
         # Outside of the pieces every F_i is negative up to the ceiling: first(q) lies no lower than
         # the lowest piece. Pieces above the ceiling cannot change it, and are dropped.
         floor = judged.ceiling.copy()
-        pieces = [Pieces.together(open_pieces) for open_pieces in kept]
-        for i, open_pieces in enumerate(pieces):
-            pieces[i] = open_pieces = open_pieces[
-                open_pieces.inner[:, 0, 0] < judged.ceiling[open_pieces.owner]
-            ]
-            np.minimum.at(floor, open_pieces.owner, open_pieces.inner[:, 0, 0])
+        pieces = []
+        for rounds in kept:
+            below = _below_ceiling(Pieces.together(rounds), judged)
+            np.minimum.at(floor, below.owner, below.inner[:, 0, 0])
+            pieces.append(below)
         return replace(judged, pieces=tuple(pieces), floor=floor), changes
 
     def _open(
@@ -627,41 +689,54 @@ class Search:
         """
         done = self.settled(judged.floor, judged.ceiling)[pieces.owner]
         # Kept, not dropped: what is settled now may not be under a stricter rule.
-        idle, pieces = pieces[done], pieces[~done]
-        pieces = pieces[pieces.inner[:, 0, 0] < judged.ceiling[pieces.owner]]
+        idle = pieces[done]
+        pieces = _below_ceiling(pieces[~done], judged)
         if not len(pieces):
             return idle, pieces
-        outer, small = judged.outer.shape[1], ~self._wide(judged.outer).any(-1)
-        pieces, curve = _contracted(i, judged, pieces, self._curve(i, pieces.cells(judged.outer)))
+        small = ~self._wide(judged.outer).any(-1)
+        curve = self._curve(i, pieces.cells(judged.outer))
+        pieces, curve = _contracted(i, judged, pieces, curve)
         rates = _rates(pieces, curve, judged.outer)
-        inward = np.delete(rates, range(1, 1 + outer), -1)
-        outward = rates[:, 1 : 1 + outer]
-        unknown = np.bincount(pieces.owner[~curve.known], minlength=len(judged))[pieces.owner]
-        widths = pieces.inner[..., 1] - pieces.inner[..., 0]
-        fine = (widths <= self._finest[i]).all(-1)
+        # Omega comes first, then the outer sides, then the other inner ones.
+        end = 1 + judged.outer.shape[1]
+        outward = rates[:, 1:end]
+        inward = np.delete(rates, range(1, end), -1)
+        count = len(judged)
+        unknown_of_cell = np.bincount(pieces.owner[~curve.known], minlength=count)
+        unknown = unknown_of_cell[pieces.owner]
+        start, stop = pieces.inner[..., 0], pieces.inner[..., 1]
+        fine = (stop - start <= self._finest[i]).all(-1)
         # A piece is cut if F changes at least half as much inside as between the cell's values of
         # q. Where nothing is known of many pieces (a pole that moves with q), the cell is to blame.
         changes_inside = inward.max(-1) >= outward.max(-1, initial=0.0) / 2
         may_tell = curve.known | (unknown <= _UNKNOWN)
         wider = changes_inside & may_tell & ~fine
-        many = np.bincount(pieces.owner, minlength=len(judged))[pieces.owner]
+        of_cell = np.bincount(pieces.owner, minlength=count)
+        few = of_cell[pieces.owner] <= _CROWD
         # Cells that cannot be cut have no other way left: their pieces are, a few times more.
-        last_resort = small[pieces.owner] & ~fine & (n < self._last) & (many <= _CROWD)
+        last_resort = small[pieces.owner] & ~fine & few & (n < self._last)
         more = (wider & (n == 0)) | last_resort
         # A change > 0 is what asks for a cut of the cell (``_cut``): it must not be exactly 0 here.
         np.maximum.at(changes, pieces.owner[~wider], outward[~wider] + 1e-300)
-        owner = np.tile(pieces.owner[more], 2)
         still = Pieces.together([idle, pieces[~more]])
-        return still, Pieces(owner, halves(pieces.inner[more], np.argmax(inward[more], -1)))
+        side = np.argmax(inward[more], -1)
+        owner = np.tile(pieces.owner[more], 2)
+        return still, Pieces(owner, halves(pieces.inner[more], side))
 
     def _curve(self, i: int, cells: Array) -> LineBound:
         """The bound of one judge over all these cells, computed for a batch at a time."""
         bounds = list[LineBound]()
         for start in range(0, len(cells), _BATCH):
             tick(min(self.looked, self._most), self._most, self._what)
-            bounds.append(self.judges[i](cells[start : start + _BATCH]))
+            batch = cells[start : start + _BATCH]
+            bounds.append(self.judges[i](batch))
         self.looked += len(cells)
         return bounds[0] if len(bounds) == 1 else LineBound.together(bounds)
+
+
+def _below_ceiling(pieces: Pieces, cells: Cells) -> Pieces:
+    """The pieces that begin below the ceiling of their cell: the others cannot change it."""
+    return pieces[pieces.inner[:, 0, 0] < cells.ceiling[pieces.owner]]
 
 
 def _contracted(i: int, cells: Cells, pieces: Pieces, curve: LineBound) -> tuple[Pieces, LineBound]:
@@ -682,7 +757,8 @@ def _contracted(i: int, cells: Cells, pieces: Pieces, curve: LineBound) -> tuple
     # Outside of the hull the upper bound is negative: that part goes, all of it if the hull is
     # empty.
     low, high = _hull(curve.bend, curve.slope, curve.middle + curve.rest)
-    inner, known = pieces.inner.copy(), curve.known
+    inner = pieces.inner.copy()
+    known = curve.known
     inner[known, 0] = _along(inner[known, 0], low[known], high[known])
     left = ~known | (low <= high)
     return Pieces(pieces.owner[left], inner[left]), curve[left]
@@ -693,8 +769,10 @@ def _along(omega: Array, low: Array, high: Array) -> Array:
     to 1 over each; rounded outward, but not beyond their ends."""
     start, end = omega.T
     radius = (end - start) / 2
-    first = np.nextafter(start + radius * (1 + low), -np.inf)
-    last = np.nextafter(start + radius * (1 + high), np.inf)
+    first = start + radius * (1 + low)
+    last = start + radius * (1 + high)
+    first = np.nextafter(first, -np.inf)
+    last = np.nextafter(last, np.inf)
     return np.stack([np.maximum(start, first), np.minimum(end, last)], -1)
 
 
@@ -711,7 +789,8 @@ def zeros(omega: Array, middle: Array, rest: Array, slope: tuple[Array, Array]) 
         # By the mean value theorem a zero t obeys slope t = -middle +- rest for some slope in
         # between; the quotient is largest and smallest at ends, if the slope is not 0.
         ends = np.stack([(x - middle) / steep for x in (-reach, reach) for steep in slope])
-        is_shown = (slope[0] * slope[1] > 0) & np.isfinite(ends).all(0)
+        least, most = slope
+        is_shown = (least * most > 0) & np.isfinite(ends).all(0)
         low = np.clip(ends.min(0) - _ROUNDING, -1.0, 1.0)
         high = np.clip(ends.max(0) + _ROUNDING, -1.0, 1.0)
         return np.where(is_shown[:, None], _along(omega, low, high), omega)

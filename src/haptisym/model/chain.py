@@ -1,14 +1,33 @@
-"""A chain of dynamics between environment and hand, and its closed forms.
+"""The perceived dynamics H_perc of a chain of effects, and its closed forms.
 
-A ``Chain`` is H_env, what is rendered for it and the effects' chain matrices, nearest the
-environment first; H_perc is one Moebius map of what is rendered.
+Question: a controller renders an environment (force over motion, H = F/X, a function of s); between
+it and the hand there are n effects (filters, delays, samplers, elastic parts). What does the hand
+feel, and in which closed form is that short? Begin reading at ``Chain``.
 
-Closed forms are the shortest Re and Im, stiffness, mass and damping, crossings, changeovers and
-leading terms. In lowest terms a chain of n devices with parameters of their own has some 2^n terms.
-Effects in series are factors G_i instead:
-H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)) grows by one magnitude and one angle with each.
-What is neither short nor in series is left as Re or Im of H_perc(j omega) as the chain builds it.
-Named steps (``Distortion.steps``) are short for all.
+**The map.** Each effect is a chain matrix (A, B; C, D) over functions of s, the transmission matrix
+of a two-port: with H on the side of the environment the hand's side has
+
+    H' = (A H + B)/(C H + D),
+
+a Moebius map. Maps compose as matrices multiply: H_perc is the map of all effects, nearest the
+environment first, of H_rendered, what the controller renders. dH = H_perc - H_env is the distortion
+against H_env, what should be felt (mostly H_rendered = H_env). On s = j omega the ratios are r_r =
+|Re dH|/|H_env| and r_i = |Im dH|/|H_env|; a difference is noticed where a ratio exceeds a threshold
+c. All is exact: fractions of polynomials in s, pi, the parameters, delays exp(-s tau) and
+fractional powers of s (a ``Ring``).
+
+**Three closed forms** of Re and Im. In *lowest terms*, a single fraction: unique, but for n devices
+with parameters of their own of some 2^n terms. In *magnitudes and angles*, for effects in series
+(B = C = 0, so that each multiplies the force by G_i = A/D):
+
+    H_perc = |H| prod |G_i| exp(j (arg H + sum arg G_i)),
+
+which grows by one magnitude and one angle for each effect. Else as Re or Im of H_perc(j omega) as
+the chain builds it. ``shortest`` chooses. Named steps (``Chain.steps``) are short for all.
+
+**Other forms** are below in sections: what a person makes of a dynamics (stiffness, mass, damping),
+crossings of a threshold, bandwidth, and leading terms at low and high frequency. ``Distortion``
+(model.distortion) is the object by which they are used.
 """
 
 from __future__ import annotations
@@ -64,12 +83,44 @@ NOTHING_TO_FEEL = (
     "the environment is zero at every frequency: add mass, damping or stiffness (haptisym "
     "stability takes free air)"
 )
+_SAMPLE_BITS = 128
+"""Precision at which a program is tried at one point: a field that is not 0 has a ball without 0
+there, but for bad luck."""
+_COSINE_OR_SINE = {Part.REAL: cos, Part.IMAG: sin}
+_PART_OF = {Part.REAL: re, Part.IMAG: im}
+
+# Which closed form is made, by the terms of numerator and denominator of the dynamics together:
+# Re and Im in lowest terms have some square of that many terms. The numbers are what is readable
+# (ten) and what takes seconds at most.
+_ALWAYS_LOWEST = 10
+"""Up to here lowest terms are taken as they are."""
+_MOST_COMPARED = 80
+"""Up to here lowest terms are compared with the form in magnitudes and angles."""
+_MOST_LOWEST = 300
+"""Up to here lowest terms are taken where the effects are not in series."""
+_LOWEST_MAY_EXCEED = 1.3
+"""Lowest terms are preferred up to this many times the operations of the other form."""
+
+_SAME_FREQUENCY = 1e-9
+"""Relative: frequencies, as doubles, that differ by less are not told apart."""
+_OMEGA_SQUARED = Symbol("W", positive=True)
+"""omega^2, the unknown of a threshold polynomial."""
+
+# Leading terms.
+_MOST_COEFFICIENTS = 24
+"""How many coefficients of numerator and denominator an expansion looks at before it gives up."""
+_COEFFICIENTS_BEFORE_TEST = 8
+"""After this many coefficients without a leading term of Re or Im, the part is tested for being
+0."""
+_MOST_FACTORED = 16
+"""Terms of a coefficient up to which it is factored for the reader."""
 
 
 @dataclass(frozen=True)
 class Chain:
-    """A display as dynamics in s, exact: the environment H_env, what the controller renders for it,
-    and the effects' chain matrices (A, B, C, D), nearest the environment first."""
+    """A display as dynamics in s, exact: ``environment``, H_env, what should be felt; ``rendered``,
+    what the controller renders for it; ``matrices``, the effects' chain matrices (A, B, C, D),
+    nearest the environment first. Stiffness, damping and mass in SI, s in rad/s."""
 
     environment: Expr
     rendered: Expr
@@ -81,8 +132,8 @@ class Chain:
         """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless
         given).
 
-        Raises SceneError where H_perc is not a dynamics, and where H_env is zero everywhere but in
-        ``free_air``.
+        Raises SceneError where H_perc is not a dynamics, and, unless ``free_air``, where H_env is
+        zero everywhere.
         """
         ring = ring or self.ring
         environment = ring.convert(self.environment).reduced()
@@ -90,20 +141,21 @@ class Chain:
             raise SceneError(NOTHING_TO_FEEL)
         return environment, self.perceived(range(len(self.matrices)), ring)
 
-    def perceived(self, places: Iterable[int], ring: Ring | None = None) -> RationalFunction:
-        """H_perc in lowest terms, of the effects at these places alone, in the ring of all unless
-        given another."""
+    def perceived(self, effects: Iterable[int], ring: Ring | None = None) -> RationalFunction:
+        """H_perc in lowest terms with these effects alone, given by their indices in ``matrices``;
+        in the ring of the whole chain unless given another."""
         ring = ring or self.ring
         H = ring.convert(self.rendered)
-        for i in places:
-            H = _through(H, [ring.convert(entry) for entry in self.matrices[i]])
+        for i in effects:
+            matrix = [ring.convert(entry) for entry in self.matrices[i]]
+            H = _moebius(H, matrix)
         return H.reduced()
 
     @cached_property
     def ring(self) -> Ring:
-        """The ring that holds them all."""
-        # A threshold comes along so that it may stay a symbol; a variable that does not occur costs
-        # nothing.
+        """The smallest ring that holds all dynamics of the chain, and ``stand_in``."""
+        # The threshold's symbol comes along so that crossings have formulas in it; a variable that
+        # does not occur costs nothing.
         return Ring.of([*self.entries(), self.stand_in])
 
     @cached_property
@@ -118,61 +170,59 @@ class Chain:
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
-        return (
-            self.environment,
-            self.rendered,
-            *(entry for matrix in self.matrices for entry in matrix),
-        )
+        entries = [self.environment, self.rendered]
+        for matrix in self.matrices:
+            entries += matrix
+        return tuple(entries)
 
     @property
     def parameters(self) -> tuple[Symbol, ...]:
-        """The symbols in it, in the order of their names."""
-        return tuple(
-            sorted({x for entry in self.entries() for x in entry.free_symbols} - {s}, key=str)
-        )
+        """The symbols in it except s, in the order of their names."""
+        found = {x for entry in self.entries() for x in entry.free_symbols}
+        return tuple(sorted(found - {s}, key=str))
 
     def program(self, fields: Sequence[str]) -> Program:
-        """The straight-line program of some fields of ``numeric.Values``; what is 0 everywhere is
-        written as 0."""
+        """The straight-line program of some fields of ``programs.values.Values``; what is 0 for all
+        arguments is written as 0."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
 
         write = _writer(self.environment, self.rendered, self.matrices, self.parameters)
         program = write(fields, ())
         # A value that is not 0 at one point settles that a field is not 0 everywhere. Only fields
         # whose ball holds 0 at this arbitrary point need the exact, slower test.
-        sample = BallPoint(program, tuple(1.25 + n / 8 for n in range(len(program.inputs)))).balls(
-            128
-        )
-        zero = [name for name in fields if sample[name].contains(0) and self.vanishes(name)]
+        point = tuple(1.25 + n / 8 for n in range(len(program.inputs)))
+        balls = BallPoint(program, point).balls(_SAMPLE_BITS)
+        zero = [name for name in fields if balls[name].contains(0) and self.vanishes(name)]
         return write(fields, zero) if zero else program
 
-    def vanishes(self, name: str) -> bool:
-        """Whether a field is 0 at all frequencies and for all parameters: decided exactly, both
-        ways."""
-        kind, _, part = name.rpartition("_")
+    def vanishes(self, field: str) -> bool:
+        """Whether a field, as "perceived_real", is 0 at all frequencies and for all parameters:
+        True and False are both decided exactly."""
+        kind, _, part = field.rpartition("_")
         env, perc = self.dynamics(free_air=kind == "perceived")
-        change = perc - env
-        dynamics = (
-            change / env
-            if kind == "relative"
-            else {"environment": env, "perceived": perc}.get(kind, change)
-        )
-        raw = on_axis(dynamics)
-        return (raw.raw_real if part == "real" else raw.raw_imag).is_zero
+        # All other fields, as ``real`` and ``ratio_real``, vanish where that part of dH does.
+        dynamics = perc - env
+        if kind == "relative":
+            dynamics = dynamics / env
+        elif kind == "environment":
+            dynamics = env
+        elif kind == "perceived":
+            dynamics = perc
+        response = on_axis(dynamics)
+        return (response.raw_real if part == "real" else response.raw_imag).is_zero
 
     @cached_property
     def steps(self) -> Steps:
-        """All fields of ``numeric.Values`` in named steps, as a page shows them; H_perc is given as
-        H_env + dH."""
+        """All fields of ``programs.values.Values`` in named steps, as a page shows them; H_perc is
+        given as H_env + dH."""
         from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
         page = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
-        results = page.results
-        felt = {
-            f"perceived_{part.value}": results[f"environment_{part.value}"] + results[part.value]
-            for part in Part
-        }
-        return Steps(page.definitions, {**results, **felt})
+        results = dict(page.results)
+        for part in Part:
+            perceived = results[f"environment_{part.value}"] + results[part.value]
+            results[f"perceived_{part.value}"] = perceived
+        return Steps(page.definitions, results)
 
     @property
     def in_series(self) -> bool:
@@ -180,25 +230,28 @@ class Chain:
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
-        """Re or Im dH, less that part of H_env as it is given: in series in magnitudes and
-        angles."""
+        """Re or Im dH, where ``environment`` is that part of H_env(j omega): that of H_perc, in
+        magnitudes and angles if the effects are in series, minus it."""
         if not self.in_series:
-            return _PART[part](self.formula, evaluate=False) - environment
-        return self._turned(part, [self.rendered, *self._gains]) - environment
+            return _PART_OF[part](self.formula, evaluate=False) - environment
+        return self._part_of_product(part, [self.rendered, *self._gains]) - environment
 
     def part_of_relative(self, part: Part) -> Expr:
-        """Re or Im(dH/H_env), that of H_perc/H_env - 1."""
+        """Re or Im of dH/H_env = H_perc/H_env - 1, in magnitudes and angles if the effects are in
+        series."""
         one = Integer(part is Part.REAL)
         if not self.in_series:
             H = self.environment.xreplace({s: I * omega})
-            return _PART[part](self.formula / H, evaluate=False) - one
+            return _PART_OF[part](self.formula / H, evaluate=False) - one
         # Where the environment itself is rendered, H_perc/H_env is the product of the gains alone.
-        outer = [] if self.rendered == self.environment else [self.rendered, 1 / self.environment]
-        return self._turned(part, [*outer, *self._gains]) - one
+        factors = self._gains
+        if self.rendered != self.environment:
+            factors = [self.rendered, 1 / self.environment, *factors]
+        return self._part_of_product(part, factors) - one
 
     @property
     def formula(self) -> Expr:
-        """H_perc(j omega), as the chain builds it."""
+        """H_perc(j omega), as the chain builds it: fractions within fractions."""
         H = self.rendered
         for a, b, c, d in self.matrices:
             H = (a * H + b) / (c * H + d)
@@ -206,27 +259,31 @@ class Chain:
 
     @property
     def _gains(self) -> list[Expr]:
-        """The factors A/D by which effects in series multiply the dynamics behind them."""
+        """The factors G_i = A/D by which effects in series multiply the dynamics behind them."""
         return [a / d for a, _, _, d in self.matrices]
 
     @staticmethod
-    def _turned(part: Part, factors: Sequence[Expr]) -> Expr:
-        """Re or Im of a product of factors on s = j omega, as the product of their magnitudes times
+    def _part_of_product(part: Part, factors: Sequence[Expr]) -> Expr:
+        """Re or Im of a product on s = j omega: the product of the magnitudes of its factors times
         the cosine or sine of the sum of their angles."""
         polar = [_polar(x) for x in factors]
-        return Mul(*(size for size, _ in polar)) * _TURN[part](Add(*(angle for _, angle in polar)))
+        magnitude = Mul(*(size for size, _ in polar))
+        angle = Add(*(phase for _, phase in polar))
+        return magnitude * _COSINE_OR_SINE[part](angle)
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
         """A chain with the same ratios whose H_env has no zeros on s = j omega; and whether the
-        parts have changed places, r_r being its r_i.
+        parts have changed places, r_r of this chain being r_i of that one.
 
-        All dynamics are taken over the factors Z of H_env that are real or imaginary there: H/Z
-        behind [[A, B/Z], [C Z, D]].
+        All dynamics are divided by the product Z of the factors of H_env that can vanish there:
+        (A H + B)/(C H + D) over Z is the map of [[A, B/Z], [C Z, D]] applied to H/Z. Re dH and Im
+        dH of the quotient are those of dH over |Z|, up to the sign, where Z(j omega) is real, and
+        change places where it is imaginary.
         """
-        environment = self.ring.convert(self.environment).reduced()
-        # Of a ratio |Re dH|/|H_env| a common factor that is real or imaginary on the axis cancels:
-        # at a frequency where H_env vanishes the ratio is then a value and no 0/0.
-        Z = self.ring.function(_axis_zeros(self.ring, environment.numerator))
+        H_env = self.ring.convert(self.environment).reduced()
+        # At a frequency where H_env vanishes the ratio, |Re dH|/|H_env|, is then a value and not
+        # 0/0.
+        Z = self.ring.function(_axis_zeros(self.ring, H_env.numerator))
         if Z.numerator.is_constant():
             return self, False
 
@@ -234,68 +291,70 @@ class Chain:
             """A dynamics times that power of Z, in lowest terms."""
             return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
 
-        matrices = tuple((a, times(b, -1), times(c, 1), d) for a, b, c, d in self.matrices)
+        matrices = []
+        for a, b, c, d in self.matrices:
+            matrices.append((a, times(b, -1), times(c, 1), d))
         # All factors of Z but s itself are even in s, so that any term has the parity of Z. An odd
-        # Z is imaginary on the axis and changes Re and Im about.
-        odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
-        return Chain(times(self.environment, -1), times(self.rendered, -1), matrices), odd
+        # Z is imaginary on the axis.
+        is_odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
+        environment, rendered = times(self.environment, -1), times(self.rendered, -1)
+        return Chain(environment, rendered, tuple(matrices)), is_odd
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
         return self.map(lambda entry: in_place(entry, values))
 
     def map(self, change: Callable[[Expr], Expr]) -> Chain:
-        """The chain with every dynamics in it changed."""
-        matrices = tuple(
-            (change(a), change(b), change(c), change(d)) for a, b, c, d in self.matrices
-        )
-        return Chain(change(self.environment), change(self.rendered), matrices)
+        """The chain with every dynamics in it changed by a function."""
+        matrices = []
+        for a, b, c, d in self.matrices:
+            matrices.append((change(a), change(b), change(c), change(d)))
+        return Chain(change(self.environment), change(self.rendered), tuple(matrices))
 
 
 @lru_cache(maxsize=8)
 def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
-    """The function that writes the programs of a chain, all from the same steps; cached, as several
-    sets of fields are asked of one chain."""
+    """The function that writes programs of a chain, by the fields wanted and those known to be 0,
+    all from the same steps; cached, as several sets of fields are asked of one chain."""
     from haptisym.programs.distortion import stable_program
 
     return stable_program(environment, rendered, matrices, inputs)
 
 
 def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
-    """The factors of a polynomial that can vanish on s = j omega: s itself, and those in s^2."""
+    """The product of the irreducible factors of a polynomial that are real or imaginary on s = j
+    omega, s itself and those in s^2: to vanish there takes one equation, of any other factor
+    two."""
     zeros_on_axis = ring.constant(1)
-    for factor, n in ring.factors(polynomial, in_square=False)[1] if polynomial else ():
+    if not polynomial:
+        return zeros_on_axis
+    for factor, multiplicity in ring.factors(polynomial, in_square=False)[1]:
         # With powers of s of one parity only (irreducible: s, or a polynomial in s^2) the factor is
-        # real or imaginary on the axis. One with a delay is neither.
-        even = len({int(exponents[0]) % 2 for exponents in factor.monoms()}) == 1
-        if factor.degrees()[0] and even and not any(factor.degrees()[ring.size :]):
-            zeros_on_axis = zeros_on_axis * factor**n
+        # real or imaginary on the axis. One with a delay, or a fractional power, is neither.
+        parities = {int(exponents[0]) % 2 for exponents in factor.monoms()}
+        degrees = factor.degrees()
+        if degrees[0] and len(parities) == 1 and not any(degrees[ring.size :]):
+            zeros_on_axis = zeros_on_axis * factor**multiplicity
     return zeros_on_axis
 
 
-def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
-    """The Moebius map (A H + B)/(C H + D), without fractions inside."""
+def _moebius(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
+    """(A H + B)/(C H + D), not yet in lowest terms; SceneError where the denominator is zero at
+    every frequency."""
     # Over one common denominator the four entries are polynomials; it cancels in the quotient.
     a, b, c, d = cleared(matrix)
-    top = a * H.numerator + b * H.denominator
-    bottom = c * H.numerator + d * H.denominator
-    if bottom.is_zero():
+    numerator = a * H.numerator + b * H.denominator
+    denominator = c * H.numerator + d * H.denominator
+    if denominator.is_zero():
         raise SceneError(
             "the effects make H_perc infinite at every frequency (C H + D = 0): change one of them"
         )
-    return RationalFunction(H.ring, top, bottom)
+    return RationalFunction(H.ring, numerator, denominator)
 
 
-# Terms of numerator and denominator together: up to _SHORT the form in lowest terms is taken as it
-# is; up to _FEW it is compared with the form in factors; up to _MOST it is made where there are no
-# factors. Above, Re and Im would have some square of that many terms.
-_SHORT, _FEW, _MOST = 10, 80, 300
-# Lowest terms are preferred up to this many times the operations of the other form.
-_LONGER = 1.3
-_TURN = {Part.REAL: cos, Part.IMAG: sin}
-_PART = {Part.REAL: re, Part.IMAG: im}
+# Closed forms of Re and Im: the choice between them, and magnitudes and angles.
 
 
 def shortest(
@@ -308,52 +367,69 @@ def shortest(
     """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest
     terms.
 
-    ``others`` : in factors, if all effects are ``in_series``, or as Re or Im of H_perc. Lowest
+    ``lowest`` : makes the form in lowest terms; ``others`` : makes the other one, in magnitudes and
+    angles if all effects are ``in_series``, else Re or Im of H_perc as the chain builds it. Lowest
     terms are preferred where they are short, and not made where that would take long.
     """
     terms = len(dynamics.numerator) + len(dynamics.denominator)
-    if terms <= _SHORT or (terms <= _MOST and not in_series):
+    if terms <= _ALWAYS_LOWEST or (terms <= _MOST_LOWEST and not in_series):
         return lowest(), True
     other = others()
-    if terms > _FEW:
+    if terms > _MOST_COMPARED:
         return other, False
     reduced = lowest()
-    return (reduced, True) if count_ops(reduced) <= _LONGER * count_ops(other) else (other, False)
+    is_lowest = count_ops(reduced) <= _LOWEST_MAY_EXCEED * count_ops(other)
+    return (reduced, True) if is_lowest else (other, False)
 
 
-def _polar(factor: Expr) -> tuple[Expr, Expr]:
-    """Magnitude (which may be negative, its sign being no part of the angle) and angle, rad, of a
-    product on s = j omega."""
-    above, below = factor.as_numer_denom()
-    signed = [(x, 1) for x in Mul.make_args(above)] + [(x, -1) for x in Mul.make_args(below)]
-    size, angle = Integer(1), Integer(0)
-    for x, sign in signed:
+def _polar(product: Expr) -> tuple[Expr, Expr]:
+    """Magnitude and angle, rad, of a product of factors on s = j omega. The magnitude may be
+    negative: its sign is then no part of the angle."""
+    numerator, denominator = product.as_numer_denom()
+    factors = [(x, 1) for x in Mul.make_args(numerator)]
+    factors += [(x, -1) for x in Mul.make_args(denominator)]
+    magnitude, angle = Integer(1), Integer(0)
+    for factor, sign in factors:
         # exp(-s tau) is a factor of its own: SymPy would call it the power -s tau of e.
-        base, power = x.as_base_exp() if not isinstance(x, exp) else (x, Integer(1))
-        n = sign * power if power.is_Integer else Integer(sign)
-        magnitude, phase = _polar_of_one(base if power.is_Integer else x)
-        size, angle = size * magnitude**n, angle + phase * n
-    return size, angle
+        is_exponential = isinstance(factor, exp)
+        base, power = (factor, Integer(1)) if is_exponential else factor.as_base_exp()
+        if not power.is_Integer:
+            base, power = factor, Integer(1)
+        of_one, phase = _polar_of_one(base)
+        n = sign * power
+        magnitude *= of_one**n
+        angle += phase * n
+    return magnitude, angle
 
 
 def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
-    """Magnitude and angle, rad, of one factor on s = j omega: a delay, a power of s, the numerator
-    of a hold, or any polynomial."""
-    is_exponential = isinstance(x, exp)
-    base, power = (s, x.args[0] / s) if is_exponential else x.as_base_exp()
-    # A delay exp(s a): magnitude 1, angle omega a.
-    if is_exponential and not power.has(s):
-        return Integer(1), omega * power
-    if base == s and not power.has(s):
-        return omega**power, pi * power / 2
+    """Magnitude (which may be negative) and angle, rad, of one factor on s = j omega: a delay, a
+    power of s, the numerator of a hold, or any polynomial."""
+    if isinstance(x, exp):
+        # A delay exp(s a): magnitude 1, angle omega a.
+        advance = x.args[0] / s
+        if not advance.has(s):
+            return Integer(1), omega * advance
+    else:
+        base, power = x.as_base_exp()
+        if base == s and not power.has(s):
+            return omega**power, pi * power / 2
     # A hold: +-(exp(s T) - 1) = +-exp(s T/2) 2 sinh(s T/2), and sinh(j y) = j sin y.
-    for sign, rest in ((1, x + 1), (-1, 1 - x)):
-        if isinstance(rest, exp) and not (lag := rest.args[0] / s).has(s):
-            return 2 * sign * sin(omega * lag / 2), (pi + omega * lag) / 2
+    for sign, exponential in ((1, x + 1), (-1, 1 - x)):
+        if isinstance(exponential, exp):
+            period = exponential.args[0] / s
+            if not period.has(s):
+                phase = omega * period
+                return 2 * sign * sin(phase / 2), (pi + phase) / 2
     ring = Ring.of([x])
     response = on_axis(ring.convert(x))
-    a, b = (f.function.reduced().expression() for f in (response.real, response.imag))
+    a = response.real.function.reduced().expression()
+    b = response.imag.function.reduced().expression()
     return sqrt(a**2 + b**2), atan2(b, a)
+
+
+# What a person makes of a dynamics. Equations are those of Fu, van Paassen and Mulder (2019),
+# doi:10.1016/j.ifacol.2019.12.119.
 
 
 @dataclass(frozen=True)
@@ -399,8 +475,8 @@ class Properties:
 
 @dataclass(frozen=True)
 class ParameterJND:
-    """How much a single parameter must change to be noticed: dk = c|H|, db = c|H|/omega, dm =
-    c|H|/omega^2.
+    """How much a single parameter must change to be noticed, for a threshold c: dk = c |H|, db =
+    c |H|/omega, dm = c |H|/omega^2.
 
     N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of
     one parameter by p moves Re H by dk or -omega^2 dm, or Im H by omega db.
@@ -414,13 +490,17 @@ class ParameterJND:
 def properties(response: Response, frequency: Symbol = omega) -> Properties:
     """The properties of a dynamics by its response on s = j omega; ``frequency`` : the symbol for
     omega in them."""
-    real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
+    named = {omega: frequency}
+    real = response.real.factored().xreplace(named)
+    imag = response.imag.factored().xreplace(named)
     return Properties(real, imag, frequency)
 
 
 def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-    """The formula among ``found`` that is the lowest frequency: for these ``values`` of all
-    parameters, or without them for all values at which it is in force. None where it is open.
+    """The formula among the solutions ``found`` that is the lowest frequency: for these ``values``
+    of all parameters, or without them for all values at which it is in force.
+
+    None : which one is lowest is not decided, or none is in force.
 
     >>> from haptisym.kernel.rings import symbols
     >>> k, m = symbols("k m")
@@ -428,25 +508,29 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     >>> lowest(both), lowest(both, {k: Integer(5), m: Integer(1)})
     (None, sqrt(k - m))
     """
+    # A solution without omega is an equation that has no formula.
     if any(x.omega is None for x in found):
         return None
     if values is None:
-        return next(
-            (x.omega for x in found if all(x is other or _is_lower(x, other) for other in found)),
-            None,
-        )
-    put = [
-        (y.omega, y.conditions, x.omega)
-        for x in found
-        if (y := x.put(values)) and y.omega is not None
-    ]
-    if not put or any(conditions or not here.is_real for here, conditions, _ in put):
+        for x in found:
+            if all(x is other or _is_lower(x, other) for other in found):
+                return x.omega
         return None
-    (low, formula), *others = sorted(
-        ((float(here), form) for here, _, form in put), key=itemgetter(0)
-    )
+    by_frequency = []
+    for x in found:
+        with_values = x.put(values)
+        if with_values and with_values.omega is not None:
+            if with_values.conditions or not with_values.omega.is_real:
+                return None
+            by_frequency.append((float(with_values.omega), x.omega))
+    if not by_frequency:
+        return None
+    by_frequency.sort(key=itemgetter(0))
+    frequency, formula = by_frequency[0]
     # Two zeros that meet as doubles may be one that is touched, where no sign changes.
-    return None if others and others[0][0] - low <= 1e-9 * low else formula
+    if len(by_frequency) > 1 and by_frequency[1][0] - frequency <= _SAME_FREQUENCY * frequency:
+        return None
+    return formula
 
 
 def _is_lower(one: Solution, other: Solution) -> bool:
@@ -460,20 +544,17 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. The root is not
     # negative where it is real, so that the signs of the other factors decide.
     gap = factor_terms((other.omega**2 - one.omega**2).expand())
-    known = (
-        x.is_positive for x in Mul.make_args(gap) if not (x.is_Pow and x.exp == Rational(1, 2))
-    )
-    return bool((one.omega - other.omega).is_negative) or all(known)
+    if (one.omega - other.omega).is_negative:
+        return True
+    for factor in Mul.make_args(gap):
+        is_root = factor.is_Pow and factor.exp == Rational(1, 2)
+        if not is_root and not factor.is_positive:
+            return False
+    return True
 
 
-# omega^2, the unknown of a threshold polynomial
-_SQUARE = Symbol("W", positive=True)
-# How many coefficients of numerator and denominator an expansion looks at before it gives up.
-_TERMS = 24
-# After this many coefficients without a leading term of Re or Im, the part is tested for being 0.
-_SOON = 8
-# Terms of a coefficient up to which it is factored for the reader.
-_SHORT_TERM = 16
+# Changeovers, crossings of a threshold and bandwidth. A ratio comes as its square, a rational
+# function of omega.
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers,
@@ -515,8 +596,8 @@ def part_named(given: Any) -> Part:
 
 
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
-    """Read a threshold: a fraction > 0, as a number or in symbols of its own. ``named`` : the names
-    that are taken, and what they mean. SceneError for any other."""
+    """Read a threshold c: a fraction > 0, as a number or in symbols of its own. ``named`` : the
+    names that are taken, and what they mean. SceneError for any other."""
     if isinstance(given, str):
         raise SceneError(
             f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)"
@@ -538,25 +619,32 @@ def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     # In squares there is no square root of |H_env|^2: zeros and signs stay those of polynomials.
     f = squared_ratio.function
     square = f.ring.convert(c**2)
-    top = f.numerator * square.denominator - square.numerator * f.denominator
-    return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
+    numerator = f.numerator * square.denominator - square.numerator * f.denominator
+    denominator = f.denominator * square.denominator
+    return RealFunction(f.ring.function(numerator, denominator).reduced())
 
 
 def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
-    """The frequencies at which a ratio equals a threshold, as formulas; ``stand_in`` : the symbol
-    that the ring has for a threshold."""
+    """The frequencies at which a ratio equals a threshold, as formulas with the conditions under
+    which they are in force; ``stand_in`` : the symbol that the ring has for a threshold."""
     if not c.free_symbols:
         return solve(excess(squared_ratio, c))
     solutions = solve(excess(squared_ratio, stand_in))
     # Squaring loses the sign of c: the condition c >= 0 goes along, and is left out where known.
-    in_c = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in solutions)
-    return tuple(x for x in in_c if x is not None)
+    in_c = []
+    for x in solutions:
+        conditional = replace(x, conditions=(*x.conditions, stand_in))
+        with_c = conditional.put({stand_in: c})
+        if with_c is not None:
+            in_c.append(with_c)
+    return tuple(in_c)
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
     """All positive zeros of a function without free parameters, on a band if one is given, as
     certified numbers; none is missed."""
-    return tuple(p.omega for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
+    points = (p for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
+    return tuple(p.omega for p in points if float(p.omega))
 
 
 def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
@@ -565,12 +653,14 @@ def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
     # N D has the sign of N/D and no poles: a zero at which it changes its sign is a zero of N or a
     # pole, both of odd order.
     same_sign = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
-    return tuple(p.omega for p in _chart(same_sign, None).sign_changes(0) if float(p.omega))
+    points = _chart(same_sign, None).sign_changes(0)
+    return tuple(p.omega for p in points if float(p.omega))
 
 
 def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
-    """The zeros and poles of a function on a band, or on all frequencies at which it has any."""
-    low, high = _ends(band) if band else (Integer(0), _far(f))
+    """The zeros and poles of a function, under the name 0, on a band, or on all frequencies at
+    which it has zeros."""
+    low, high = _band_ends(band) if band else (Integer(0), _above_all_zeros(f))
     return chart({0: f}, low, high)
 
 
@@ -579,7 +669,7 @@ def unknown(*functions: RealFunction) -> set[Symbol]:
     return {x for f in functions for x in f.expression().free_symbols} - {omega}
 
 
-def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
+def _band_ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
     """The two ends of a band, rad/s, exact; SceneError unless 0 <= low < high."""
     low, high = (number(x, Dimension.FREQUENCY).value for x in given_band(band))
     if not 0 <= low < high:
@@ -587,9 +677,9 @@ def _ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
     return low, high
 
 
-def _far(f: RealFunction) -> Expr:
-    """A frequency, rad/s, above which a function has no zero; SceneError where none is
-    known, as with a delay."""
+def _above_all_zeros(f: RealFunction) -> Expr:
+    """A frequency, rad/s, above which a function has no zero; SceneError where none is known, as
+    with a delay."""
     if f.function.is_zero:
         return Integer(1)
     # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.
@@ -597,6 +687,7 @@ def _far(f: RealFunction) -> Expr:
         raise SceneError(
             "with a delay there may be infinitely many crossings: give a band, as band=(0, 100)"
         )
+    # The sign that holds for all omega >= ``radius``.
     at_infinity = asymptotic_sign(f.function)
     if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
@@ -607,66 +698,86 @@ def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol)
     """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays or
     fractional powers an expression in omega. ``stand_in`` : the ring's symbol for a threshold."""
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
-    polynomial = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
+    numerator = f.function.expression().as_numer_denom()[0]
+    polynomial = numerator.expand().xreplace({stand_in: c})
     if not polynomial.is_polynomial(omega):
         return polynomial
     if any(n % 2 for (n,) in Poly(polynomial, omega).monoms()):
         return polynomial
-    if _SQUARE.name in {x.name for x in polynomial.free_symbols}:
-        raise SceneError(f"{_SQUARE} is reserved for omega^2: give the parameter another name")
-    return Poly(polynomial.subs(omega, sqrt(_SQUARE)), _SQUARE)
+    if _OMEGA_SQUARED.name in {x.name for x in polynomial.free_symbols}:
+        raise SceneError(
+            f"{_OMEGA_SQUARED} is reserved for omega^2: give the parameter another name"
+        )
+    return Poly(polynomial.subs(omega, sqrt(_OMEGA_SQUARED)), _OMEGA_SQUARED)
 
 
 def bandwidth(
     squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None
 ) -> RealNumber | Expr:
     """The upper end of the interval, from 0 or from the band's low end, on which no ratio exceeds
-    c, rad/s; 0 where there is no such interval, oo where it has no end."""
+    c, rad/s; 0 where there is no such interval, oo where it has no end.
+
+    SceneError where a parameter has no value, and, without a band, for a delay.
+    """
     if free := unknown(*squared_ratios.values()) | c.free_symbols:
         named = ", ".join(sorted(map(str, free)))
         raise SceneError(
             f"a bandwidth needs values for {named}; crossings(part, c) has the formulas"
         )
     functions = {part: excess(f, c) for part, f in squared_ratios.items()}
-    low, high = _ends(band) if band else (Integer(0), max(map(_far, functions.values())))
+    if band:
+        low, high = _band_ends(band)
+    else:
+        low, high = Integer(0), max(map(_above_all_zeros, functions.values()))
     table = chart(functions, low, high)
-    satisfied = table.where(lambda signs: all(x <= 0 for x in signs.values()))
+    unnoticed = table.where(lambda signs: all(x <= 0 for x in signs.values()))
     # The bandwidth is the end of the interval that begins at the low end: one further up, behind
     # frequencies at which a ratio exceeds c, is none.
-    if not satisfied or satisfied[0].low is not table.points[0]:
+    if not unnoticed or unnoticed[0].low is not table.points[0]:
         return Integer(0)
-    # Above the last point of a chart without a band no ratio crosses c any more.
-    return oo if satisfied[0].high is table.points[-1] and not band else satisfied[0].high.omega
+    # Above the last point of a chart without a band no ratio crosses c any more: there, as from
+    # ``_above_all_zeros`` on, each function has one sign.
+    if unnoticed[0].high is table.points[-1] and not band:
+        return oo
+    return unnoticed[0].high.omega
+
+
+# Leading terms at low and high frequency.
 
 
 def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
-    """The leading terms of dH, Re dH and Im dH at 0 or oo; SceneError where an expansion in powers
-    does not exist or does not show one within _TERMS terms."""
+    """The leading terms of dH(s), Re dH and Im dH as omega tends to ``at``, 0 or oo; 0 for one that
+    is 0 everywhere. SceneError where an expansion in powers of s does not exist or does not show a
+    leading term within ``_MOST_COEFFICIENTS``."""
     if at not in (0, oo):
         raise SceneError(f"at: {quoted(at)}: give 0 or oo")
     if at == oo and ring_of(difference).lags:
         raise SceneError("at = oo: with a delay there is no leading term")
     if difference.is_zero:
         return Asymptote(Integer(0), Integer(0), Integer(0))
+    # Of dH, Re dH and Im dH, in this order; None until it is known.
     leading: list[Expr | None] = [None, None, None]
     for n, (power, h) in enumerate(_expansion(difference, at)):
         # A part that does not come soon may vanish at all frequencies, and then never comes. That
         # is asked late, as Re and Im in lowest terms take longer than some coefficients.
-        if n == _SOON:
+        if n == _COEFFICIENTS_BEFORE_TEST:
             exact = on_axis(difference)
-            vanishing = (False, exact.raw_real.is_zero, exact.raw_imag.is_zero)
-            leading = [
-                Integer(0) if gone else x for x, gone in zip(leading, vanishing, strict=True)
-            ]
+            if exact.raw_real.is_zero:
+                leading[1] = Integer(0)
+            if exact.raw_imag.is_zero:
+                leading[2] = Integer(0)
         if h != 0:
-            # (j omega)^n = (-1)^(n//2) omega^n, times j for an odd n, whose term belongs to Im.
-            sign = (-1) ** (power // 2)
-            for place, term in ((0, h * s**power), (1 + power % 2, sign * h * omega**power)):
-                if leading[place] is None:
-                    leading[place] = term
+            # (j omega)^n = (-1)^(n//2) omega^n, times j for an odd n, whose term belongs to Im. Of a
+            # negative n too; Python's -1 to such a power would be a float.
+            sign = -1 if power // 2 % 2 else 1
+            part = 1 + power % 2
+            if leading[0] is None:
+                leading[0] = h * s**power
+            if leading[part] is None:
+                leading[part] = sign * h * omega**power
         if None not in leading:
             return Asymptote(*leading)
-    raise SceneError(f"no leading term up to order {_TERMS - 1}")
+    raise SceneError(f"no leading term up to order {_MOST_COEFFICIENTS - 1}")
 
 
 def low_frequency(perceived: RationalFunction) -> LowFrequency:
@@ -688,75 +799,94 @@ def low_frequency(perceived: RationalFunction) -> LowFrequency:
 
 
 def _expansion(dynamics: RationalFunction, at: Any) -> Iterator[tuple[int, Expr]]:
-    """Powers of s with their coefficients, from the leading one on: ascending at 0, descending at
-    oo. Exact: a delay at 0 is its Taylor series.
+    """Yield powers of s with their coefficients in the series of a dynamics at 0 (ascending) or oo
+    (descending), from the leading one on. Exact: a delay at 0 is its Taylor series.
 
     SceneError for a display with fractional powers of s.
     """
     ring = ring_of(dynamics)
     if ring.orders:
         raise SceneError("a display with fractional powers of s has no leading term")
-    rows = [_Coefficients(p, ring, at == oo) for p in (dynamics.numerator, dynamics.denominator)]
-    starts = [next((n for n in range(_TERMS) if row(n) != 0), _TERMS) for row in rows]
-    if max(starts) == _TERMS:
-        raise SceneError(f"no leading term up to order {_TERMS - 1}")
-    above, below = (partial(row.from_, n) for row, n in zip(rows, starts, strict=True))
-    degrees = [
-        max(int(e[0]) for e in p.monoms()) for p in (dynamics.numerator, dynamics.denominator)
-    ]
-    first = starts[0] - starts[1]
+    descending = at == oo
+    parts = (dynamics.numerator, dynamics.denominator)
+    series = [_Coefficients(p, ring, descending=descending) for p in parts]
+    # How many coefficients vanish before the first of each part.
+    skipped = []
+    for coefficients in series:
+        indices = (n for n in range(_MOST_COEFFICIENTS) if coefficients(n) != 0)
+        skipped.append(next(indices, _MOST_COEFFICIENTS))
+    if max(skipped) == _MOST_COEFFICIENTS:
+        raise SceneError(f"no leading term up to order {_MOST_COEFFICIENTS - 1}")
+    numerator = partial(series[0].from_, skipped[0])
+    denominator = partial(series[1].from_, skipped[1])
+    first = skipped[0] - skipped[1]
+    if descending:
+        degrees = [max(int(exponents[0]) for exponents in p.monoms()) for p in parts]
+        first = degrees[0] - degrees[1] - first
     # Over a leading sum each coefficient is a quotient that must be reduced in a ring to stay
     # short; over a single product nothing has to be brought to one fraction.
-    divide = _divided if below(0).is_Add else _over_one_term
-    for n, h in enumerate(divide(above, below, ring, _TERMS - max(starts))):
-        yield (first + n if at == 0 else degrees[0] - degrees[1] - first - n), h
+    divide = _divided_in_ring if denominator(0).is_Add else _divided_by_product
+    count = _MOST_COEFFICIENTS - max(skipped)
+    for n, coefficient in enumerate(divide(numerator, denominator, ring, count)):
+        yield (first - n if descending else first + n), coefficient
 
 
-_Row: TypeAlias = Callable[[int], Expr]
+_Series: TypeAlias = Callable[[int], Expr]
+"""A power series in s or 1/s: its n-th coefficient, n = 0, 1, ...; coefficient 0 is not 0."""
 
 
-def _over_one_term(above: _Row, below: _Row, _: Ring, count: int) -> Iterator[Expr]:
-    """The coefficients of a quotient of series whose denominator begins with one product, as of a
-    chain of lags; nothing is brought to one fraction."""
+def _divided_by_product(
+    numerator: _Series, denominator: _Series, _: Ring, count: int
+) -> Iterator[Expr]:
+    """Yield the first coefficients of a quotient of series whose denominator begins with one
+    product, as of a chain of lags; nothing is brought to one fraction."""
     # q_n = a_n/b_0 - sum over i < n of q_i b_(n-i)/b_0: division of power series
     ratios: list[Expr] = []
     quotient: list[Expr] = []
     for n in range(count):
-        ratios.append((below(n) / below(0)).expand())
-        earlier = Add(*(h * ratios[n - i] for i, h in enumerate(quotient)))
-        term = (above(n) / below(0) - earlier).expand()
-        quotient.append(term)
-        yield term.factor() if len(Add.make_args(term)) <= _SHORT_TERM else term
+        ratios.append((denominator(n) / denominator(0)).expand())
+        earlier = [q * ratios[n - i] for i, q in enumerate(quotient)]
+        q_n = (numerator(n) / denominator(0) - Add(*earlier)).expand()
+        quotient.append(q_n)
+        is_short = len(Add.make_args(q_n)) <= _MOST_FACTORED
+        yield q_n.factor() if is_short else q_n
 
 
-def _divided(above: _Row, below: _Row, ring: Ring, count: int) -> Iterator[Expr]:
-    """The coefficients of a quotient of two power series, each in lowest terms."""
-    into = Ring.of([*ring.symbols, *ring.lags, pi])
-    bottom: list[RationalFunction] = []
+def _divided_in_ring(
+    numerator: _Series, denominator: _Series, ring: Ring, count: int
+) -> Iterator[Expr]:
+    """Yield the first coefficients of a quotient of two series, each in lowest terms, in a ring of
+    the parameters and lags (delays in s)."""
+    of_parameters = Ring.of([*ring.symbols, *ring.lags, pi])
+    divisor: list[RationalFunction] = []
     quotient: list[RationalFunction] = []
     for n in range(count):
-        bottom.append(into.convert(below(n)))
-        remainder = into.convert(above(n))
-        for i, h in enumerate(quotient):
-            remainder = remainder - h * bottom[n - i]
-        term = (remainder / bottom[0]).reduced()
-        quotient.append(term)
-        is_short = len(term.numerator) + len(term.denominator) <= _SHORT_TERM
-        yield term.factored() if is_short else term.expression()
+        divisor.append(of_parameters.convert(denominator(n)))
+        remainder = of_parameters.convert(numerator(n))
+        for i, q in enumerate(quotient):
+            remainder = remainder - q * divisor[n - i]
+        q_n = (remainder / divisor[0]).reduced()
+        quotient.append(q_n)
+        is_short = len(q_n.numerator) + len(q_n.denominator) <= _MOST_FACTORED
+        yield q_n.factored() if is_short else q_n.expression()
 
 
 class _Coefficients:
-    """The coefficients of a polynomial in s: of s^0, s^1, ... with each delay as its series, or
-    (``down``) of the highest power of s and of those below it; expanded."""
+    """The coefficients of a polynomial in s and delays as a series in s, expanded: number n is that
+    of s^n, each delay exp(-s tau) being its Taylor series; or, ``descending`` and without delays,
+    that of the n-th power below the highest."""
 
-    def __init__(self, polynomial: Polynomial, ring: Ring, down: bool) -> None:  # noqa: FBT001
+    def __init__(self, polynomial: Polynomial, ring: Ring, *, descending: bool) -> None:
         self.ring = ring
-        self.by_power: dict[int, list[tuple[list[int], Any]]] = {}
-        highest = max(int(e[0]) for e in polynomial.monoms())
+        # Monomials, as exponents and value, by the first coefficient to which they add. The ring's
+        # generators in order: s, pi, symbols, delays.
+        self.monomials: dict[int, list[tuple[list[int], Any]]] = {}
+        highest = max(int(exponents[0]) for exponents in polynomial.monoms())
         for exponents, value in polynomial.to_dict().items():
             powers = [int(x) for x in exponents]
-            index = highest - powers[0] if down else powers[0]
-            self.by_power.setdefault(index, []).append((powers, value))
+            of_s = powers[0]
+            index = highest - of_s if descending else of_s
+            self.monomials.setdefault(index, []).append((powers, value))
 
     def from_(self, start: int, n: int) -> Expr:
         """The n-th coefficient after the one of index ``start``."""
@@ -764,17 +894,21 @@ class _Coefficients:
 
     @cache  # noqa: B019 - as short-lived as the question
     def __call__(self, n: int) -> Expr:
-        ring, total = self.ring, []
-        for power in (x for x in self.by_power if x <= n):
-            for powers, value in self.by_power[power]:
+        ring = self.ring
+        terms = []
+        for index, monomials in self.monomials.items():
+            if index > n:
+                continue
+            for powers, value in monomials:
                 # A monomial is s^e pi^e ... times delays exp(-s lag). It adds to s^n by the term of
-                # order n - power of the delays' series; without a delay only to its own power.
-                lag = Add(*(m * x for x, m in zip(ring.lags, powers[ring.size :], strict=False)))
-                if power < n and lag == 0:
+                # order n - e of the delays' series; without a delay only to its own power.
+                of_symbols, of_delays = powers[2 : ring.size], powers[ring.size :]
+                lag = Add(*(m * x for x, m in zip(ring.lags, of_delays, strict=False)))
+                order = n - index
+                if order > 0 and lag == 0:
                     continue
-                factors = (x**m for x, m in zip(ring.symbols, powers[2 : ring.size], strict=True))
-                taylor = (-lag) ** (n - power) / factorial(n - power)
-                total.append(
-                    Mul(Rational(int(value.p), int(value.q)), pi ** powers[1], *factors, taylor)
-                )
-        return Add(*total).expand()
+                taylor = (-lag) ** order / factorial(order)
+                factors = [x**m for x, m in zip(ring.symbols, of_symbols, strict=True)]
+                number = Rational(int(value.p), int(value.q))
+                terms.append(Mul(number, pi ** powers[1], *factors, taylor))
+        return Add(*terms).expand()

@@ -1,11 +1,23 @@
-"""A scene: the environment to be felt, the effects in between, the band of interest, the threshold
-and the hands.
+"""A scene: a haptic display and the question of what a person notices of it.
 
-Each effect has a name and each parameter a symbol of its own, so that closed forms of the whole
-scene are unambiguous. ``Knobs`` are everything in a scene that a question may vary, by one set of
-names: the numbers of its elements, and the thresholds. ``caveats`` are the limits of an exact
-answer about a scene: where its formulas are approximations or do not apply. Friction is noticed by
-a Weber law and a floor of its own, not by the JND of damping. Begin with ``Scene``.
+A scene has the *environment* to be felt (a dynamics H_env, force over motion, as of a wall or a
+mass), the *effects* between it and the hand (filters, delays, samplers, elastic parts), the *band*
+of frequencies of interest, the *threshold* (JND, just-noticeable difference, relative to |H_env|)
+and the *hands* that may hold it. Where the controller does not render the environment itself, what
+it renders is one more environment, ``rendered``. Begin reading at ``Scene``, which is valid by
+construction: SceneError names what is wrong.
+
+**Names.** Each effect has a name and each parameter a symbol of its own, so that closed forms of
+the whole scene are unambiguous (``with_names``, ``symbol_names``). A parameter has a *path* in a
+scene file, as ``effects.filter.omega_n``. A parameter of ``rendered`` may be *tied* to one of the
+environment: a reference in its place, so that both are one parameter in two places.
+
+**Knobs** (``Scene.knobs``) are the numbers of a scene that a question may vary, by one set of
+names: the parameters of its elements (environment, effects, hands), and the thresholds.
+
+**Notes.** ``Scene.asides`` are the notes that go with an answer: which numbers were estimated, that
+it is for nominal values, which parameters exist twice. ``caveats``, in the last section, are the
+limits of an exact answer: where the formulas of a scene are approximations or do not apply.
 """
 
 from __future__ import annotations
@@ -15,7 +27,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from typing import Any, Protocol
 
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
@@ -54,16 +66,24 @@ from haptisym.model.quantities import RADIANS, Dimension, MotionKind, Number, Un
 
 THRESHOLD = "evaluation.jnd"
 """The path of both thresholds as one."""
+_THRESHOLD_NAMES = ("c", "c_real", "c_imag")
+"""The names of the thresholds' symbols."""
+_FRICTION_KEYS = {"weber": Dimension.RATIO, "floor": Dimension.FORCE, "reference": Dimension.FORCE}
+"""The keys of a friction threshold in a scene file."""
+
+
+# What may be varied.
 
 
 @dataclass(frozen=True, repr=False)
 class Knob(Parameter):
-    """A number of a scene: ``value`` in SI, its ``rule`` and, where the scene gives one, its range
-    ``interval``.
+    """A number of a scene that a question may vary: ``value`` in SI, its ``rule`` (the values that
+    it may have) and, where the scene gives one, its range ``interval``.
 
-    ``place``: in a scene file, ``environment``, ``effects.filter``, ``evaluation``; ``model``: of
-    what has it. ``motion``: the scene's. ``also``: the paths of what refers to it. ``parts``: of a
-    threshold those whose it is; its symbol is c.
+    ``place``: of its element in a scene file, ``environment``, ``effects.filter``; of a threshold
+    ``evaluation``. ``model``: that of the element. ``motion``: the scene's, along a line or about
+    an axis. ``also``: the paths of the parameters that are tied to it. ``parts``: of a threshold
+    the parts, real and imaginary, that it is for, and its symbol is c; () for any other number.
     """
 
     place: str = ""
@@ -190,20 +210,19 @@ class Knobs(Collection[Knob]):
                 f'"{given}" is ambiguous: write {" or ".join(x.path for x in matches)}'
             )
         if not matches:
-            paths = [path for x in self for path in x.paths]
-            by_dimension = next(
-                (
-                    f'did you mean "{x.path}"? '
-                    for x in self
-                    if x.dimension.name.lower() == given.lower()
-                ),
-                "",
-            )
-            hint = by_dimension or meant(given, [*paths, *(x.name for x in self)])
-            raise SceneError(
-                f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}'
-            )
+            raise self._unknown(given)
         return matches[0]
+
+    def _unknown(self, given: str) -> SceneError:
+        """The error for a name that no knob has: with the one that may be meant, by its dimension
+        ("mass") or its spelling, and with all paths."""
+        paths = [path for x in self for path in x.paths]
+        hint = ""
+        for x in self:
+            if not hint and x.dimension.name.lower() == given.lower():
+                hint = f'did you mean "{x.path}"? '
+        hint = hint or meant(given, [*paths, *(x.name for x in self)])
+        return SceneError(f'unknown parameter "{given[:60]}": {hint}valid are {", ".join(paths)}')
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
@@ -212,14 +231,15 @@ class Knobs(Collection[Knob]):
 
     @property
     def limits(self) -> dict[Part, Knob]:
-        """The threshold's knob of each part: one for both where they are equal, else each its own;
-        empty for a polygon."""
+        """The threshold's knob of each part: the one for both where they are equal, else each its
+        own; empty for a polygon, which has no limit for one part."""
         thresholds = [x for x in self if x.parts]
         if not thresholds:
             return {}
         # The first one stands for both parts, as ``threshold_knobs`` lists them.
         both, *each = thresholds
-        are_equal = len({(x.value, x.interval) for x in each}) == 1
+        first, second = each
+        are_equal = (first.value, first.interval) == (second.value, second.interval)
         return {part: both if are_equal else knob for part, knob in zip(Part, each, strict=True)}
 
     def chosen(self, names: Iterable[str]) -> tuple[Knob, ...]:
@@ -247,16 +267,16 @@ class Knobs(Collection[Knob]):
                 )
 
 
-_FRICTION_KEYS = {"weber": Dimension.RATIO, "floor": Dimension.FORCE, "reference": Dimension.FORCE}
+# When friction is noticed.
 
 
 @dataclass(frozen=True)
 class FrictionThreshold:
     """A friction force F is noticed as another than ``reference`` where they differ by more than
-    max(floor, weber reference).
+    max(floor, weber reference): by Weber's law and a floor of its own, not by the JND of damping.
 
     ``weber`` : a fraction, >= 0. ``floor``, ``reference`` : N or N m, >= 0; the reference is what
-    should be felt, 0 if not given.
+    should be felt, 0 if not given. ``motion`` : that of the units, None where no force is given.
     Source: Veldhuis, Mulder and van Paassen (2024), doi:10.1109/THMS.2024.3368358 (abstract read):
     Weber's law where friction is large, a detection threshold, which the linear dynamics shift,
     where it is not.
@@ -302,8 +322,11 @@ def read_friction(given: Any) -> FrictionThreshold:
     return FrictionThreshold(**numbers, motion=next(iter(motions), None))
 
 
+# Names that are unique in a scene.
+
+
 class HasParameters(Protocol):
-    """An environment, an effect or a hand."""
+    """An environment, an effect or a hand: an element of a scene."""
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
@@ -327,37 +350,37 @@ def with_names(effects: Iterable[Effect]) -> list[Effect]:
 def symbol_names(
     elements: Iterable[tuple[str, HasParameters | None]],
 ) -> list[dict[Symbol, Symbol]]:
-    """For each element, new symbols for those that another element names alike: ``zeta`` becomes
-    ``zeta_filter``.
+    """For each element, with its label, new symbols for those that another element names alike:
+    ``zeta`` becomes ``zeta_filter``. None stands for an element that a scene does not have.
 
-    The first element, which has no label, is the environment: it keeps its names but for the
+    The first element, which has the label "", is the environment: it keeps its names but for the
     threshold's, as ``c``, which becomes ``c_env``.
     """
+    labelled = list(elements)
     # The thresholds' names count as used once, so that a parameter called c is always renamed.
-    listed = list(elements)
-    uses = Counter([p.symbol.name for _, element in listed if element for p in element.parameters])
-    uses.update(_OF_THRESHOLDS)
+    uses = Counter(_THRESHOLD_NAMES)
+    for _, element in labelled:
+        if element:
+            uses.update(p.symbol.name for p in element.parameters)
     taken = set(uses)
     renamed: list[dict[Symbol, Symbol]] = []
-    for label, element in listed:
+    for label, element in labelled:
         suffix = "_" + re.sub(r"\W", "_", label or "env")
-        parameters = element.parameters if element else ()
-        own = [
-            p.symbol for p in parameters if not p.tie and (label or p.symbol.name in _OF_THRESHOLDS)
-        ]
-        shared = [symbol for symbol in own if uses[symbol.name] > 1]
-        names = {symbol: free_name(f"{symbol.name}{suffix}", taken) for symbol in shared}
-        taken |= set(names.values())
-        # A tied parameter is the environment's, which comes first: it follows that one's new name.
-        tied = {
-            p.symbol: renamed[0][p.symbol] for p in parameters if p.tie and p.symbol in renamed[0]
-        }
-        fresh = {symbol: Symbol(name, **symbol.assumptions0) for symbol, name in names.items()}
-        renamed.append({**tied, **fresh})
+        new: dict[Symbol, Symbol] = {}
+        for p in element.parameters if element else ():
+            # A tied parameter is the environment's, which comes first: it follows that one's new
+            # name.
+            if p.tie:
+                if p.symbol in renamed[0]:
+                    new[p.symbol] = renamed[0][p.symbol]
+                continue
+            name = p.symbol.name
+            may_change = label or name in _THRESHOLD_NAMES
+            if may_change and uses[name] > 1:
+                new[p.symbol] = Symbol(free_name(name + suffix, taken), **p.symbol.assumptions0)
+        taken |= {x.name for x in new.values()}
+        renamed.append(new)
     return renamed
-
-
-_OF_THRESHOLDS = ("c", "c_real", "c_imag")
 
 
 @dataclass(frozen=True, repr=False)
@@ -365,13 +388,15 @@ class Scene(Shown):
     """A display to be evaluated: environment, effects, band, threshold and hands. Valid by
     construction: SceneError names what is wrong.
 
-    ``effects`` : nearest the environment first. ``band`` : lowest and highest frequency, numbers in
-    rad/s or strings with a unit. ``threshold`` : a Threshold, or what a scene file says of the JND:
-    a number, a formula or a table.
+    ``environment`` : what should be felt. ``effects`` : nearest the environment first. ``band`` :
+    lowest and highest frequency, numbers in rad/s or strings with a unit; in a scene rad/s, exact.
+    ``threshold`` : a Threshold, or what a scene file says of the JND: a number, a formula or a
+    table.
     ``rendered`` : what the controller really renders, where that is not the environment itself. A
     parameter of it may be the environment's: ``k="environment.k"`` is one parameter in two places,
     with one symbol, one value and one range.
-    ``hands`` : those in which it may be held; they change nothing of what is felt.
+    ``title``, ``source`` : words for pages. ``hands`` : those in which it may be held; they change
+    nothing of what is felt.
 
     >>> from haptisym import effects, environments
     >>> scene = Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(20),), (Integer(0), Integer(15)))
@@ -388,8 +413,8 @@ class Scene(Shown):
     source: str = ""
     hands: tuple[Hand, ...] = ()
     confidence: Any = None
-    """The confidence of the region that its ranges are, where they were estimated: 0.95 of a scene
-    that ``identify`` wrote."""
+    """The confidence with which its ranges together hold the true values, where they were
+    estimated: 0.95 of a scene that ``identify`` wrote; None where they were not."""
     friction: Any = None
     """When friction is noticed, a FrictionThreshold or its table; None where the scene does not
     say."""
@@ -412,26 +437,8 @@ class Scene(Shown):
     @spared()
     def __post_init__(self) -> None:
         # A frozen dataclass: fields are brought to their final form here, and never after.
-        object.__setattr__(self, "environment", given_environment("environment", self.environment))
-        if self.rendered is not None:
-            object.__setattr__(self, "rendered", given_environment("rendered", self.rendered))
-        object.__setattr__(self, "effects", given_effects(self.effects))
-        object.__setattr__(self, "hands", given_hands(self.hands))
-        object.__setattr__(self, "band", given_band(self.band))
-        # What was written is kept for messages, and its unit for pages, before the band becomes
-        # numbers in rad/s.
-        shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
-        object.__setattr__(
-            self, "frequency", next(filter(None, map(frequency_unit, self.band)), self.frequency)
-        )
-        low, high = (frequency("band", x) for x in self.band)
-        object.__setattr__(self, "band", (low, high))
-        if self.confidence is not None:
-            object.__setattr__(self, "confidence", read_confidence("confidence", self.confidence))
-        if self.friction is not None:
-            object.__setattr__(self, "friction", read_friction(self.friction))
-        if not isinstance(self.threshold, Threshold):
-            object.__setattr__(self, "threshold", read_threshold(self.threshold))
+        shown = self._read()
+        low, high = self.band
         if sign_of_number(low) < 0:
             raise SceneError(f"band: the low end, {shown[0]}, must be >= 0")
         if sign_of_number(high - low) <= 0:
@@ -443,42 +450,67 @@ class Scene(Shown):
         _different(self.hands)
         _one_motion((*self.elements(), *self.held()))
         self.threshold.check(low, high, self.motion)
-        motions = (self.friction.motion if self.friction else None), self.motion
-        if None not in motions and motions[0] is not motions[1]:
-            of_friction, of_scene = (x.value for x in motions if x)
-            raise SceneError(f"friction: its unit is {of_friction}, the scene {of_scene}")
+        of_friction = self.friction.motion if self.friction else None
+        of_scene = self.motion
+        if of_friction and of_scene and of_friction is not of_scene:
+            raise SceneError(
+                f"friction: its unit is {of_friction.value}, the scene {of_scene.value}"
+            )
         # Symbols last, as suffixes are the names that effects have by then.
+        self._name_symbols()
+
+    def _read(self) -> list[str]:
+        """Bring every field to its type; return the ends of the band as they were written, for
+        messages."""
+        put = partial(object.__setattr__, self)
+        put("environment", given_environment("environment", self.environment))
+        if self.rendered is not None:
+            put("rendered", given_environment("rendered", self.rendered))
+        put("effects", given_effects(self.effects))
+        put("hands", given_hands(self.hands))
+        put("band", given_band(self.band))
+        shown = [f'"{x}"' if isinstance(x, str) else f"{x} rad/s" for x in self.band]
+        # The unit is kept for pages before the band becomes numbers in rad/s.
+        units = filter(None, map(frequency_unit, self.band))
+        put("frequency", next(units, self.frequency))
+        put("band", tuple(frequency("band", x) for x in self.band))
+        if self.confidence is not None:
+            put("confidence", read_confidence("confidence", self.confidence))
+        if self.friction is not None:
+            put("friction", read_friction(self.friction))
+        if not isinstance(self.threshold, Threshold):
+            put("threshold", read_threshold(self.threshold))
+        return shown
+
+    def _name_symbols(self) -> None:
+        """Give every effect a name and every parameter a symbol of its own."""
+        put = partial(object.__setattr__, self)
         effects = with_names(self.effects)
         named: list[Effect | Hand] = [*effects, *self.hands]
-        labelled = ((x.name, x) for x in named)
-        names = symbol_names([("", self.environment), ("rendered", self.rendered), *labelled])
-        renamed = iter(names)
-        object.__setattr__(self, "environment", self.environment.renamed(next(renamed)))
-        rendered = next(renamed)
-        object.__setattr__(
-            self, "rendered", self.rendered.renamed(rendered) if self.rendered else None
+        labelled = [(x.name, x) for x in named]
+        of_environment, of_rendered, *of_others = symbol_names(
+            [("", self.environment), ("rendered", self.rendered), *labelled]
         )
-        effects = [effect.renamed(next(renamed)) for effect in effects]
-        object.__setattr__(
-            self, "effects", with_controller(effects, self.rendered or self.environment)
-        )
-        object.__setattr__(self, "hands", tuple(hand.renamed(next(renamed)) for hand in self.hands))
+        put("environment", self.environment.renamed(of_environment))
+        if self.rendered:
+            put("rendered", self.rendered.renamed(of_rendered))
+        new = iter(of_others)
+        effects = [effect.renamed(next(new)) for effect in effects]
+        put("effects", with_controller(effects, self.rendered or self.environment))
+        put("hands", tuple(hand.renamed(next(new)) for hand in self.hands))
 
     def _tie(self) -> None:
         """Resolve the references of what is rendered to the environment's parameters; SceneError
         for a reference anywhere else."""
-        try:
-            place = "environment"
+        with within("environment"):
             refuse_references(self.environment.parameters)
             if self.environment.model == DIFFERENCE_EQUATION:
                 raise SceneError(
                     f"{DIFFERENCE_EQUATION} is for [rendered]: write what should be felt in s"
                 )
-            place = "rendered"
-            if self.rendered:
+        if self.rendered:
+            with within("rendered"):
                 object.__setattr__(self, "rendered", self.rendered.tied_to(self.environment))
-        except SceneError as error:
-            raise error.within(place) from None
 
     def held(self) -> Iterator[tuple[str, Hand]]:
         """The hands, each with its place in a scene file: ``hand`` where there is one, else
@@ -496,17 +528,18 @@ class Scene(Shown):
     @cached_property
     def knobs(self) -> Knobs:
         """Everything that may be varied, by name: each parameter once, then the thresholds."""
-        return Knobs((*self._knobs(), *self._hand_knobs(), *threshold_knobs(self.threshold)))
+        thresholds = threshold_knobs(self.threshold)
+        return Knobs((*self._display_knobs(), *self._hand_knobs(), *thresholds))
 
     def _hand_knobs(self) -> Iterator[Knob]:
-        """The parameters of the hands."""
+        """The parameters of the hands; that of a single hand, ``hand.m``, by its name too."""
         for place, hand in self.held():
             for p in hand.parameters:
                 also = (f"hands.{hand.name}.{p.key}",) if place == "hand" else ()
-                fields_of_p = vars(replace(p, motion=p.motion or self.motion))
-                yield Knob(**fields_of_p, place=place, model=hand.model, also=also)
+                as_parameter = vars(replace(p, motion=p.motion or self.motion))
+                yield Knob(**as_parameter, place=place, model=hand.model, also=also)
 
-    def _knobs(self) -> Iterator[Knob]:
+    def _display_knobs(self) -> Iterator[Knob]:
         """The parameters of the display, each once."""
         rendered = self.rendered.parameters if self.rendered else ()
         for place, element in self.elements():
@@ -518,25 +551,28 @@ class Scene(Shown):
                 tied = [q for q in rendered if q.tie == f"{place}.{p.key}"]
                 # A value must suit all its places: the strictest of their rules holds.
                 rule = reduce(Rule.and_also, (q.rule for q in tied), p.rule)
-                fields_of_p = vars(replace(p, rule=rule, motion=p.motion or self.motion))
+                as_parameter = vars(replace(p, rule=rule, motion=p.motion or self.motion))
                 also = tuple(f"rendered.{q.key}" for q in tied)
-                yield Knob(**fields_of_p, place=place, model=element.model, also=also)
+                yield Knob(**as_parameter, place=place, model=element.model, also=also)
 
     @property
     def parameters(self) -> tuple[Knob, ...]:
-        """Every parameter of the scene, once, with symbols that are unique in it."""
+        """Every parameter of the display, once, with symbols that are unique in the scene; those of
+        the hands are knobs alone."""
         return self.knobs.parameters
 
     def untied(self, varied: Collection[str] | None = None) -> tuple[tuple[str, str], ...]:
         """The parameters that environment and [rendered] have by one name but not tied: pairs of
         paths, of which one is among ``varied`` (None: all pairs)."""
-        own_keys = {p.key for p in self.rendered.own} if self.rendered else set()
-        pairs = [
-            (f"environment.{p.key}", f"rendered.{p.key}")
-            for p in self.environment.parameters
-            if p.key in own_keys
-        ]
-        return tuple(pair for pair in pairs if varied is None or not set(varied).isdisjoint(pair))
+        if not self.rendered:
+            return ()
+        own_keys = {p.key for p in self.rendered.own}
+        pairs = []
+        for p in self.environment.parameters:
+            pair = f"environment.{p.key}", f"rendered.{p.key}"
+            if p.key in own_keys and (varied is None or not set(varied).isdisjoint(pair)):
+                pairs.append(pair)
+        return tuple(pairs)
 
     def untied_note(self, varied: Collection[str] | None = None) -> str:
         """A note that these are two parameters each, and how to make them one; empty where there
@@ -553,37 +589,39 @@ class Scene(Shown):
         )
 
     def ranges(self, besides: Collection[str] = ()) -> dict[str, Knob]:
-        """The knobs that have a range, by path, except those ``besides`` (``evaluation.jnd`` stands
-        for both thresholds)."""
+        """The knobs that have a range, by path, except those that ``besides`` lists by path
+        (``evaluation.jnd`` stands for both thresholds)."""
         left_out = [self.knobs[path] for path in besides]
         parts_left_out = {part for x in left_out for part in x.parts}
-        parts = [part for part in Part if part not in parts_left_out]
-        limits = (
-            self.knobs.limits.values()
-            if not parts_left_out
-            else [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
-        )
+        if parts_left_out:
+            # One knob for both thresholds cannot stand for the one that is left.
+            parts = [part for part in Part if part not in parts_left_out]
+            limits = [self.knobs[f"{THRESHOLD}.{part.value}"] for part in parts]
+        else:
+            limits = list(self.knobs.limits.values())
         return {x.path: x for x in (*self.parameters, *limits) if x.interval and x not in left_out}
 
     def nominal_but(self, besides: Collection[str] = ()) -> str:
         """A note that an answer is about nominal values, with the ranges that it leaves out; empty
         where nothing else has a range. ``besides`` : paths of what the question varies."""
-        # Parameters that vary by the same per cent share a phrase. The limits for changes to
-        # smaller values, the floor and the scale of a JND are no knobs: they come from its region.
+        # Parameters that vary by the same per cent share a phrase.
         names_by_range: dict[str, list[str]] = {}
         for x in self.ranges(besides).values():
             assert x.interval
             names_by_range.setdefault(spread(x.value, x.interval), []).append(x.name)
-        for name, (low, high) in () if THRESHOLD in besides else self.threshold.region.ranges:
-            names_by_range.setdefault(f"from {float(low):.6g} to {float(high):.6g}", []).append(
-                f"{name} of the JND"
-            )
+        # The limits for changes to smaller values, the floor and the scale of a JND are no knobs:
+        # they come from its region.
+        if THRESHOLD not in besides:
+            for name, (low, high) in self.threshold.region.ranges:
+                by = f"from {float(low):.6g} to {float(high):.6g}"
+                names_by_range.setdefault(by, []).append(f"{name} of the JND")
         if not names_by_range:
             return ""
-        listed = "; ".join(
-            f"{', '.join(names)} var{'y' if len(names) > 1 else 'ies'} {by}"
-            for by, names in names_by_range.items()
-        )
+        phrases = []
+        for by, names in names_by_range.items():
+            verb = "vary" if len(names) > 1 else "varies"
+            phrases.append(f"{', '.join(names)} {verb} {by}")
+        listed = "; ".join(phrases)
         what = "these are the nominal values" if besides else "this is the nominal scene"
         # ``tolerances`` examines boxes of numbers; a JND that no box describes is left to
         # ``evaluate``.
@@ -607,30 +645,36 @@ class Scene(Shown):
 
         ``confidence`` ; ``nominal``, ranges by path; ``untied``, pairs of paths.
         """
-        level = self.level
-        ranges = {
-            path: [float(end) for end in x.interval or ()]
-            for path, x in self.ranges(besides).items()
-        }
-        ranges |= {
-            f"{THRESHOLD}.{name}": [float(end) for end in x]
-            for name, x in self.threshold.region.ranges
-        }
-        untied = [list(pair) for pair in self.untied(varied)]
-        keys = {"confidence": level and float(level), "nominal": ranges, "untied": untied}
-        return {key: x for key, x in keys.items() if x}
+        intervals = {path: x.interval or () for path, x in self.ranges(besides).items()}
+        for name, interval in self.threshold.region.ranges:
+            intervals[f"{THRESHOLD}.{name}"] = interval
+        keys: dict[str, Any] = {}
+        if self.level is not None:
+            keys["confidence"] = float(self.level)
+        if intervals:
+            keys["nominal"] = {path: [float(end) for end in x] for path, x in intervals.items()}
+        if untied := self.untied(varied):
+            keys["untied"] = [list(pair) for pair in untied]
+        return keys
 
     @property
     def level(self) -> Expr | None:
-        """The lower of the confidences with which its ranges and those of its JND were estimated;
-        None where none were."""
-        return min(
-            (x for x in (self.confidence, self.threshold.confidence) if x is not None), default=None
-        )
+        """The confidence, at least, with which all estimated ranges together hold the true values;
+        None where nothing was estimated.
+
+        Of two estimates, the scene's with confidence p and its JND's with confidence q, both sets
+        of ranges are right with a probability of at least 1 - (1 - p) - (1 - q) (Bonferroni's
+        inequality), however they depend on each other, and of no more where they are never wrong
+        together.
+        """
+        given = (self.confidence, self.threshold.confidence)
+        doubts = [1 - x for x in given if x is not None]
+        return Max(0, 1 - sum(doubts)) if doubts else None
 
     @property
     def estimated(self) -> str:
-        """A note what estimated ranges mean for every answer; empty where nothing was estimated."""
+        """A note on what estimated ranges mean for every answer; empty where nothing was
+        estimated."""
         if self.level is None:
             return ""
         region = f"the {float(100 * self.level):g} % region of the fit"
@@ -642,12 +686,13 @@ class Scene(Shown):
 
     @property
     def motion(self) -> MotionKind | None:
-        """The kind of motion that the units imply, along a line or about an axis; None where none
-        does."""
-        return next(
-            (p.motion for _, x in self.elements() for p in x.parameters if p.motion is not None),
-            None,
-        )
+        """The kind of motion that the units of the display imply, along a line or about an axis;
+        None where none does."""
+        for _, element in self.elements():
+            for p in element.parameters:
+                if p.motion is not None:
+                    return p.motion
+        return None
 
     def distortion(self) -> Distortion:
         """The closed forms with every parameter's value in place. SceneError in free air, where
@@ -658,7 +703,8 @@ class Scene(Shown):
 
     @cached_property
     def closed(self) -> Distortion:
-        """The closed forms for questions about H_perc alone, in free air too."""
+        """The closed forms with every parameter's value in place for questions about H_perc alone,
+        in free air too."""
         return felt_instead(self.environment, self.effects, self.rendered)
 
     def symbolic_distortion(self) -> Distortion:
@@ -753,35 +799,20 @@ def _different(hands: Iterable[Hand]) -> None:
 
 def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> None:
     """SceneError where units of translation and of rotation meet."""
-    # The first parameter of each motion is shown. One without a unit fits both.
-    seen: dict[MotionKind, str] = {}
+    # The first parameter of each motion, by its path, for the message. One without a unit fits
+    # both.
+    first: dict[MotionKind, str] = {}
     for place, element in elements:
         for parameter in element.parameters:
             if parameter.motion is not None:
-                seen.setdefault(parameter.motion, f"{place}.{parameter.key}")
-    if len(seen) > 1:
-        units = ", ".join(f"{where} is {motion.value}" for motion, where in seen.items())
+                first.setdefault(parameter.motion, f"{place}.{parameter.key}")
+    if len(first) > 1:
+        units = ", ".join(f"{path} is {motion.value}" for motion, path in first.items())
         raise SceneError(f"translation and rotation cannot be mixed: {units}")
 
 
-def caveats(scene: Scene) -> tuple[str, ...]:
-    """The limits of exact answers about a scene, a sentence for each: thresholds of 100 % and more,
-    bands beyond a Nyquist frequency, samplers, holds inside a loop, delayed admittance displays."""
-    return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene), *_late_mass(scene))
-
-
-def _late_mass(scene: Scene) -> list[str]:
-    """A caveat for delays of an admittance display: people report more mass, step 2 less."""
-    models = {x.model for x in scene.effects}
-    if not {"admittance-display", "delay"} <= models:
-        return []
-    words = (
-        "People who pushed a mass of 6 kg off a delayed admittance display reported more "
-        "mass, 10 % at 25 ms and 20 % at 50 ms "
-        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), "
-        "where step 2 gives less."
-    )
-    return [words]
+# Samplers. A sampler takes and holds values at multiples of its period T; ``CLOCKS`` are the models
+# of the catalogue that do.
 
 
 def clocks(scene: Scene) -> tuple[Expr, ...]:
@@ -798,18 +829,17 @@ def clocks(scene: Scene) -> tuple[Expr, ...]:
 def unclocked(scene: Scene) -> Scene:
     """The scene without its first sampler and all before it, where these give no force at any value
     of the symbols in them; else the scene itself."""
-    # With H = 0 rendered and B = 0 in every matrix before the sampler, (A H + B)/(C H + D) up to it
-    # is 0: the sampler holds no force.
-    place = next((i for i, x in enumerate(scene.effects) if x.model in CLOCKS), None)
-    if (
-        place is None
-        or scene.rendering.H != 0
-        or any(x.matrix[1] != 0 for x in scene.effects[:place])
-    ):
+    first_sampler = next((i for i, x in enumerate(scene.effects) if x.model in CLOCKS), None)
+    if first_sampler is None:
         return scene
-    return replace(
-        scene, environment=scene.rendering, rendered=None, effects=scene.effects[place + 1 :]
-    )
+    # With H = 0 rendered and B = 0 in every matrix before the sampler, (A H + B)/(C H + D) up to it
+    # is 0: the sampler holds no force. Its own B is 0 too: a hold is in series, and the D(z) of a
+    # sampled loop that renders H = 0 is 0.
+    before = scene.effects[:first_sampler]
+    if scene.rendering.H != 0 or any(x.matrix[1] != 0 for x in before):
+        return scene
+    behind = scene.effects[first_sampler + 1 :]
+    return replace(scene, environment=scene.rendering, rendered=None, effects=behind)
 
 
 def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
@@ -829,7 +859,23 @@ def sampled_loop(scene: Scene) -> tuple[Effect, Effect] | None:
     return None
 
 
-def _loops(scene: Scene) -> list[str]:
+# Caveats.
+
+
+def caveats(scene: Scene) -> tuple[str, ...]:
+    """The limits of exact answers about a scene, a sentence for each: thresholds of 100 % and more,
+    bands beyond a Nyquist frequency, samplers within a loop, samplers in a hand, delayed admittance
+    displays. () where there is none."""
+    return (
+        *_large_thresholds(scene),
+        *_beyond_nyquist(scene),
+        *_sampled_inside(scene),
+        *_sampled_in_hand(scene),
+        *_late_mass(scene),
+    )
+
+
+def _sampled_inside(scene: Scene) -> list[str]:
     """A caveat where a sampled loop is closed inside the display."""
     pair = sampled_loop(scene)
     if pair is None:
@@ -845,8 +891,8 @@ def _loops(scene: Scene) -> list[str]:
     return [words]
 
 
-def _hand(scene: Scene) -> list[str]:
-    """A caveat for every sampler: a hand closes the sampled loop, which may be unstable however
+def _sampled_in_hand(scene: Scene) -> list[str]:
+    """A caveat for all samplers: a hand closes the sampled loop, which may be unstable however
     stable the force under prescribed motion is."""
     samplers = [x.name for x in scene.effects if x.model in CLOCKS]
     if not samplers:
@@ -859,28 +905,53 @@ def _hand(scene: Scene) -> list[str]:
     ]
 
 
-def _bands(scene: Scene) -> list[str]:
+def _beyond_nyquist(scene: Scene) -> list[str]:
     """A caveat for each sampler whose Nyquist frequency pi/T is below the band's high end."""
     high = scene.band[1]
-    # The one parameter of a sampler is its period T.
-    samplers = [(x.name, pi / x.parameters[0].value) for x in scene.effects if x.model in CLOCKS]
-    return [
-        f"The band exceeds {float(nyquist / scene.frequency.size):.5g} "
-        f"{scene.frequency.text}, the Nyquist frequency of {name}: "
-        "above it a motion is sampled as one of a lower frequency, and the closed form gives "
-        "the component at the motion's "
-        "frequency only."
-        for name, nyquist in samplers
-        if not nyquist.free_symbols and sign_of_number(high - nyquist) > 0
-    ]
+    words = []
+    for effect in scene.effects:
+        if effect.model not in CLOCKS:
+            continue
+        # The one parameter of a sampler is its period T.
+        nyquist = pi / effect.parameters[0].value
+        if nyquist.free_symbols or sign_of_number(high - nyquist) <= 0:
+            continue
+        words.append(
+            f"The band exceeds {float(nyquist / scene.frequency.size):.5g} "
+            f"{scene.frequency.text}, the Nyquist frequency of {effect.name}: "
+            "above it a motion is sampled as one of a lower frequency, and the closed form gives "
+            "the component at the motion's "
+            "frequency only."
+        )
+    return words
 
 
-def _thresholds(scene: Scene) -> list[str]:
+def _large_thresholds(scene: Scene) -> list[str]:
     """A caveat for each threshold of 100 % or more: most likely per cent were meant."""
-    return [
-        f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is "
-        f"{float(100 * c):.5g} % of |H_env|: "
-        'a JND of 12 % is written 0.12 or "12 %".'
-        for part in (() if scene.threshold.region.corners else Part)
-        if not (c := scene.threshold[part]).free_symbols and isinstance(c, Rational) and c >= 1
-    ]
+    if scene.threshold.region.corners:
+        return []
+    words = []
+    for part in Part:
+        c = scene.threshold[part]
+        if c.free_symbols or not isinstance(c, Rational) or c < 1:
+            continue
+        words.append(
+            f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is "
+            f"{float(100 * c):.5g} % of |H_env|: "
+            'a JND of 12 % is written 0.12 or "12 %".'
+        )
+    return words
+
+
+def _late_mass(scene: Scene) -> list[str]:
+    """A caveat for delays of an admittance display: people report more mass, step 2 less."""
+    models = {x.model for x in scene.effects}
+    if not {"admittance-display", "delay"} <= models:
+        return []
+    words = (
+        "People who pushed a mass of 6 kg off a delayed admittance display reported more "
+        "mass, 10 % at 25 ms and 20 % at 50 ms "
+        "(PLoS ONE 10(9), e0138012; as m T/(T - tau) with a push of T = 275 to 300 ms), "
+        "where step 2 gives less."
+    )
+    return [words]

@@ -1,14 +1,34 @@
-"""The page of the best values: what they are, how large the bandwidth can be, what limits it, and
-what it costs to miss them."""
+"""The page of ``haptisym design``: which values of the free parameters make the bandwidth largest.
+
+The bandwidth is the end of the interval from the band's low end on which no distortion is noticed.
+``Design`` (verbs.design.entry) holds the answer of a search by branch and bound: the best values
+that were found; two numbers between which the largest bandwidth lies, both proven; what limits it;
+and what it costs to miss the best values. This module only writes it down. Begin with ``page``,
+which puts the parts together in the order in which they are printed:
+
+- the answer in a few lines (``_answer``), with what limits it and which conditions are kept: the
+  user may demand that a display stays passive or stable (``keep``), for all values that are off by
+  a share (``robust``);
+- a table of what it costs to miss the values, and the figure (``_blocks``);
+- what was searched and what is proven (``_proven``);
+- the next command (``_require``).
+
+A *phrase* is a text, a number that keeps its rounding, or a tuple of these. Every number is rounded
+to the side on which its sentence stays true: lower bounds down (``Way.DOWN``), upper ones up, the
+searched range inwards.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from decimal import Context, Decimal
+from fractions import Fraction
 from shlex import quote
+from typing import Any
 
 from sympy import Expr
 
-from haptisym.kernel.reals import Printable, Way
+from haptisym.kernel.reals import Way
 from haptisym.model.scene import Knob
 from haptisym.pages.words import bare, both, cell, page_about, proof, undecided, value_of
 from haptisym.verbs.design.attained import PASSIVE, STABLE, STEADY, Attained
@@ -28,11 +48,21 @@ from haptisym.writing.layout import named
 
 _DIGITS = 17
 """Digits that give a double back: values that are rounded further may have another bandwidth."""
+_MOST_IN_FRACTION = 10**6
+"""Numerators and denominators below this are printed, where digits are not all of a value."""
+_MOST_DRAWN = 2
+"""Free parameters over which a figure is drawn, and which ``haptisym require`` takes."""
+_MOST_BOXES = 4
+"""Boxes of values that are listed: more are counted."""
+_KEPT = {True: "yes", False: "not by all", None: "not proven"}
+"""Whether all values that are off keep what must be kept, in words."""
 
 
 def page(a: Design) -> Document:
     """Return the whole page of the best values."""
-    further = [_require(a)] if a.is_whole and len(a.free) < 3 else []
+    further = []
+    if a.is_whole and len(a.free) <= _MOST_DRAWN:
+        further.append(_require(a))
     return page_about(
         a.about,
         _answer(a),
@@ -44,36 +74,18 @@ def page(a: Design) -> Document:
     )
 
 
-def _require(a: Design) -> str:
-    """Return the command that gives all values with which nothing is noticed."""
-    ranges = zip(a.free, a.ranges, strict=True)
-    free = " ".join(
-        f"--free {x.path} --range {_bare(low)} {_bare(high)}" for x, (low, high) in ranges
-    )
-    goals = "".join(f" --that {x}" for x in ("transparent", *a.keep)) if a.keep else ""
-    hands = {quote(x.name) for x in a.scene.hands} if {STABLE, STEADY} & {*a.keep} else set()
-    # Of several hands the scene itself has the names.
-    hand = f" --hand {hands.pop()}" if len(hands) == 1 else ""
-    return f"haptisym require SCENE {free}{goals}{hand}"
-
-
-def _bare(x: Expr) -> str:
-    """Return a number as an option of the command line takes it."""
-    return repr(float(x)).removesuffix(".0")
-
-
 def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
-    """Yield the best values, the bandwidth that they attain, what limits it, and what was kept."""
+    """Yield the lines of the answer, each a heading and its phrase: the best values, the bandwidth
+    that they attain, what limits it, and what was kept."""
     if a.best is None:
         none = "no values in the range are" if a.certified else "no values were found that are"
         yield "Best values", (f"{none} ", listed(a.keep) if a.keep else "fit for the model")
         yield "Bandwidth", "none" if a.certified else ("at most ", both(a.bandwidth[1], Way.UP))
         return
-    values = zip(a.free, a.best.values, strict=True)
-    yield (
-        "Best values",
-        listed((named(x.name), " = ", _written(x, v), _now(x, v)) for x, v in values),
-    )
+    values = []
+    for x, value in zip(a.free, a.best.values, strict=True):
+        values.append((named(x.name), " = ", *_written(x, value), _in_scene(x, value)))
+    yield "Best values", listed(values)
     yield "Bandwidth", _bandwidth(a)
     if not a.is_whole:
         yield "Limited by", _limits(a)
@@ -82,82 +94,99 @@ def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _whether_kept(a: Design) -> str:
-    """Return for which values the conditions that must be kept are proven."""
+    """Return for which values the conditions that must be kept are proven: the best ones, or all
+    about them that the user wants."""
     if not a.robust:
         return " (proven at these values)"
     near = f"for all values that are off by {_percent(a.robust)} at most"
     return f" (proven {near})" if a.best and a.best.kept else f" (not proven {near})"
 
 
-def _written(x: Knob, value: Expr) -> Real:
-    """Return a best value in full digits, in the scene's unit."""
-    return Real(value, Way.NEAREST, _DIGITS, x.shown_unit(x.motion))
+def _written(x: Knob, value: Expr) -> tuple[Phrase, ...]:
+    """Return a best value in full digits, in the scene's unit; as a fraction too, or with a note,
+    where it has more digits, as what is proven holds for the value itself alone."""
+    unit = x.shown_unit(x.motion)
+    in_unit, full = value / unit.size, Real(value, Way.NEAREST, _DIGITS, unit)
+    if not in_unit.is_Rational:
+        return full, " (rounded)"
+    numerator, denominator = int(in_unit.p), int(in_unit.q)
+    decimal = Context(prec=_DIGITS).divide(Decimal(numerator), Decimal(denominator))
+    if Fraction(decimal) == Fraction(numerator, denominator):
+        return (full,)
+    is_short = max(abs(numerator), denominator) < _MOST_IN_FRACTION
+    return full, f" (exactly {in_unit})" if is_short else " (rounded)"
 
 
-def _now(x: Knob, best: Expr) -> Phrase:
-    """Return the scene's own value beside a best one."""
-    return (
-        " (as in the scene)"
-        if best == x.value
-        else (" (is ", value_of(x, x.value, Way.NEAREST), ")")
-    )
+def _in_scene(x: Knob, best: Expr) -> Phrase:
+    """Return the scene's own value, to stand in brackets after a best one."""
+    if best == x.value:
+        return " (as in the scene)"
+    return " (is ", value_of(x, x.value, Way.NEAREST), ")"
 
 
 def _bandwidth(a: Design) -> Phrase:
     """Return the bandwidth of the best values, how much others could have, and the scene's own."""
-    low, high = a.bandwidth
-    now: Phrase = () if a.given in (None, a.best) else ("; is ", _given(a, a.given))
-    off: Phrase = (" if all values are off by ", _percent(a.robust), " at most") if a.robust else ()
+    attained, bound = a.bandwidth
+    of_best = both(attained, Way.DOWN)
+    of_scene: Phrase = ()
+    if a.given not in (None, a.best):
+        of_scene = "; is ", _given(a, a.given)
+    off: Phrase = ()
+    if a.robust:
+        off = " if all values are off by ", _percent(a.robust), " at most"
     if a.is_whole:
-        return both(low, Way.DOWN), ", the whole band", off, now
+        return of_best, ", the whole band", off, of_scene
     # The proven upper bound for all values is what the best ones attain.
-    if high <= low:
-        return both(low, Way.DOWN), off, now, "; no values in the range have more"
+    if bound <= attained:
+        return of_best, off, of_scene, "; no values in the range have more"
     # If values may be off, what is proven is a bandwidth for all of them: a lower bound.
-    least = both(low, Way.DOWN), " or more" if a.robust else ""
-    return *least, off, now, "; at most ", cell(high, Way.UP), " with any values in the range"
+    least = " or more" if a.robust else ""
+    most = cell(bound, Way.UP)
+    return of_best, least, off, of_scene, "; at most ", most, " with any values in the range"
 
 
 def _given(a: Design, given: Attained) -> Phrase:
     """Return the bandwidth of the scene's own values; if these may be off, what they attain at
-    least."""
+    least, rounded down as the lower bound that it then is."""
     # Rounded down as the lower bound that it then is.
     return cell(given.bandwidth, Way.DOWN if a.robust else Way.NEAREST)
 
 
 def _limits(a: Design) -> Phrase:
-    """Return which ratios end the bandwidth, in which environment and from which frequency on."""
-    if not a.binding and a.best is not None and a.best.seen:
-        return "undecided"
+    """Return which ratios (r_r, r_i) end the bandwidth, in which environment and from which
+    frequency on."""
     if not a.binding:
-        return "the low end of the band: noticed from there on"
-    several = len(a.family) > 1
-    first = a.binding[0]
-    said = [
-        (named(x.criterion.symbol), f" with {x.environment}" if several else "") for x in a.binding
-    ]
-    together = " at once" if len(said) > 1 else ""
-    return listed(said), f"{together} from ", both(first.omega), " on"
+        # ``seen`` is 0 where something is noticed at the low end already.
+        is_undecided = a.best is not None and a.best.seen
+        return "undecided" if is_undecided else "the low end of the band: noticed from there on"
+    has_several = len(a.family) > 1
+    ratios = []
+    for x in a.binding:
+        where = f" with {x.environment}" if has_several else ""
+        ratios.append((named(x.criterion.symbol), where))
+    together = " at once" if len(ratios) > 1 else ""
+    return listed(ratios), f"{together} from ", both(a.binding[0].omega), " on"
 
 
 def _blocks(a: Design) -> Iterator[Block]:
-    """Yield what it costs to miss the best values, and the figure."""
+    """Yield what it costs to miss the best values, and the figure; nothing where there is neither
+    a bandwidth nor a figure."""
     if a.loss and a.best and a.best.bandwidth:
-        columns = (
+        columns = [
             Column("All values off by at most"),
             Column(("Bandwidth, ", FREQUENCY_UNIT), number=True),
-            *[Column(("Kept: ", listed(a.keep)))] * bool(a.keep),
-        )
-        rows = [
-            (
-                _percent(x.relative),
-                ("at least ", cell(x.bandwidth, Way.DOWN)),
-                *((_KEPT[x.kept],) if a.keep else ()),
-            )
-            for x in a.loss
         ]
-        yield Table(columns, tuple(rows), "What it costs to miss the best values.")
-    if len(a.free) < 3 and a.best is not None:
+        if a.keep:
+            columns.append(Column(("Kept: ", listed(a.keep))))
+        rows = []
+        for x in a.loss:
+            bandwidth = "at least ", cell(x.bandwidth, Way.DOWN)
+            row: list[Phrase] = [_percent(x.relative), bandwidth]
+            if a.keep:
+                row.append(_KEPT[x.kept])
+            rows.append(tuple(row))
+        yield Table(tuple(columns), tuple(rows), "What it costs to miss the best values.")
+    if len(a.free) <= _MOST_DRAWN and a.best is not None:
         words = (
             "The bandwidth over the free parameter, with proven bounds."
             if len(a.free) == 1
@@ -166,47 +195,33 @@ def _blocks(a: Design) -> Iterator[Block]:
         yield Figure("design", words, a.figure)
 
 
-_KEPT = {True: "yes", False: "not by all", None: "not proven"}
-
-
 def _percent(x: Expr) -> str:
     """Return a share in per cent."""
-    return f"{float(100 * x):g}\xa0%"
+    return f"{float(100 * x):.15g}\xa0%"
 
 
 def _proven(a: Design) -> Iterator[Phrase]:
-    # The range that was searched is rounded inwards, the boxes beyond which nothing is better
-    # outwards.
     """Yield the range searched, where better values could lie, and what is proven."""
-    spans = (_range(x, *ends, Way.UP, Way.DOWN) for x, ends in zip(a.free, a.ranges, strict=True))
-    low, high = (cell(float(x), Way.NEAREST) for x in a.family.band)
-    yield (
-        "Range searched: ",
-        listed(spans),
-        "; band: ",
-        low,
-        " to ",
-        high,
-        "\xa0",
-        FREQUENCY_UNIT,
-        ".",
-    )
+    # The range that was searched is rounded inwards.
+    searched = listed(_ranges(a, a.ranges, Way.UP, Way.DOWN))
+    low, high = a.family.band
+    band = cell(low, Way.UP), " to ", cell(high, Way.DOWN), "\xa0", FREQUENCY_UNIT
+    yield "Range searched: ", searched, "; band: ", *band, "."
     if a.best is not None and len(a.clusters):
-        boxes = [
-            listed(_range(x, *ends, Way.DOWN, Way.UP) for x, ends in zip(a.free, box, strict=True))
-            for box in a.clusters[:4]
-        ]
-        further = f" and {len(a.clusters) - 4} more" if len(a.clusters) > 4 else ""
+        # The boxes beyond which nothing is better are rounded outwards.
+        first = a.clusters[:_MOST_BOXES]
+        boxes = [listed(_ranges(a, box, Way.DOWN, Way.UP)) for box in first]
+        others = len(a.clusters) - _MOST_BOXES
+        further = f" and {others} more" if others > 0 else ""
         yield "Nothing better lies outside of ", listed(boxes, "or"), f"{further}."
     if a.certified and a.best is None:
         yield proof(a.scene, ("no values in the range are ", listed(a.keep)))
     elif a.certified:
-        most = (
-            "" if a.is_whole else ", and that no other values in the range have more than the bound"
-        )
-        yield proof(a.scene, f"the bandwidth at these values{most}")
+        most = ", and that no other values in the range have more than the bound"
+        yield proof(a.scene, f"the bandwidth at these values{'' if a.is_whole else most}")
     else:
-        yield undecided(("whether other values have up to ", both(a.bandwidth[1], Way.UP), _why(a)))
+        bound = both(a.bandwidth[1], Way.UP)
+        yield undecided(("whether other values have up to ", bound, _why(a)))
 
 
 def _why(a: Design) -> str:
@@ -217,6 +232,34 @@ def _why(a: Design) -> str:
     return f": cells became too narrow{exact}; narrower ranges help"
 
 
-def _range(x: Knob, low: Printable, high: Printable, down: Way, up: Way) -> Phrase:
-    """Return a parameter's range, each end rounded in its own way."""
-    return named(x.name), " from ", bare(value_of(x, low, down)), " to ", value_of(x, high, up)
+def _ranges(a: Design, box: Iterable[Any], down: Way, up: Way) -> Iterator[Phrase]:
+    """Yield the range of each free parameter in a box of two ends for each, a lower end rounded
+    ``down`` and an upper one ``up``."""
+    for x, (low, high) in zip(a.free, box, strict=True):
+        lower = bare(value_of(x, low, down))
+        yield named(x.name), " from ", lower, " to ", value_of(x, high, up)
+
+
+# The next command.
+
+
+def _require(a: Design) -> str:
+    """Return the command that gives all values with which nothing is noticed, and that keep what
+    must be kept."""
+    words = ["haptisym require SCENE"]
+    for x, (low, high) in zip(a.free, a.ranges, strict=True):
+        words.append(f"--free {x.path} --range {_option(low)} {_option(high)}")
+    # ``transparent`` is what it asks for unless there are goals.
+    if a.keep:
+        words += [f"--that {goal}" for goal in ("transparent", *a.keep)]
+    if STABLE in a.keep or STEADY in a.keep:
+        # The option takes one hand; where there are several, the scene itself has the names.
+        names = {quote(hand.name) for hand in a.scene.hands}
+        if len(names) == 1:
+            words.append(f"--hand {names.pop()}")
+    return " ".join(words)
+
+
+def _option(x: Expr) -> str:
+    """Return a number as an option of the command line takes it, in SI."""
+    return repr(float(x)).removesuffix(".0")

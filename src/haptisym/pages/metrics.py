@@ -212,15 +212,22 @@ def _at(words: str, omega: RealNumber | None) -> Phrase:
 
 def _measure(x: Metric) -> doc.Section:
     """Return the section of one measure: formulas, numbers, source."""
-    lines = tuple(written(x))
-    values = tuple((_at(_WHAT.get(v.what, v.what), v.at), _value(v)) for v in x.values)
-    described = (f"{x.verdict[0].upper()}{x.verdict[1:]}.",) if x.name in _DESCRIBED else ()
-    parts: tuple[Block | None, ...] = (
-        doc.Equations(lines) if lines else None,
-        doc.Facts(values) if values else None,
-        doc.Notes((*map(formulated, described), f"Source: {x.source} [{x.evidence}]")),
-    )
-    return doc.Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(part for part in parts if part))
+    blocks: list[Block] = []
+    if formulas := tuple(written(x)):
+        blocks.append(doc.Equations(formulas))
+    numbers = []
+    for v in x.values:
+        label = _WHAT.get(v.what, v.what)
+        numbers.append((_at(label, v.at), _value(v)))
+    if numbers:
+        blocks.append(doc.Facts(tuple(numbers)))
+    source = f"Source: {x.source} [{x.evidence}]"
+    if x.name in _DESCRIBED:
+        verdict = f"{x.verdict[0].upper()}{x.verdict[1:]}."
+        blocks.append(doc.Notes((formulated(verdict), source)))
+    else:
+        blocks.append(doc.Notes((source,)))
+    return doc.Section(f"{x.name[0].upper()}{x.name[1:]}", tuple(blocks))
 
 
 _WHAT = {"Im H_perc beyond that": "Im H_perc above that"}

@@ -10,7 +10,11 @@ together leave room for the rounding of the bounds themselves. What overflows be
 with no bound.
 
 Sines, cosines and powers are taken by ball arithmetic, point by point: no bound rests on a library
-of mathematical functions.
+of mathematical functions. A *ball* is an interval of any precision, middle and radius (``arb`` of
+FLINT).
+
+Begin with ``Certified.run``: double-doubles settle most points (``Doubles``), balls the rest
+(``Certified.at``), and the closed form what balls cannot, such as an exact zero.
 """
 
 from __future__ import annotations
@@ -33,11 +37,12 @@ from haptisym.programs.balls import FUNCTIONS, BallPoint, PointValue, constant_b
 from haptisym.programs.floats import nearest
 from haptisym.programs.program import Program
 
-BLOCK = 4096
+BLOCK = 4096  # points that run through a program together
 _SPLIT = 134217729.0  # 2^27 + 1: splits 53 bits into halves of 26, whose products are exact
-# The error counted for a step, relative to its value; what underflow may cost; and a factor that
-# covers the rounding of the bounds themselves, and low parts left out of them.
-_STEP, _LOST, _UP = 2.0**-100, 2.0**-1060, 1 + 2.0**-40
+_STEP = 2.0**-100  # the error counted for a step, relative to its value
+_LOST = 2.0**-1060  # what underflow may cost
+# Covers the rounding of the bounds themselves, and low parts left out of them.
+_UP = 1 + 2.0**-40
 _BITS = 140  # of the balls that stand for sines, cosines and powers
 
 
@@ -58,7 +63,8 @@ def two_sum(a: Any, b: Any) -> tuple[Any, Any]:
     """
     s = a + b
     c = s - a
-    return s, (a - (s - c)) + (b - c)
+    lost_of_a = a - (s - c)
+    return s, lost_of_a + (b - c)
 
 
 def fast_two_sum(a: Any, b: Any) -> tuple[Any, Any]:
@@ -76,7 +82,9 @@ def two_product(a: Any, b: Any) -> tuple[Any, Any]:
     p = a * b
     a1, a2 = _halves(a)
     b1, b2 = (a1, a2) if a is b else _halves(b)
-    return p, ((a1 * b1 - p) + a1 * b2 + a2 * b1) + a2 * b2
+    # In this order, from the largest product to the smallest, every sum is exact.
+    rest = (a1 * b1 - p) + a1 * b2 + a2 * b1
+    return p, rest + a2 * b2
 
 
 def _halves(a: Any) -> tuple[Any, Any]:
@@ -118,12 +126,14 @@ def mul(x: Doubled, y: Doubled) -> Doubled:
     """x y."""
     # The product of both low parts is below 2^-106 of the whole, and is left out.
     p, e = two_product(x.hi, y.hi)
-    hi, lo = fast_two_sum(p, e + (x.hi * y.lo + x.lo * y.hi))
+    mixed = x.hi * y.lo + x.lo * y.hi
+    hi, lo = fast_two_sum(p, e + mixed)
     if x.error is None:
         return Doubled(hi, lo, None)
     # |x y - x' y'| <= |x| dy + (|y| + dy) dx
-    by_y, by_x = np.abs(x.hi) * y.error, (np.abs(y.hi) + y.error) * x.error
-    return Doubled(hi, lo, _bound(hi, by_y, by_x))
+    by_y = np.abs(x.hi) * y.error
+    largest_y = np.abs(y.hi) + y.error
+    return Doubled(hi, lo, _bound(hi, by_y, largest_y * x.error))
 
 
 def div(x: Doubled, y: Doubled) -> Doubled:
@@ -131,14 +141,17 @@ def div(x: Doubled, y: Doubled) -> Doubled:
     # A float's quotient t, and one correction by its remainder (x - t y)/y.
     t = x.hi / y.hi
     p, e = two_product(t, y.hi)
-    rest = ((x.hi - p) - e) + (x.lo - t * y.lo)
+    rest = (x.hi - p) - e
+    rest = rest + (x.lo - t * y.lo)
     hi, lo = fast_two_sum(t, rest / y.hi)
     if x.error is None:
         return Doubled(hi, lo, None)
     # |x/y - x'/y'| <= (dx + |x/y| dy)/(|y| - dy)
     below = np.abs(y.hi) - 2 * y.error  # less than |y| less its error, whatever its low part
-    moved = (x.error + _LOST + np.abs(hi) * y.error * _UP) / below
-    return Doubled(hi, lo, np.where(below > 0, _bound(hi, moved, 0.0), inf))
+    carried = np.abs(hi) * y.error * _UP
+    moved = (x.error + _LOST + carried) / below
+    bound = _bound(hi, moved, 0.0)
+    return Doubled(hi, lo, np.where(below > 0, bound, inf))
 
 
 def sqrt(x: Doubled) -> Doubled:
@@ -146,20 +159,24 @@ def sqrt(x: Doubled) -> Doubled:
     # A float's root s, and one step of Newton's method, (x - s^2)/(2 s).
     s = np.sqrt(x.hi)
     p, e = two_product(s, s)
-    lo = np.where(s == 0, 0.0, (((x.hi - p) - e) + x.lo) / (2 * s))
+    rest = ((x.hi - p) - e) + x.lo
+    lo = np.where(s == 0, 0.0, rest / (2 * s))
     hi, lo = fast_two_sum(s, lo)
     if x.error is None:
         return Doubled(hi, lo, None)
     # |sqrt(x) - sqrt(x + d)| <= |d|/sqrt(x). Where x may be 0 the slope of the root has no bound.
     change = x.error + _LOST
-    return Doubled(hi, lo, np.where(x.hi > 2 * change, _bound(hi, change / hi, 0.0), inf))
+    bound = _bound(hi, change / hi, 0.0)
+    return Doubled(hi, lo, np.where(x.hi > 2 * change, bound, inf))
 
 
-def _bound(value: Any, *carried: Any) -> Any:
-    """A bound of the error of a result: what the errors of the operands make of it, and its own."""
-    if carried[0] is None:
+def _bound(value: Any, by_x: Any, by_y: Any) -> Any:
+    """A bound of the error of a result: what the errors of the operands make of it, and its own.
+    None where errors are not tracked."""
+    if by_x is None:
         return None
-    return (carried[0] + carried[1] + np.abs(value) * _STEP) * _UP + _LOST
+    total = by_x + by_y + np.abs(value) * _STEP
+    return total * _UP + _LOST
 
 
 def of_ball(ball: Ball) -> tuple[float, float, float]:
@@ -169,7 +186,8 @@ def of_ball(ball: Ball) -> tuple[float, float, float]:
         return nan, nan, inf
     rest = ball - arb(hi)
     lo = float(rest)
-    return hi, lo, float(abs(rest - arb(lo)).upper()) * _UP + _LOST
+    distance = abs(rest - arb(lo)).upper()
+    return hi, lo, float(distance) * _UP + _LOST
 
 
 _ARITHMETIC: dict[str, Callable[..., Doubled]] = {
@@ -194,21 +212,23 @@ class Doubles:
     def constants(self) -> dict[int, Doubled]:
         """The program's constants, each with the bound of what a pair of doubles leaves of it."""
         with flint.ctx.workprec(_BITS):
-            steps = enumerate(self.program.operations)
-            return {
-                i: self._of_ball(constant_ball(step.value))
-                for i, step in steps
-                if step.name == "constant"
-            }
+            constants = {}
+            for i, step in enumerate(self.program.operations):
+                if step.name == "constant":
+                    constants[i] = self._of_ball(constant_ball(step.value))
+            return constants
 
     def run(self, inputs: Sequence[Any], size: int) -> dict[str, Doubled]:
         """The results for inputs that are floats or arrays of that size."""
         names = list(self.program.results)
-        results = {name: Doubled(np.empty(size), np.empty(size), np.empty(size)) for name in names}
+        results = {}
+        for name in names:
+            results[name] = Doubled(np.empty(size), np.empty(size), np.empty(size))
         with np.errstate(all="ignore"):
             for start in range(0, size, BLOCK):
                 part = slice(start, start + BLOCK)
-                known = self._block([x if np.ndim(x) == 0 else x[part] for x in inputs])
+                of_block = [x if np.ndim(x) == 0 else x[part] for x in inputs]
+                known = self._block(of_block)
                 for name in names:
                     for whole, piece in zip(results[name], known[name], strict=True):
                         whole[part] = piece if piece is not None else nan
@@ -216,12 +236,15 @@ class Doubles:
 
     def _block(self, inputs: Sequence[Any]) -> dict[str, Doubled]:
         """The results for one block; inputs are doubles, so they have no low part and no error."""
-        floats = (np.asarray(x)[()] for x in inputs)  # a single number as a NumPy float
-        given = [
-            Doubled(x, np.zeros_like(x), np.zeros_like(x) if self.bounded else None) for x in floats
-        ]
+        given = []
+        for x in inputs:
+            hi = np.asarray(x)[()]  # a single number as a NumPy float
+            error = np.zeros_like(hi) if self.bounded else None
+            given.append(Doubled(hi, np.zeros_like(hi), error))
         by_balls = {name: partial(self._by_balls, function) for name, function in FUNCTIONS.items()}
-        return self.program.run(by_balls | _ARITHMETIC, given, self.constants)
+        # What both have is done in double-doubles.
+        operations = by_balls | _ARITHMETIC
+        return self.program.run(operations, given, self.constants)
 
     def _by_balls(self, function: Callable[..., Ball], *arguments: Doubled) -> Doubled:
         """A function such as a sine or a power, evaluated in balls point by point."""
@@ -229,25 +252,32 @@ class Doubles:
         parts = [0.0 if x is None else x for argument in arguments for x in argument]
         columns = np.broadcast_arrays(*parts)
         shape = columns[0].shape
+        flat = [x.ravel().tolist() for x in columns]
         rows = []
         with flint.ctx.workprec(_BITS):
-            for row in zip(*(x.ravel().tolist() for x in columns), strict=True):
+            for row in zip(*flat, strict=True):
                 balls = [_ball(row[n : n + 3]) for n in range(0, len(row), 3)]
                 rows.append(of_ball(function(*balls)))
-        if not rows:
-            hi, lo, error = (np.empty(shape),) * 3
+        if rows:
+            results = zip(*rows, strict=True)
+            hi, lo, error = (np.array(x).reshape(shape) for x in results)
         else:
-            hi, lo, error = (np.array(x).reshape(shape) for x in zip(*rows, strict=True))
+            hi = lo = error = np.empty(shape)
         return Doubled(hi, lo, error if self.bounded else None)
 
     def _of_ball(self, ball: Ball) -> Doubled:
-        hi, lo, error = of_ball(ball)
-        return Doubled(np.float64(hi), np.float64(lo), np.float64(error) if self.bounded else None)
+        """The double-double nearest to a number in a ball."""
+        hi, lo, error = (np.float64(x) for x in of_ball(ball))
+        return Doubled(hi, lo, error if self.bounded else None)
 
 
 def _ball(row: Sequence[float]) -> Ball:
+    """A ball that holds the number hi + lo with that error; all numbers where the error is
+    infinite."""
     hi, lo, error = row
-    return arb(hi) + arb(lo, error) if error < inf else arb(nan)
+    if error < inf:
+        return arb(hi) + arb(lo, error)
+    return arb(nan)
 
 
 FormsAt: TypeAlias = Callable[[Mapping[str, Rational]], Mapping[str, RealFunction]]
@@ -269,13 +299,17 @@ class Certified:
         """The doubles by name, and how many points needed balls; inputs are floats or arrays of
         that size."""
         doubled = self.doubles.run(inputs, size)
-        values = {name: self.constant(name, x) for name, x in doubled.items()}
-        open_ = {name: ~self._proven(name, x) for name, x in doubled.items()}
-        points = np.flatnonzero(np.logical_or.reduce(list(open_.values())))
+        values = {}
+        left = {}
+        for name, x in doubled.items():
+            values[name] = self.constant(name, x)
+            left[name] = ~self._proven(name, x)
+        anywhere = np.logical_or.reduce(list(left.values()))
+        points = np.flatnonzero(anywhere)
         # Balls are slow, so they see only the points and the results that are left over.
         for n in points:
             point = tuple(float(x) if np.ndim(x) == 0 else float(x[n]) for x in inputs)
-            names = [name for name in open_ if open_[name][n]]
+            names = [name for name in left if left[name][n]]
             for name, value in self.at(point, names).items():
                 values[name][n] = value
         return values, len(points)
@@ -288,21 +322,21 @@ class Certified:
     def constant(self, name: str, found: Doubled) -> Any:
         """A result that is the same for all arguments is rounded once, from its exact value."""
         step = self.program.operations[self.program.results[name]]
-        return (
-            np.full_like(found.hi, nearest(step.value))
-            if step.name == "constant"
-            else found.hi.copy()
-        )
+        if step.name == "constant":
+            return np.full_like(found.hi, nearest(step.value))
+        return found.hi.copy()
 
     def _proven(self, name: str, x: Doubled) -> Any:
         """Where the high part alone is within one unit in the last place, also of the smaller
         binade at a power of 2."""
-        if self.program.operations[self.program.results[name]].name == "constant":
+        step = self.program.operations[self.program.results[name]]
+        if step.name == "constant":
             return np.ones(x.hi.shape, dtype=bool)
         # Comparisons with not-a-number are False: what overflowed stays open.
         size = np.abs(x.hi)
         with np.errstate(all="ignore"):
-            return np.abs(x.lo) + x.error <= size - np.nextafter(size, 0)
+            unit_below = size - np.nextafter(size, 0)
+            return np.abs(x.lo) + x.error <= unit_below
 
     def at(self, inputs: tuple[float, ...], names: Sequence[str]) -> dict[str, float]:
         """The doubles nearest to results at one point, limits and poles included; not-a-number for
@@ -311,23 +345,29 @@ class Certified:
             return dict.fromkeys(names, float("nan"))
         # Powers of omega are defined for omega >= 0 alone; H(-j omega) is the conjugate of H(j
         # omega).
-        if inputs[0] < 0:
-            mirrored = self.at((-inputs[0], *inputs[1:]), names)
-            return {
-                name: value if name in SQUARED or name.endswith("real") else -value
-                for name, value in mirrored.items()
-            }
-        point, proven = BallPoint(self.program, inputs), {}
+        frequency, *parameters = inputs
+        if frequency < 0:
+            values = {}
+            for name, value in self.at((-frequency, *parameters), names).items():
+                is_even = name in SQUARED or name.endswith("real")
+                values[name] = value if is_even else -value
+            return values
+        point = BallPoint(self.program, inputs)
+        proven: dict[str, float] = {}
         for bits in _BITS_CERTIFIED:
             left = [name for name in names if name not in proven]
-            if left:
-                balls = point.balls(bits)
-                rounded = {name: nearest_double(balls[name], bits) for name in left}
-                proven.update({name: value for name, value in rounded.items() if value is not None})
+            if not left:
+                break
+            balls = point.balls(bits)
+            for name in left:
+                rounded = nearest_double(balls[name], bits)
+                if rounded is not None:
+                    proven[name] = rounded
         # What balls do not settle, such as 0, a pole, or 0/0 in the steps, the closed form may.
-        return {
-            name: proven[name] if name in proven else self._settled(inputs, name) for name in names
-        }
+        for name in names:
+            if name not in proven:
+                proven[name] = self._settled(inputs, name)
+        return {name: proven[name] for name in names}
 
     def _settled(self, inputs: tuple[float, ...], name: str) -> float:
         """The double nearest to a result, from its closed form; not a number where that is
@@ -341,17 +381,19 @@ class Certified:
         """A result from its closed form in lowest terms."""
         # Every double is a rational number, so the arguments are exact.
         frequency, *values = (x.as_integer_ratio() for x in inputs)
-        known = {
-            x.name: Rational(*value)
-            for x, value in zip(self.program.inputs[1:], values, strict=True)
-        }
-        return PointValue(self.forms(known)[name], fmpq(*frequency), name in SQUARED)
+        _, *parameters = self.program.inputs
+        known = {}
+        for parameter, value in zip(parameters, values, strict=True):
+            known[parameter.name] = Rational(*value)
+        form = self.forms(known)[name]
+        return PointValue(form, fmpq(*frequency), name in SQUARED)
 
     def number(self, inputs: tuple[float, ...], name: str) -> RealNumber | float:
         """A result to any precision; a float where it is 0, infinite or not a number. SceneError
         for a negative frequency."""
-        if inputs[0] < 0:
-            raise SceneError(f"digits: omega = {inputs[0]} rad/s must be >= 0")
+        frequency = inputs[0]
+        if frequency < 0:
+            raise SceneError(f"digits: omega = {frequency} rad/s must be >= 0")
         if not np.isfinite(inputs).all():
             return float("nan")
         # No ball shows that a result is exactly 0, however narrow it is: the closed form does.

@@ -15,6 +15,10 @@ what stands over it, E + j F of dH.
 Closed forms in lowest terms have the limit where the steps of a chain are 0/0. A factor of them
 that is the squared modulus of a factor R + j X of the dynamics is computed as R^2 + X^2, which is
 never negative, and keeps its digits at a resonance.
+
+A *step* is an operation of a program, named by its number; a *ring* (``kernel.dynamics``) holds
+polynomials in s, its *axis* (``kernel.axis``) their real and imaginary parts in omega. Begin with
+``stable_program`` and ``Author.fields``.
 """
 
 from __future__ import annotations
@@ -53,11 +57,14 @@ def stable_program(
     ``inputs`` : the parameters, after omega.
     """
     # All fields are written once; every program takes from them the steps that it needs.
-    author = Author(Writer((omega, *inputs)))
-    fields, nothing = author.fields(environment, rendered, matrices), author.write.constant(0)
-    return lambda of, zero: author.write.program(
-        {name: nothing if name in zero else fields[name] for name in of}
-    )
+    write = Writer((omega, *inputs))
+    fields = Author(write).fields(environment, rendered, matrices)
+    nothing = write.constant(0)
+
+    def program(of: Sequence[str], zero: Collection[str]) -> Program:
+        return write.program({name: nothing if name in zero else fields[name] for name in of})
+
+    return program
 
 
 @dataclass
@@ -73,30 +80,36 @@ class Author:
         """The steps of environment, felt dynamics and change, labelled by the fields of the record
         they fill."""
         H = self.named("RX", self.sum_of_fractions(environment, "_e"))
-        felt, dH = H, self.pair(0, 0)
+        felt = H
+        dH = self.pair(0, 0)
         if rendered != environment:
             # Subtracted as fractions: in floats a small difference of both would have no digits.
             ring = Ring.of([rendered, environment])
-            more = (ring.convert(rendered) - ring.convert(environment)).reduced()
+            more = ring.convert(rendered) - ring.convert(environment)
             felt = self.named("RX", self.sum_of_fractions(rendered, "_r"), "_r")
-            dH = self.named("EF", self.closed(more, "_d"), "_r")
+            dH = self.named("EF", self.closed(more.reduced(), "_d"), "_r")
         parts = runs([list(map(Ring.of(matrix).convert, matrix)) for matrix in matrices])
         last = len(matrices)
         labels = [f"_{n}" for n in range(1, last + 1)] if last > 1 else [""]
         fraction, relative = None, None
         # With series effects alone dH/H_env is G - 1, without a division by H_env.
-        if rendered == environment and len(parts) == 1 and _is_series(parts[0][0]):
+        one_run = rendered == environment and len(parts) == 1
+        if one_run and _is_series(parts[0][0]):
+            gains = [row[0] for row in parts[0]]
             if last == 1:  # the one effect's denominator stays below the line: a division less
-                above, below = self.fraction(less_one(parts[0][0][0]), "")
+                above, below = self.fraction(less_one(gains[0]), "")
                 letters = "PQ" if self.write.number(below) == 1 else "KL"
-                fraction = self.named("EF", self.times(H, self.named(letters, above))), below
-            relative = self.series([row[0] for row in parts[0]], labels)[1]
+                change = self.named(letters, above)
+                fraction = self.named("EF", self.times(H, change)), below
+            _, relative = self.series(gains, labels)
         for run in parts:
-            run_labels, labels = labels[: len(run)], labels[len(run) :]
+            run_labels = labels[: len(run)]
+            labels = labels[len(run) :]
             felt, dH = self.after(run, felt, dH, run_labels)
             if labels:
                 last_label = run_labels[-1]
-                felt, dH = self.named("RX", felt, last_label), self.named("EF", dH, last_label)
+                felt = self.named("RX", felt, last_label)
+                dH = self.named("EF", dH, last_label)
         whole = fraction or (self.named("EF", dH), self.write.constant(1))
         return self.results(H, felt, whole, relative)
 
@@ -110,8 +123,10 @@ class Author:
         """H_perc and dH behind a further run of effects, from those in front of it."""
         if not _is_series(run[0]):
             return self.port(run[0], felt, dH, labels[0])
-        gain, change = self.series([row[0] for row in run], labels)
-        return self.times(felt, gain), self.plus(dH, self.times(felt, change))
+        gains = [row[0] for row in run]
+        gain, change = self.series(gains, labels)
+        behind = self.times(felt, gain)
+        return behind, self.plus(dH, self.times(felt, change))
 
     def results(
         self,
@@ -122,37 +137,47 @@ class Author:
     ) -> dict[str, int]:
         """The steps of all fields, with no square and no 0/0 where the environment lies on an
         axis."""
-        w, (R, X), dH = self.write, H, self.over(*fraction)
-        is_real, is_imaginary = w.number(X) == 0, w.number(R) == 0
+        w = self.write
+        R, X = H
+        dH = self.over(*fraction)
+        is_real = w.number(X) == 0
+        is_imaginary = w.number(R) == 0
         if is_real or is_imaginary:
             # |H_env| is |R| or |X|: no squares, whose quotient would be 0/0 at a zero of H_env. Of
             # H_env = j X the quotient (E + j F)/(j X) is (F - j E)/X.
             if relative is None:
-                turned = dH if is_real else (dH[1], w.neg(dH[0]))
-                relative = self.over(turned, R if is_real else X)
-            ratios = relative if is_real else (relative[1], relative[0])
-            real, imag = (w.abs(x) for x in ratios)
-            squared = tuple(w.mul(x, x) for x in ratios)
+                E, F = dH
+                relative = self.over(dH, R) if is_real else self.over((F, w.neg(E)), X)
+            P, Q = relative
+            ratios = (P, Q) if is_real else (Q, P)
+            sizes = [w.abs(x) for x in ratios]
+            squares = [w.mul(x, x) for x in ratios]
         else:
             N = w.label(self.square(H), "N")
-            relative = relative or self.over(self.times(dH, (R, w.neg(X))), N)
+            if relative is None:
+                conjugate = R, w.neg(X)
+                relative = self.over(self.times(dH, conjugate), N)
             above, below = fraction
-            scale = w.div(w.constant(1), w.mul(below, w.sqrt(N)))
-            real, imag = (w.mul(w.abs(x), scale) for x in above)
-            squared = tuple(w.div(w.power(w.div(x, below), 2), N) for x in above)
-        pairs = {
+            one = w.constant(1)
+            scale = w.div(one, w.mul(below, w.sqrt(N)))
+            sizes = [w.mul(w.abs(x), scale) for x in above]
+            squares = []
+            for x in above:
+                square = w.power(w.div(x, below), 2)
+                squares.append(w.div(square, N))
+        pairs: dict[str, Sequence[int]] = {
             "": dH,
-            "ratio_": (real, imag),
-            "squared_": squared,
+            "ratio_": sizes,
+            "squared_": squares,
             "relative_": relative,
             "environment_": H,
             "perceived_": felt,
         }
-        return {
-            f"{kind}{part}": x
-            for kind, pair in pairs.items()
-            for part, x in zip(("real", "imag"), pair, strict=True)
-        }
+        fields = {}
+        for kind, (real, imag) in pairs.items():
+            fields[f"{kind}real"] = real
+            fields[f"{kind}imag"] = imag
+        return fields
 
     def sum_of_fractions(self, H: Expr, label: str) -> ComplexStep:
         """The steps of a dynamics: its polynomial, and each of its fractions for itself, as they
@@ -160,31 +185,36 @@ class Author:
         # Over one denominator a small term would be added to products of large ones.
         ring = Ring.of([H])
         terms = [ring.convert(term).reduced() for term in Add.make_args(H)]
-        whole, total = ring.zero, self.pair(0, 0)
+        whole = ring.zero
+        total = self.pair(0, 0)
         fractions = [term for term in terms if not term.denominator.is_constant()]
+        numbered = len(fractions) > 1
         for n, term in enumerate(terms, 1):
             if term.denominator.is_constant():
                 whole = whole + term
             else:
-                total = self.plus(
-                    total, self.closed(term, f"{label}{n}" if len(fractions) > 1 else label)
-                )
+                closed = self.closed(term, f"{label}{n}" if numbered else label)
+                total = self.plus(total, closed)
         return self.plus(self.closed(whole.reduced(), label), total)
 
     def series(
         self, gains: Sequence[RationalFunction], labels: Sequence[str]
     ) -> tuple[ComplexStep, ComplexStep]:
         """G and G - 1 of effects in a row."""
-        G, (P, Q) = self.pair(1, 0), self.pair(0, 0)
         write = self.write
+        G = self.pair(1, 0)
+        P, Q = self.pair(0, 0)
         for gain, label in zip(gains, labels, strict=True):
             p, q = self.named("PQ", self.closed(less_one(gain), label), label)
             factor = self.named("GQ", self.closed(gain, label), label)
             # P' = P + g p - Q q, as in the docstring of the module: small terms alone are added.
-            telescoped = write.sub(write.add(P, write.mul(G[0], p)), write.mul(Q, q))
+            g, _ = G
+            added = write.add(P, write.mul(g, p))
+            telescoped = write.sub(added, write.mul(Q, q))
             G = self.times(G, factor)
-            P, Q = self.named("PQ", (telescoped, G[1]), f"{labels[0]}{label}")
-            self.write.label(G[0], f"G{labels[0]}{label}")
+            g, product_imag = G
+            P, Q = self.named("PQ", (telescoped, product_imag), f"{labels[0]}{label}")
+            write.label(g, f"G{labels[0]}{label}")
         return G, (P, Q)
 
     def port(
@@ -199,15 +229,22 @@ class Author:
             Z = self.named("ST", self.closed(before, label), label)
             gain, change = self.series([(A / D).reduced()], [label])
             felt = self.plus(felt, Z)
-            return self.times(felt, gain), self.plus(dH, self.plus(self.times(felt, change), Z))
+            behind = self.times(felt, gain)
+            added = self.plus(self.times(felt, change), Z)
+            return behind, self.plus(dH, added)
         # Without the power of s that all entries share C H + D is not 0 at s = 0.
-        common = int(min(ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D)))
+        orders = [ring_of(x).order_at_0(x.numerator) for x in (A, B, C, D)]
+        common = int(min(orders))
         a, b, c, d, difference = (self.entry(x, common) for x in (A, B, C, D, A - D))
         c_H = self.times(c, felt)
         over = self.division(self.plus(c_H, d), label)
         above = self.plus(self.times(a, felt), b)
-        added = self.named("KL", self.plus(self.times(self.minus(difference, c_H), felt), b), label)
-        return over(above), self.plus(dH, over(added))
+        # ((A - D) - C H) H + B
+        slope = self.minus(difference, c_H)
+        added = self.plus(self.times(slope, felt), b)
+        added = self.named("KL", added, label)
+        behind = over(above)
+        return behind, self.plus(dH, over(added))
 
     def entry(self, entry: RationalFunction, zeros: int) -> ComplexStep:
         """An entry of a chain matrix, a polynomial, over s^zeros: the product of its factors."""
@@ -216,10 +253,12 @@ class Author:
         total = self.pair(unit, 0)
         # Each factor gives up as many zeros at s = 0 as it has, until all that are asked for are
         # gone.
-        for factor in (factor for factor, n in factors for _ in range(n)):
-            order = int(min(ring.order_at_0(factor), zeros))
-            over = ring.function(factor, ring.variable**order).reduced()
-            total, zeros = self.times(total, self.factor(over)), zeros - order
+        for factor, n in factors:
+            for _ in range(n):
+                order = int(min(ring.order_at_0(factor), zeros))
+                over = ring.function(factor, ring.variable**order)
+                total = self.times(total, self.factor(over.reduced()))
+                zeros -= order
         return total
 
     def factor(self, f: RationalFunction) -> ComplexStep:
@@ -227,7 +266,8 @@ class Author:
         pair = self.closed(f, "")
         if all(self.write.operations[x].name in ("input", "constant") for x in pair):
             return pair
-        return self.named("YZ", pair, f"_{self.factors.setdefault(pair, len(self.factors) + 1)}")
+        number = self.factors.setdefault(pair, len(self.factors) + 1)
+        return self.named("YZ", pair, f"_{number}")
 
     def closed(self, f: RationalFunction, label: str) -> ComplexStep:
         """Re and Im of a dynamics on s = j omega; ``label`` : what its U, V and M are marked
@@ -237,24 +277,32 @@ class Author:
     def fraction(self, f: RationalFunction, label: str) -> tuple[ComplexStep, int]:
         """Re and Im of a dynamics as numerators over one real denominator: the squared modulus M =
         U^2 + V^2 of its denominator U + j V, or 1 where that is not common to both."""
-        axis, f, one = ring_of(f).axis, f.cleared(), self.write.constant(1)
+        axis = ring_of(f).axis
+        f = f.cleared()
+        one = self.write.constant(1)
         if f.is_zero:
             return self.pair(0, 0), one
         if self.has_functions(f):
-            response = on_axis(f)
-            return (self.quotient(response.real), self.quotient(response.imag)), one
+            return self.parts_in_lowest_terms(f), one
         # (p + j q)/(u + j v) = (p + j q) (u - j v)/(u^2 + v^2)
         (p, q), (u, v) = axis.parts([f.numerator, f.denominator])
-        above, square = (p * u + q * v, q * u - p * v), u * u + v * v
+        real = p * u + q * v
+        imag = q * u - p * v
+        square = u * u + v * v
         # Re^2 + Im^2 is |N|^2 |D|^2: a factor that one part shares with |D|^2 is one of both
-        if f.denominator.is_constant() or not above[0].gcd(square).is_constant():
-            response = on_axis(f)
-            return (self.quotient(response.real), self.quotient(response.imag)), one
-        below = self.named(
-            "UV", (self.write.polynomial(axis, u), self.write.polynomial(axis, v)), label
-        )
+        if f.denominator.is_constant() or not real.gcd(square).is_constant():
+            return self.parts_in_lowest_terms(f), one
+        U = self.write.polynomial(axis, u)
+        V = self.write.polynomial(axis, v)
+        below = self.named("UV", (U, V), label)
         M = self.write.label(self.square(below), f"M{label}")
-        return (self.write.product(axis, above[0]), self.write.product(axis, above[1])), M
+        above = self.write.product(axis, real), self.write.product(axis, imag)
+        return above, M
+
+    def parts_in_lowest_terms(self, f: RationalFunction) -> ComplexStep:
+        """Re and Im of a dynamics on s = j omega, each a quotient of its own."""
+        response = on_axis(f)
+        return self.quotient(response.real), self.quotient(response.imag)
 
     def has_functions(self, f: RationalFunction) -> bool:
         """Whether delays or fractional powers of s occur in it, so that it is more than a rational
@@ -268,15 +316,16 @@ class Author:
         hold = without_sinc_less_one(real)
         if hold is not None:
             angle, rest = hold
-            return self.write.mul(self.write.expression(sincm1(angle)), self.quotient(rest))
+            factor = self.write.expression(sincm1(angle))
+            return self.write.mul(factor, self.quotient(rest))
         # In half angles 1 - cos x is 2 sin^2(x/2), which keeps its digits where x is small.
         f = real.half_angled
         if f.denominator.is_constant():
-            return self.product(f.ring, f.numerator / f.denominator.leading_coefficient())
+            number = f.denominator.leading_coefficient()
+            return self.product(f.ring, f.numerator / number)
         f = f.cleared()
-        return self.write.div(
-            self.product(f.ring, f.numerator), self.product(f.ring, f.denominator)
-        )
+        above = self.product(f.ring, f.numerator)
+        return self.write.div(above, self.product(f.ring, f.denominator))
 
     def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         """A polynomial as the product of its factors."""
@@ -284,19 +333,22 @@ class Author:
 
     def named(self, letters: str, pair: ComplexStep, label: str = "") -> ComplexStep:
         """The pair, labelled with the letters of its real and its imaginary part."""
-        real, imag = (f"{letter}{label}" for letter in letters)
-        return self.write.label(pair[0], real), self.write.label(pair[1], imag)
+        real, imag = pair
+        real = self.write.label(real, f"{letters[0]}{label}")
+        return real, self.write.label(imag, f"{letters[1]}{label}")
 
     def division(self, below: ComplexStep, label: str) -> Callable[[ComplexStep], ComplexStep]:
         """A function that divides by a complex number, whose steps are written once."""
-        below = self.named("UV", below, label)
-        modulus = self.write.label(self.square(below), f"M{label}")
-        turned = (below[0], self.write.neg(below[1]))
-        return lambda above: self.over(self.times(above, turned), modulus)
+        U, V = self.named("UV", below, label)
+        modulus = self.write.label(self.square((U, V)), f"M{label}")
+        conjugate = U, self.write.neg(V)
+        return lambda above: self.over(self.times(above, conjugate), modulus)
 
     def square(self, x: ComplexStep) -> int:
         """|x|^2"""
-        return self.write.add(self.write.mul(x[0], x[0]), self.write.mul(x[1], x[1]))
+        real, imag = x
+        real_square = self.write.mul(real, real)
+        return self.write.add(real_square, self.write.mul(imag, imag))
 
     def pair(self, real: int | Rational, imag: int) -> ComplexStep:
         """A complex constant."""
@@ -312,9 +364,11 @@ class Author:
 
     def times(self, x: ComplexStep, y: ComplexStep) -> ComplexStep:
         """x y."""
+        a, b = x
+        c, d = y
         mul = self.write.mul
-        real = self.write.sub(mul(x[0], y[0]), mul(x[1], y[1]))
-        return real, self.write.add(mul(x[0], y[1]), mul(x[1], y[0]))
+        real = self.write.sub(mul(a, c), mul(b, d))
+        return real, self.write.add(mul(a, d), mul(b, c))
 
     def over(self, x: ComplexStep, y: int) -> ComplexStep:
         """x / y for a real y."""
@@ -324,16 +378,19 @@ class Author:
 def without_sinc_less_one(real: RealFunction) -> tuple[Expr, RealFunction] | None:
     """An angle a and a function f, where f (sin(a)/a - 1) is the given one, as with a
     sample-and-hold; None where the given function has no such factor."""
-    axis, f = real.axis, real.function
-    for angle, t in zip(axis.angles, axis.context.gens()[axis.size :], strict=False):
+    axis = real.axis
+    f = real.function
+    tangents = axis.context.gens()[axis.size :]
+    for angle, t in zip(axis.angles, tangents, strict=False):
         if angle.constant or f.is_zero:
             continue
         # With t = tan(a/2), sin a = 2 t/(1 + t^2): sin(a) - a has this numerator.
         a = axis.convert(angle.rate * omega)
-        factor = 2 * t * a.denominator - (1 + t**2) * a.numerator
+        circle = 1 + t**2
+        factor = 2 * t * a.denominator - circle * a.numerator
         above, remainder = divmod(f.numerator, factor)
         if remainder.is_zero():
-            other = axis.function(above * (1 + t**2) * a.numerator, f.denominator)
+            other = axis.function(above * circle * a.numerator, f.denominator)
             return angle.rate * omega, RealFunction(other.reduced())
     return None
 
@@ -349,20 +406,24 @@ def runs(
     """Series effects that follow each other together, as (G, 0, 0, 1); everything else alone."""
     runs: list[list[tuple[RationalFunction, ...]]] = []
     for matrix in matrices:
-        ring = matrix[0].ring
-        if matrix[1].is_zero and matrix[2].is_zero:
-            row = ((matrix[0] / matrix[3]).reduced(), ring.zero, ring.zero, ring.one)
-            if runs and _is_series(runs[-1][0]):
-                runs[-1].append(row)
-            else:
-                runs.append([row])
-        else:
+        if not _is_series(matrix):
             runs.append([tuple(matrix)])
+            continue
+        A, _, _, D = matrix
+        ring = A.ring
+        gain = (A / D).reduced()
+        row = (gain, ring.zero, ring.zero, ring.one)
+        if runs and _is_series(runs[-1][0]):
+            runs[-1].append(row)
+        else:
+            runs.append([row])
     return runs
 
 
 def _is_series(matrix: Sequence[RationalFunction]) -> bool:
-    return matrix[1].is_zero and matrix[2].is_zero
+    """Whether an effect (A, B, C, D) multiplies a dynamics by a gain A/D."""
+    _, B, C, _ = matrix
+    return B.is_zero and C.is_zero
 
 
 def closed_program(
@@ -380,11 +441,12 @@ def closed_program(
     dict_keys(['ratio_real'])
     """
     author = _ClosedForms(Writer((omega, *inputs)))
-    author.moduli = list(author.squares(next(iter(forms.values())).axis, dynamics))
-    results = {
-        name: author.root(f) if name.startswith("ratio") else author.quotient(f)
-        for name, f in forms.items()
-    }
+    any_form = next(iter(forms.values()))
+    author.moduli = list(author.squares(any_form.axis, dynamics))
+    results = {}
+    for name, f in forms.items():
+        of_form = author.root if name.startswith("ratio") else author.quotient
+        results[name] = of_form(f)
     return author.write.program(results)
 
 
@@ -406,19 +468,22 @@ class _ClosedForms(Author):
     def squares(self, axis: Axis, dynamics: Iterable[Polynomial]) -> Iterator[_Modulus]:
         """|R + j X|^2 for each factor of the dynamics that is not a square already."""
         for p in dynamics:
-            R, X = axis.parts([p])[0]
-            if not R.is_zero() and not X.is_zero():
-                # Written as a function R/X to take both in half angles at once; a factor that both
-                # share is divided out.
-                halves = axis.function(R, X)
-                if axis.angles:
-                    halves = axis.half_angles(halves)
-                common = halves.numerator.gcd(halves.denominator)
-                parts = halves.numerator / common, halves.denominator / common
-                whole = parts[0] ** 2 + parts[1] ** 2
-                lead = whole.leading_coefficient()
-                real, imag = (self.write.polynomial(halves.ring, x) for x in parts)
-                yield _Modulus(whole / lead, lead, self.square((real, imag)))
+            [(R, X)] = axis.parts([p])
+            if R.is_zero() or X.is_zero():
+                continue
+            # Written as a function R/X to take both in half angles at once; a factor that both
+            # share is divided out.
+            halves = axis.function(R, X)
+            if axis.angles:
+                halves = axis.half_angles(halves)
+            common = halves.numerator.gcd(halves.denominator)
+            R = halves.numerator / common
+            X = halves.denominator / common
+            whole = R**2 + X**2
+            lead = whole.leading_coefficient()
+            real = self.write.polynomial(halves.ring, R)
+            imag = self.write.polynomial(halves.ring, X)
+            yield _Modulus(whole / lead, lead, self.square((real, imag)))
 
     def product(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         unit, factors = self.factors_of(ring, polynomial)
@@ -435,23 +500,23 @@ class _ClosedForms(Author):
         twice = hold and without_sinc_less_one(hold[1])
         if twice:
             angle, rest = twice
-            return self.write.mul(
-                self.write.abs(self.write.expression(sincm1(angle))), self.root(rest)
-            )
+            size = self.write.abs(self.write.expression(sincm1(angle)))
+            return self.write.mul(size, self.root(rest))
         f = square.half_angled.cleared()
-        return self.write.div(
-            self.root_of(f.ring, f.numerator), self.root_of(f.ring, f.denominator)
-        )
+        above = self.root_of(f.ring, f.numerator)
+        return self.write.div(above, self.root_of(f.ring, f.denominator))
 
     def root_of(self, ring: PolynomialRing, polynomial: Polynomial) -> int:
         """The step of the root of a polynomial, as the product of the roots of its factors."""
         # An even power of a factor needs no root, only its magnitude.
+        write = self.write
         unit, factors = self.factors_of(ring, polynomial)
-        total, write = self.write.expression(sqrt(unit)), self.write
+        total = write.expression(sqrt(unit))
         for step, n, positive in factors:
             size = step if positive else write.abs(step)
             total = write.mul(total, write.power(size, n // 2))
-            total = write.mul(total, write.sqrt(size)) if n % 2 else total
+            if n % 2:
+                total = write.mul(total, write.sqrt(size))
         return total
 
     def factors_of(
@@ -469,6 +534,7 @@ class _ClosedForms(Author):
             if modulus:
                 ratio = lead / modulus.lead
                 unit *= Rational(int(ratio.p), int(ratio.q)) ** n
-            step = modulus.step if modulus else self.write.polynomial(ring, factor)
-            written.append((step, n, bool(modulus)))
+                written.append((modulus.step, n, True))
+            else:
+                written.append((self.write.polynomial(ring, factor), n, False))
         return unit, written

@@ -52,15 +52,19 @@ def sincm1(x: Any, out: Any = None) -> Any:
 def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
     """sin x/x and three derivatives: near 0 by their series, else by x f'' + 2 f' + x f = 0."""
     # Solved for f'', and once differentiated for f''', the equation divides by x at each order.
-    near = [_horner(terms, x * x) * (x if n % 2 else 1.0) for n, terms in enumerate(_SLOPES)]
-    far = np.where(np.abs(x) < _NEAR, _NEAR, x)
+    is_near = np.abs(x) < _NEAR
+    # No quotient below is taken near 0: there ``far`` is a number that is not used.
+    far = np.where(is_near, _NEAR, x)
     f = np.sin(far) / far
     df = (np.cos(far) - f) / far
     d2f = -f - 2 * df / far
     d3f = -df - (3 * d2f + f) / far
-    return tuple(
-        np.where(np.abs(x) < _NEAR, p, y) for p, y in zip(near, (f, df, d2f, d3f), strict=True)
-    )
+    values = []
+    for n, by_equation in enumerate((f, df, d2f, d3f)):
+        # Derivatives of odd order are odd: x times a series in x^2.
+        by_series = _horner(_SLOPES[n], x * x) * (x if n % 2 else 1.0)
+        values.append(np.where(is_near, by_series, by_equation))
+    return tuple(values)
 
 
 def _horner(row: Sequence[float], x: Any) -> Any:
@@ -332,6 +336,10 @@ def judged(
     """As ``judge``, for all inputs within these ranges."""
     known: list[MagnitudeRange] = []
     finite = True
+    # A frequency that no step reads has to be finite all the same: at others the answer is
+    # not-a-number.
+    if inf in (x.high for x in inputs):
+        return Judgement(safe=False, finite=False)
     for step in program.operations:
         if step.name == "input":
             known.append(inputs[step.arguments[0]])

@@ -1,6 +1,10 @@
 """Formulas in presentation MathML, for HTML pages and notebooks, which needs no script and no style
 sheet.
 
+A *box* (``writing.boxes``) is a formula laid out: order, signs and parentheses are decided there,
+and here each kind of box has one function that gives its markup (``_MARKUP``). Begin with
+``mathml``.
+
 Quotients of polynomials whose parameters are numbers are brought into a form that can be read on a
 screen (``readable``).
 """
@@ -25,9 +29,12 @@ from haptisym.writing.rounding import ANYWHERE, Band, faithful
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
 _APPLY = "<mo>&#x2061;</mo>"  # likewise for the value of a function
 _MINUS = "<mo>−</mo>"
-_COMMA, _SLASH = '<mo rspace="0em">,</mo>', '<mo lspace="0em" rspace="0em">/</mo>'
+_COMMA = '<mo rspace="0em">,</mo>'
+_SLASH = '<mo lspace="0em" rspace="0em">/</mo>'
 _SPACE = '<mspace width="0.17em"/>'  # between an operator's upright name and what is next to it
+# Sizes of fences around plain letters, from inside out.
 _FENCES = ('stretchy="false"', 'minsize="1.2em" maxsize="1.2em"', 'minsize="1.8em" maxsize="1.8em"')
+_TALL = "<mfrac", "<msqrt", "<mtable"
 
 
 def mathml(expression: Basic | Box, *, display: bool = False) -> str:
@@ -45,7 +52,8 @@ def mathml(expression: Basic | Box, *, display: bool = False) -> str:
     """
     if not isinstance(expression, Basic) and type(expression) not in _MARKUP:
         raise TypeError(f"no MathML for {type(expression).__name__}: give an expression or a box")
-    inside = markup(layout(expression) if isinstance(expression, Basic) else expression)
+    box = layout(expression) if isinstance(expression, Basic) else expression
+    inside = markup(box)
     style = "block" if display else "inline"
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="{style}">{inside}</math>'
 
@@ -57,14 +65,19 @@ def markup(box: Box) -> str:
 
 def _whole(number: int) -> str:
     """A whole number; a minus is an operator and no part of the number's element."""
-    return f"<mrow>{_MINUS}<mn>{-number}</mn></mrow>" if number < 0 else f"<mn>{number}</mn>"
+    if number < 0:
+        return f"<mrow>{_MINUS}<mn>{-number}</mn></mrow>"
+    return f"<mn>{number}</mn>"
 
 
 def _numeral(x: boxes.Numeral) -> str:
-    power = f"<msup><mn>10</mn>{_whole(x.exponent)}</msup>"
+    """Digits, times a power of ten where there is one."""
     if not x.exponent:
         return f"<mn>{x.digits}</mn>"
-    return power if x.digits == "1" else f"<mrow><mn>{x.digits}</mn><mo>×</mo>{power}</mrow>"
+    power = f"<msup><mn>10</mn>{_whole(x.exponent)}</msup>"
+    if x.digits == "1":
+        return power
+    return f"<mrow><mn>{x.digits}</mn><mo>×</mo>{power}</mrow>"
 
 
 def _subscript(x: boxes.Name) -> str:
@@ -86,21 +99,31 @@ def _word(word: boxes.Word) -> str:
 
 
 def _sum(x: boxes.Sum) -> str:
-    (sign, first), *others = x.terms
-    rest = ((_MINUS if sign < 0 else "<mo>+</mo>") + markup(term) for sign, term in others)
-    return f"<mrow>{_MINUS if sign < 0 else ''}{markup(first)}{''.join(rest)}</mrow>"
+    """Terms with their signs; no plus before the first."""
+    parts = []
+    for sign, term in x.terms:
+        if sign < 0:
+            parts.append(_MINUS)
+        elif parts:
+            parts.append("<mo>+</mo>")
+        parts.append(markup(term))
+    return f"<mrow>{''.join(parts)}</mrow>"
 
 
 def _product(x: boxes.SideBySide) -> str:
+    """Factors, with a dot between those that would run together."""
     parts = [markup(x.factors[0])]
     for left, right in pairwise(x.factors):
-        sign = "<mo>⋅</mo>" if boxes.needs_dot(left, right) else _TIMES
-        parts.append(sign + (_SPACE if isinstance(right, boxes.Prefixed) else "") + markup(right))
+        parts.append("<mo>⋅</mo>" if boxes.needs_dot(left, right) else _TIMES)
+        if isinstance(right, boxes.Prefixed):
+            parts.append(_SPACE)
+        parts.append(markup(right))
     return f"<mrow>{''.join(parts)}</mrow>"
 
 
 def _power(x: boxes.Power) -> str:
-    base, exponent = x.base, markup(x.exponent)
+    base = x.base
+    exponent = markup(x.exponent)
     # A small fraction on two lines would be too small to read in an exponent.
     if isinstance(x.exponent, boxes.Ratio):
         above, below = x.exponent.above, x.exponent.below
@@ -109,7 +132,8 @@ def _power(x: boxes.Power) -> str:
     if isinstance(base, boxes.Name) and base.below:
         return f"<msubsup>{_word(base.head)}{_subscript(base)}{exponent}</msubsup>"
     if isinstance(base, boxes.Applied):
-        return _applied(f"<msup>{markup(base.function)}{exponent}</msup>", base)
+        function = f"<msup>{markup(base.function)}{exponent}</msup>"
+        return _applied(function, base)
     return f"<msup>{markup(base)}{exponent}</msup>"
 
 
@@ -123,35 +147,49 @@ def _between(left: str, inside: str, right: str) -> str:
     """Fences: as tall as tall formulas; around others a little larger than those inside them."""
     # Without a size a fence stretches with what is inside. Around plain letters it would then be as
     # tall as they are, whatever is nested, so three fixed sizes tell the levels apart.
-    is_tall = any(tall in inside for tall in ("<mfrac", "<msqrt", "<mtable"))
-    size = "" if is_tall else f" {_FENCES[(_FENCES[0] in inside) + (_FENCES[1] in inside)]}"
+    size = ""
+    if not any(tall in inside for tall in _TALL):
+        small, middle, _ = _FENCES
+        level = (small in inside) + (middle in inside)
+        size = f" {_FENCES[level]}"
     return f"<mrow><mo{size}>{left}</mo>{inside}<mo{size}>{right}</mo></mrow>"
 
 
 def _prefixed(x: boxes.Prefixed) -> str:
+    """An operator and what it is applied to, without parentheses."""
     space = _SPACE if isinstance(x.operator, boxes.Operator) else ""
     return f"<mrow>{markup(x.operator)}{_APPLY}{space}{markup(x.operand)}</mrow>"
 
 
 def _grid(x: boxes.MatrixBox) -> str:
-    rows = ("".join(f"<mtd>{markup(y)}</mtd>" for y in row) for row in x.rows)
-    return _between("(", f"<mtable>{''.join(f'<mtr>{row}</mtr>' for row in rows)}</mtable>", ")")
+    """A matrix in parentheses."""
+    rows = []
+    for row in x.rows:
+        entries = "".join(f"<mtd>{markup(y)}</mtd>" for y in row)
+        rows.append(f"<mtr>{entries}</mtr>")
+    return _between("(", f"<mtable>{''.join(rows)}</mtable>", ")")
 
 
 def _equation(x: boxes.Relation) -> str:
-    first = markup(x.sides[0])
-    pairs = zip(x.relations, x.sides[1:], strict=True)
-    rest = "".join(f"<mo>{escape(sign)}</mo>{markup(side)}" for sign, side in pairs)
-    return f"<mrow>{first}{rest}</mrow>"
+    """Sides with the relations between them."""
+    first, *others = x.sides
+    parts = [markup(first)]
+    for sign, side in zip(x.relations, others, strict=True):
+        parts.append(f"<mo>{escape(sign)}</mo>{markup(side)}")
+    return f"<mrow>{''.join(parts)}</mrow>"
+
+
+def _name(x: boxes.Name) -> str:
+    """A name with its subscripts."""
+    head = _word(x.head)
+    return f"<msub>{head}{_subscript(x)}</msub>" if x.below else head
 
 
 _SMALL = '<mstyle displaystyle="false"><mfrac><mn>{}</mn><mn>{}</mn></mfrac></mstyle>'
 _MARKUP: Mapping[type, Callable[[Any], str]] = {
     boxes.Numeral: _numeral,
     boxes.Ratio: lambda x: _SMALL.format(x.above, x.below),
-    boxes.Name: lambda x: (
-        f"<msub>{_word(x.head)}{_subscript(x)}</msub>" if x.below else _word(x.head)
-    ),
+    boxes.Name: _name,
     boxes.Operator: lambda x: f'<mi mathvariant="normal">{x.name}</mi>',
     boxes.Sum: _sum,
     boxes.SideBySide: _product,
@@ -183,8 +221,9 @@ def readable(
     ((3*s/4 + 9/4)/(s**2 + 7/4), '=')
     """
     parts = _parts(function)
+    _, *polynomials = parts
     # Exact where it can be read as it is; else rounded, and only if that is true on the band.
-    if all(_is_short(c) for row, _ in parts[1:] for c in row):
+    if all(all(map(_is_short, row)) for row, _ in polynomials):
         return _quotient(parts, variable, None), "="
     return faithful(lambda digits: _quotient(parts, variable, digits), band)
 
@@ -193,9 +232,11 @@ def estimated(function: RationalFunction, variable: Symbol, digits: int) -> Expr
     """The same with all numbers rounded to so many digits, those of delays, too, where they are
     known no better."""
     form = _quotient(_parts(function), variable, digits)
-    return form.xreplace(
-        {f: f.func(*(approximate(x, digits) for x in f.args)) for f in form.atoms(Function)}
-    )
+    replaced = {}
+    for f in form.atoms(Function):
+        arguments = [approximate(x, digits) for x in f.args]
+        replaced[f] = f.func(*arguments)
+    return form.xreplace(replaced)
 
 
 _Parts: TypeAlias = "list[tuple[list[Expr], int]]"
@@ -213,9 +254,11 @@ def _parts(function: RationalFunction) -> _Parts:
     below = []
     for factor, exponent in factors:
         coefficients = ring.coefficients(factor)
-        first = coefficients[-1] if coefficients[-1].is_number else Integer(1)
+        highest = coefficients[-1]
+        first = highest if highest.is_number else Integer(1)
         lead *= first**exponent
-        below.append(([c / first for c in coefficients], -exponent))
+        monic = [c / first for c in coefficients]
+        below.append((monic, -exponent))
     outside, numerator = ring.without_common_functions(reduced.numerator)
     above = [(c / lead).expand() for c in ring.coefficients(numerator)]
     return [([outside], 1), (above, 1), *below]
@@ -224,16 +267,16 @@ def _parts(function: RationalFunction) -> _Parts:
 def _quotient(parts: _Parts, variable: Symbol, digits: int | None) -> Expr:
     """The product of the factors, all numbers rounded to so many digits, or exact."""
     (outside, _), *others = parts
-    return outside[0] * Mul(*(_polynomial(row, variable, digits) ** n for row, n in others))
+    factors = [_polynomial(row, variable, digits) ** n for row, n in others]
+    return outside[0] * Mul(*factors)
 
 
 def _is_short(coefficient: Expr) -> bool:
     """Whether all numbers in it are rational and short to write."""
-    rational = all(
-        isinstance(x, Rational | ImaginaryUnit) or not x.is_number
-        for x in preorder_traversal(coefficient)
-    )
-    return rational and all(is_short(x) for x in coefficient.atoms(Rational))
+    for x in preorder_traversal(coefficient):
+        if x.is_number and not isinstance(x, Rational | ImaginaryUnit):
+            return False
+    return all(is_short(x) for x in coefficient.atoms(Rational))
 
 
 def _rounded(coefficient: Expr, digits: int) -> Expr:
@@ -246,7 +289,8 @@ def _rounded(coefficient: Expr, digits: int) -> Expr:
         for term in Add.make_args(coefficient):
             number, rest = term.as_independent(I, *term.free_symbols, as_Add=False)
             numbers[rest] = numbers.get(rest, 0) + number
-        return Add(*(_rounded(number, digits) * rest for rest, number in numbers.items()))
+        terms = [_rounded(number, digits) * rest for rest, number in numbers.items()]
+        return Add(*terms)
     if isinstance(coefficient, Integer) and abs(coefficient) < 10**digits:
         return coefficient
     return rounded(coefficient, digits)
@@ -255,7 +299,10 @@ def _rounded(coefficient: Expr, digits: int) -> Expr:
 def _polynomial(coefficients: list[Expr], variable: Symbol, digits: int | None) -> Expr:
     """The sum of coefficients times ascending powers, its lowest power in front; exact, or rounded
     to digits."""
-    shown = [c if digits is None else _rounded(c, digits) for c in coefficients]
+    shown = coefficients
+    if digits is not None:
+        shown = [_rounded(c, digits) for c in coefficients]
     # s (s + 2), not s^2 + 2 s: zeros at 0 are seen.
     lowest = next((n for n, c in enumerate(shown) if c != 0), 0)
-    return variable**lowest * Add(*(c * variable**n for n, c in enumerate(shown[lowest:])))
+    terms = [c * variable**n for n, c in enumerate(shown[lowest:])]
+    return variable**lowest * Add(*terms)

@@ -1,17 +1,25 @@
-"""The formulas of a scene for the parameters that a user wants to keep as symbols: closed, in
-steps, solved, dimensionless, with leading terms (``Derivation``, where to begin reading).
+"""The formulas of a scene for the parameters that a user wants to keep as symbols.
 
-**Leading terms** (``expansion``) are what is left of a distortion when the devices are fast. Every
-time constant of an effect (a delay, a sampling period, one over a corner frequency) is multiplied
-by epsilon: dH is then a power series in epsilon, whose terms are rational functions of s. At
-epsilon = 1 it is the scene's own distortion, and what the terms leave is bounded on the scene's
-band by its certified largest value.
+A scene is a haptic display: an environment to be felt, H_env(s), effects (filters, delays, samplers
+...) behind which it is felt as H_perc(s), a band of frequencies and a threshold c. With dH = H_perc
+- H_env, on s = j omega a change is noticed where r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env|
+exceeds c. Begin reading at ``derive`` (in the last section) and the ``Derivation`` that it returns:
+all closed forms by name, in steps, crossings solved for omega or as equations.
+
+Two further forms have sections of their own, which come first.
+
+**Leading terms** (``expansion``): what is left of dH when the devices are fast. Every time constant
+of an effect (a delay, a sampling period, one over a corner frequency) is multiplied by epsilon: dH
+is then a power series in epsilon, whose coefficients are rational functions of s. At epsilon = 1 it
+is the scene's own distortion. Nothing is said of convergence: what the terms leave out is bounded
+on the scene's band by its certified largest value.
 
 **Dimensionless groups** (``groups``) are fewer than parameters, and give one formula for all sizes.
-By Buckingham's theorem a relation between n quantities of r independent dimensions is one between n
-- r groups. As many parameters as there are dimensions serve as units: mass and stiffness of the
-environment where it has both. In these units they are 1, and every other parameter is a number, its
-group; so the dimensionless scene is the scene with these values.
+By Buckingham's theorem (Phys. Rev. 4, 1914) a relation between n quantities of r independent
+dimensions is one between n - r groups. As many parameters as there are dimensions, the *base*,
+serve as units: mass and stiffness of the environment where it has both. In these units they are 1,
+and every other parameter is a number, its group; so the dimensionless scene is the scene with these
+values.
 """
 
 from __future__ import annotations
@@ -20,7 +28,6 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, reduce
-from itertools import chain
 from math import prod
 from operator import add, attrgetter
 from pathlib import Path
@@ -35,6 +42,7 @@ from sympy import (
     Integer,
     Matrix,
     Mul,
+    Poly,
     Rational,
     Symbol,
     cosh,
@@ -44,12 +52,13 @@ from sympy import (
     linsolve,
     sinh,
     symbols,
+    together,
 )
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
-from haptisym.judge.peaks import largest
+from haptisym.judge.peaks import largest_value
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import SceneError, meant, quoted, several
 from haptisym.kernel.objects import titled
@@ -66,14 +75,16 @@ from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.steps import Steps
 
+# Leading terms for fast devices.
+
 
 @dataclass(frozen=True)
 class Expansion:
     """dH = terms[0] + terms[1] + ... + remainder, for fast devices.
 
     ``terms`` : in the scene's symbols, of ascending order in the devices' time constants; the
-    first, of order 0, is what devices without any delay would do. ``fast`` : the parameters that
-    make them fast.
+    first, of order 0, is what devices without any delay would do. ``fast`` : the parameters in
+    which it is expanded, time constants and frequencies of effects.
     """
 
     scene: Scene = field(repr=False)
@@ -96,14 +107,14 @@ class Expansion:
             return {}
         exact = self.scene.distortion()
         ring = exact.chain.ring
-        kept = [ring.convert(term.expression().xreplace(values)) for term in self.terms]
+        terms = [ring.convert(term.expression().xreplace(values)) for term in self.terms]
         # The bound is on the difference itself, in the scene's numbers: it needs no estimate of the
         # next terms of the series, and holds where this does not converge.
-        rest = on_axis((exact.difference - reduce(add, kept)).reduced())
+        remainder = on_axis((exact.difference - reduce(add, terms)).reduced())
         bounds: dict[Part, RealNumber | None] = {}
         for part in Part:
-            error = part_of(rest, part)
-            square = largest(error * error / exact.squared_modulus, *self.scene.band)
+            error = part_of(remainder, part)
+            square = largest_value(error * error / exact.squared_modulus, *self.scene.band)
             bounds[part] = None if square is None else SquareRoot(square)
         return bounds
 
@@ -122,59 +133,80 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     >>> found.part(Part.IMAG), found.bounds[Part.IMAG].digits(3), found.bounds[Part.REAL].digits(3)
     (-k*omega*tau, '0.0000703', '0.00281')
     """
-    fast = {
-        p.symbol: p.dimension for e in scene.effects for p in e.parameters if p.dimension in _SPEED
-    }
+    fast: dict[Symbol, Dimension] = {}
+    for effect in scene.effects:
+        for p in effect.parameters:
+            if p.dimension in _POWER_OF_EPSILON:
+                fast[p.symbol] = p.dimension
     if not fast:
         raise SceneError(
             "no effect of this scene has a time constant: there is no high-bandwidth approximation"
         )
     epsilon = Dummy("epsilon", positive=True)
-    slowed = scene.chain.at({x: x * epsilon ** _SPEED[dimension] for x, dimension in fast.items()})
-    # a hold divides by its period, which costs an order each time
-    depth = order + 2 + 2 * len(fast)
-    cut = Distortion.of(slowed.map(lambda entry: _truncated(entry, epsilon, depth)))
+    powers = {x: x * epsilon ** _POWER_OF_EPSILON[dimension] for x, dimension in fast.items()}
+    in_epsilon = scene.chain.at(powers)
+    # A division by epsilon, as that of a hold by its period, costs an order each time. Two more for
+    # each time constant are left for a common factor of a matrix, which cancels.
+    divisions = (_divisions(entry, epsilon) for entry in in_epsilon.entries())
+    depth = order + 2 + 2 * len(fast) + sum(divisions)
+    cut = Distortion.of(in_epsilon.map(lambda entry: _truncated(entry, epsilon, depth)))
     terms = _series(cut.difference, epsilon, order)
     return Expansion(scene, tuple(terms), tuple(fast))
 
 
-_SPEED = {Dimension.TIME: 1, Dimension.FREQUENCY: -1}
+_POWER_OF_EPSILON = {Dimension.TIME: 1, Dimension.FREQUENCY: -1}
 """The power of epsilon by which a parameter of this dimension is multiplied."""
 
 
+def _divisions(entry: Expr, epsilon: Symbol) -> int:
+    """How often an entry divides by epsilon where it is not in lowest terms: the lowest power in
+    its denominator."""
+    denominator = together(entry).as_numer_denom()[1]
+    if not denominator.has(epsilon):
+        return 0
+    terms = Poly(_truncated(denominator, epsilon, _MOST_DIVISIONS).expand(), epsilon).monoms()
+    return min(int(power) for (power,) in terms)
+
+
+_MOST_DIVISIONS = 20
+"""The order up to which exponentials in a denominator are expanded."""
+
+
 def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
-    """The entry with a Taylor polynomial for each exponential that holds epsilon."""
-
-    def polynomial(x: Expr, powers: range) -> Expr:
-        return Add(*(x**n / factorial(n) for n in powers))
-
+    """The entry with a Taylor polynomial of degree ``depth`` for each exp, cosh and sinh that holds
+    epsilon."""
     # With polynomials in place of exponentials the entries are rational in epsilon, and the ring
     # has no functions of it; terms of an order above ``depth`` do not reach the order that is
     # wanted.
     for function, first, step in ((exp, 0, 1), (cosh, 0, 2), (sinh, 1, 2)):
         powers = range(first, depth + 1, step)
-        for found in entry.atoms(function):
-            if found.has(epsilon):
-                entry = entry.xreplace({found: polynomial(found.args[0], powers)})
+        for call in entry.atoms(function):
+            if call.has(epsilon):
+                x = call.args[0]
+                polynomial = Add(*(x**n / factorial(n) for n in powers))
+                entry = entry.xreplace({call: polynomial})
     return entry
 
 
 def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[RationalFunction]:
-    """The coefficients of a power series in epsilon, up to an order; ``f`` in lowest terms."""
-    above, below = (_by_powers(p, f.ring, epsilon) for p in (f.numerator, f.denominator))
-    # in lowest terms the numerator then has a term without epsilon: f has a pole at epsilon = 0
-    if 0 not in below:
+    """Yield the coefficients of the power series of ``f``, in lowest terms, in epsilon, from order
+    0 up to an order; SceneError where f has a pole at epsilon = 0."""
+    numerator = _by_powers(f.numerator, f.ring, epsilon)
+    denominator = _by_powers(f.denominator, f.ring, epsilon)
+    # In lowest terms a denominator without a term of order 0 is divided by epsilon, and the
+    # numerator is not: a pole.
+    if 0 not in denominator:
         raise SceneError(
             "the distortion increases without bound with the bandwidth of the effects: there "
             "is no high-bandwidth approximation"
         )
-    # (sum of b_j e^j)(sum of t_n e^n) = sum of a_n e^n gives t_n from those before it
+    # (sum of b_j e^j)(sum of t_n e^n) = sum of a_n e^n gives t_n from those before it.
     terms: list[RationalFunction] = []
     for n in range(order + 1):
-        total = above.get(n, f.ring.zero)
+        remainder = numerator.get(n, f.ring.zero)
         for j, term in enumerate(terms):
-            total = total - below.get(n - j, f.ring.zero) * term
-        terms.append((total / below[0]).reduced())
+            remainder = remainder - denominator.get(n - j, f.ring.zero) * term
+        terms.append((remainder / denominator[0]).reduced())
         yield terms[-1]
 
 
@@ -182,18 +214,25 @@ def _by_powers(
     polynomial: Polynomial, ring: PolynomialRing, variable: Symbol
 ) -> dict[int, RationalFunction]:
     """The coefficients of a polynomial by the powers of one variable, without those that are 0."""
-    place = ring.meanings.index(variable)
+    if variable not in ring.meanings:  # nothing depends on it
+        return {0: ring.function(polynomial)}
+    column = ring.meanings.index(variable)
     coefficients: dict[int, dict[tuple[int, ...], object]] = {}
     for exponents, value in polynomial.to_dict().items():
-        others = list(map(int, exponents))
-        power, others[place] = others[place], 0
+        others = [int(n) for n in exponents]
+        power = others[column]
+        others[column] = 0
         terms = coefficients.setdefault(power, {})
         terms[tuple(others)] = value
-    context = ring.context
-    return {n: ring.function(context.from_dict(terms)) for n, terms in coefficients.items()}
+    by_power = {}
+    for power, terms in coefficients.items():
+        by_power[power] = ring.function(ring.context.from_dict(terms))
+    return by_power
 
 
-# Which dimensions serve as units first; and the letters of the groups of the others.
+# Dimensionless groups.
+
+_DIMENSIONS = ("mass", "length", "time")
 _BASE = (
     Dimension.STIFFNESS,
     Dimension.MASS,
@@ -201,6 +240,7 @@ _BASE = (
     Dimension.FREQUENCY,
     Dimension.TIME,
 )
+"""The dimensions that serve as units first, in this order."""
 _LETTERS = {
     Dimension.MASS: "mu",
     Dimension.STIFFNESS: "kappa",
@@ -211,11 +251,12 @@ _LETTERS = {
     Dimension.DISPLACEMENT: "chi",
     Dimension.ANY: "gamma",
 }
+"""The letters of the groups of parameters of these dimensions."""
 
 
 @dataclass(frozen=True)
 class DimensionlessGroup:
-    """A dimensionless group: its symbol, and what it is in the scene's parameters."""
+    """A dimensionless group: its ``symbol``, and its ``value`` in the scene's parameters."""
 
     symbol: Symbol
     value: Expr
@@ -226,8 +267,8 @@ class Groups:
     """The dimensionless form of a scene.
 
     ``frequency`` : x, omega in units of the scene's own frequency. ``groups`` : what everything
-    else depends on.
-    ``units`` : the parameters that became 1. ``stiffness`` : the unit of H.
+    else depends on. ``units`` : the base, parameters that became 1. ``stiffness`` : the unit of H,
+    N/m or N m/rad, in the scene's parameters. ``chain`` : the dynamics in the scene's parameters.
     """
 
     frequency: DimensionlessGroup
@@ -259,7 +300,7 @@ def groups(scene: Scene) -> Groups:
     """The dimensionless form of a scene, found from the units of its parameters.
 
     Raises SceneError where the unit of a parameter is not known, as for a bare number in an
-    expression.
+    expression, and where parameters that are not 0 have too few dimensions to make all units.
 
     >>> from haptisym.model.scenefile import load_scene
     >>> found = groups(load_scene("fu2019"))
@@ -270,22 +311,31 @@ def groups(scene: Scene) -> Groups:
     # first.
     orders = {x for order in scene.chain.ring.orders for x in order.free_symbols}
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
-    given = [p for p in scene.parameters if p.symbol not in orders]
-    sizes = {p.symbol: _size(p, scene.motion) for p in given}
+    parameters = [p for p in scene.parameters if p.symbol not in orders]
+    sizes = {p.symbol: _size(p, scene.motion) for p in parameters}
     chain = scene.chain.at(fixed)
     _check(chain, sizes, scene.motion)
-    base = _base(given, sizes)
-    others = [p for p in given if p.symbol not in base]
-    named = dict(zip([p.symbol for p in others], _named(others, base, sizes, scene), strict=True))
-    units = {x: Integer(1) for x in base}
+    base = _base(parameters, sizes)
+    others = [p for p in parameters if p.symbol not in base]
+    values: dict[Symbol, Expr] = {**fixed, **{x: Integer(1) for x in base}}
+    found = []
+    named = _named(others, base, sizes, scene)
+    for p, (group, factor) in zip(others, named, strict=True):
+        found.append(group)
+        values[p.symbol] = factor * group.symbol
+    # Where no parameter has a unit of time, other units of time change nothing (``_check``): omega
+    # is in no formula then, and 1 will do.
+    unit_of_frequency = _unit({"time": Rational(-1)}, base, sizes) or Integer(1)
+    stiffness = _exponents(Dimension.STIFFNESS, scene.motion)
+    unit_of_stiffness = _unit(stiffness, base, sizes)
+    if unit_of_stiffness is None:
+        raise _without_unit("H", base)
     return Groups(
-        DimensionlessGroup(
-            Symbol("x", positive=True), omega / _unit({"time": Rational(-1)}, base, sizes)
-        ),
-        tuple(group for group, _ in named.values()),
+        DimensionlessGroup(Symbol("x", positive=True), omega / unit_of_frequency),
+        tuple(found),
         tuple(base),
-        _unit(_exponents(Dimension.STIFFNESS, scene.motion), base, sizes),
-        {**fixed, **units, **{x: factor * group.symbol for x, (group, factor) in named.items()}},
+        unit_of_stiffness,
+        values,
         chain,
     )
 
@@ -302,7 +352,8 @@ def _size(p: Parameter, motion: MotionKind | None) -> _Size:
 
 
 def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
-    """The dimensions of a kind of quantity, which depend on whether the motion is a rotation."""
+    """The dimensions of a kind of quantity, which depend on whether the ``motion`` is a rotation;
+    none where they are not known."""
     return {
         name: Rational(n.numerator, n.denominator)
         for name, n in dimension_exponents(dimension, motion) or ()
@@ -311,32 +362,35 @@ def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
 
 def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
     """SceneError unless other units of mass, length and time change the dynamics as they should:
-    exact."""
-    if irrational := [order for order in chain.ring.orders if not order.is_Rational]:
+    exact.
+
+    With every parameter times its unit, and s over the unit of time, H must be itself times the
+    unit of stiffness K, and a chain matrix (A, B; C, D) must be (A, B K; C/K, D), up to a factor.
+    """
+    irrational = [order for order in chain.ring.orders if not order.is_Rational]
+    if irrational:
         raise SceneError(f"dimensionless groups need rational powers of s, not {irrational[0]}")
     # Units are given powers of which all roots that occur are whole again: then the ring needs no
     # roots of them.
-    roots = {n.q for size in sizes.values() for n in size.values()} | {
-        order.q for order in chain.ring.orders
-    }
-    units = {
-        name: Dummy(name, positive=True) ** prod(map(int, roots))
-        for name in ("mass", "length", "time")
-    }
-    scale = {
-        x: x * Mul(*(units[name] ** n for name, n in size.items())) for x, size in sizes.items()
-    }
-    scale[s] = s / units["time"]
-    stiffness = Mul(
-        *(units[name] ** n for name, n in _exponents(Dimension.STIFFNESS, motion).items())
-    )
-    # a chain matrix counts up to a common factor, H_env does not
+    roots = {n.q for size in sizes.values() for n in size.values()}
+    roots |= {order.q for order in chain.ring.orders}
+    power = prod(map(int, roots))
+    units = {name: Dummy(name, positive=True) ** power for name in _DIMENSIONS}
+
+    def unit_of(size: _Size) -> Expr:
+        return Mul(*(units[name] ** n for name, n in size.items()))
+
+    in_other_units = {x: x * unit_of(size) for x, size in sizes.items()}
+    in_other_units[s] = s / units["time"]
+    stiffness = unit_of(_exponents(Dimension.STIFFNESS, motion))
+    # Each with the powers of K; a chain matrix counts up to a common factor, H does not, beside
+    # which stands a 1.
     rows: list[tuple[Sequence[Expr], Sequence[int]]]
     rows = [((H, Integer(1)), (1, 0)) for H in (chain.environment, chain.rendered)]
     rows += [(matrix, (0, 1, -1, 0)) for matrix in chain.matrices]
     for row, powers in rows:
         expected = [entry * stiffness**n for entry, n in zip(row, powers, strict=True)]
-        scaled = [entry.xreplace(scale) for entry in row]
+        scaled = [entry.xreplace(in_other_units) for entry in row]
         if not _proportional(expected, scaled):
             raise SceneError(
                 f"{row[0]}: its units contradict each other: give each parameter its unit"
@@ -344,66 +398,93 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
 
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
-    """Whether two rows are the same up to a common factor."""
+    """Whether two rows, the first not all 0, are the same up to a common factor: by cross
+    products with the last entry that is not 0."""
     ring = Ring.of([*row, *other])
-    x, y = ([ring.convert(e.expand()) for e in entries] for entries in (row, other))
+    x = [ring.convert(entry.expand()) for entry in row]
+    y = [ring.convert(entry.expand()) for entry in other]
     last = max(i for i, entry in enumerate(x) if not entry.is_zero)
-    return all((a * y[last]).equals(b * x[last]) for a, b in zip(x, y, strict=True))
+    pairs = zip(x, y, strict=True)
+    return all((a * y[last]).equals(b * x[last]) for a, b in pairs)
 
 
-def _base(given: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:
+def _base(parameters: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:
     """Parameters of independent dimensions, as many as there are: stiffness and mass first, the
-    environment's first."""
-    found: list[Symbol] = []
-    rank = 0
-    for p in sorted(
-        given, key=lambda p: _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)
-    ):
-        # What is 0 cannot be a unit: the others would be infinite in it.
-        if (now := _rows([*found, p.symbol], sizes).rank()) > rank and not p.value.is_zero:
-            found.append(p.symbol)
-            rank = now
-    return found
+    environment's before others."""
+
+    def preference(p: Parameter) -> int:
+        return _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)
+
+    base: list[Symbol] = []
+    for p in sorted(parameters, key=preference):
+        # Independent of those before it: the rank grows with it. What is 0 cannot be a unit: the
+        # others would be infinite in it.
+        is_independent = _rows([*base, p.symbol], sizes).rank() > len(base)
+        if is_independent and not p.value.is_zero:
+            base.append(p.symbol)
+    return base
 
 
 def _rows(symbols: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Matrix:
     """The matrix of dimensions, a parameter a row: its rank is the number of independent units."""
-    return Matrix([[sizes[x].get(name, 0) for name in ("mass", "length", "time")] for x in symbols])
+    return Matrix([_row(sizes[x]) for x in symbols])
 
 
-def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Expr:
-    """The product of powers of the base parameters that has this size; 1 if there is none."""
+def _row(size: _Size) -> list[Any]:
+    """The exponents of mass, length and time, in this order."""
+    return [size.get(name, 0) for name in _DIMENSIONS]
+
+
+def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Expr | None:
+    """The product of powers of the base parameters that has this size; None if there is none."""
+    if not base:
+        return None if _without_zeros(size) else Integer(1)
+    # Powers n_i with sum of n_i times the row of base parameter i equal to the row of this size.
     powers = symbols(f"n:{len(base)}")
-    wanted = Matrix([[size.get(name, 0) for name in ("mass", "length", "time")]])
-    solved = linsolve((_rows(base, sizes).T, wanted.T), *powers) if base else []
-    for solution in solved:
+    wanted = Matrix([_row(size)])
+    for solution in linsolve((_rows(base, sizes).T, wanted.T), *powers):
         return Mul(*(x**n for x, n in zip(base, solution, strict=True)))
-    return Integer(1)
+    return None
+
+
+def _without_unit(name: str, base: Sequence[Symbol]) -> SceneError:
+    """The error for a quantity without a group: its unit cannot be made of those of the base."""
+    units = f"that of {', '.join(map(str, base))}" if base else "none"
+    return SceneError(
+        f"dimensionless groups: the unit of {name} cannot be made of {units}, and what is 0 is no "
+        f"unit: give another parameter a value other than 0"
+    )
 
 
 def _named(
     others: Sequence[Parameter], base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
 ) -> list[tuple[DimensionlessGroup, int]]:
     """The group of each parameter, and how many times it is the parameter in the units of the
-    base."""
+    base: 2 for a damping ratio b/(2 sqrt(k m)), else 1.
+
+    A group has the letter of its kind, with an index where several have it, as rho_n; a pure number
+    keeps its own name.
+    """
     letters = [_letter(p, base, sizes, scene) for p in others]
     taken = {p.symbol.name for p in scene.parameters}
-    environment = {p.symbol for p in scene.environment.parameters}
+    of_environment = {p.symbol for p in scene.environment.parameters}
     named: list[tuple[DimensionlessGroup, int]] = []
     for p, letter in zip(others, letters, strict=True):
         key = p.symbol.name
-        if not letter:
-            name = key
-        else:
+        name = key
+        if letter:
             name = letter if letters.count(letter) == 1 else f"{letter}_{_index(key)}"
-            # a parameter's name stays that parameter's
+            # A parameter's name stays that parameter's.
             if name in taken:
-                name = f"{letter}_{'env' if p.symbol in environment else key}"
-        name = name if all(name != group.symbol.name for group, _ in named) else f"{name}_{key}"
-        # a damping ratio is b/(2 sqrt(k m))
+                name = f"{letter}_{'env' if p.symbol in of_environment else key}"
+        if any(name == group.symbol.name for group, _ in named):
+            name = f"{name}_{key}"
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
-        value = p.symbol / (factor * _unit(sizes[p.symbol], base, sizes))
+        unit = _unit(sizes[p.symbol], base, sizes)
+        if unit is None:
+            raise _without_unit(key, base)
+        value = p.symbol / (factor * unit)
         named.append((DimensionlessGroup(symbol, value), factor))
     return named
 
@@ -418,42 +499,51 @@ def _letter(
 ) -> str:
     """The letter by which a group is known in the field; empty for a pure number, which keeps its
     name."""
-    size = {name: n for name, n in sizes[p.symbol].items() if n}
+    size = _without_zeros(sizes[p.symbol])
     if not size:
         return ""
-    kinds = {_kind(sizes[x], scene.motion) for x in base}
     kind = _kind(size, scene.motion)
-    of_environment = {q.symbol for q in scene.environment.parameters}
-    if (
-        kind is Dimension.DAMPING
-        and p.symbol in of_environment
-        and kinds >= {Dimension.STIFFNESS, Dimension.MASS}
-    ):
-        return "zeta"
+    # The environment's own damping in units of its stiffness and mass is its damping ratio.
+    if kind is Dimension.DAMPING:
+        of_environment = {q.symbol for q in scene.environment.parameters}
+        kinds_of_base = {_kind(sizes[x], scene.motion) for x in base}
+        has_both = kinds_of_base >= {Dimension.STIFFNESS, Dimension.MASS}
+        if p.symbol in of_environment and has_both:
+            return "zeta"
     return _LETTERS[kind]
 
 
 def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
-    """The dimension with these exponents."""
-    plain = {name: n for name, n in size.items() if n}
-    return next(
-        (d for d in _LETTERS if d is not Dimension.ANY and _exponents(d, motion) == plain),
-        Dimension.ANY,
-    )
+    """The dimension with these exponents; ANY where none has them."""
+    exponents = _without_zeros(size)
+    for dimension in _LETTERS:
+        if dimension is not Dimension.ANY and _exponents(dimension, motion) == exponents:
+            return dimension
+    return Dimension.ANY
 
+
+def _without_zeros(size: _Size) -> _Size:
+    """The exponents that are not 0."""
+    return {name: n for name, n in size.items() if n}
+
+
+# All formulas of a scene.
 
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
-"""Irreducible factors as equations, each with its order."""
+"""Irreducible factors as equations, each with its multiplicity."""
 
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Answer):
-    """The formulas of a scene; ``kept``: the parameters that stay symbols, the others have the
-    scene's values.
+    """The formulas of a scene.
+
+    ``scene`` : the scene. ``kept`` : the parameters that stay symbols; the others have the scene's
+    values. ``kept_thresholds`` : the parts, real and imaginary, whose threshold stays the symbol c.
 
     ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the
     distortion in short named steps; ``crossings`` and ``changeovers`` are solved where a formula is
-    readable, and otherwise the equation to solve.
+    readable, and otherwise the equation to solve. Where a part is wanted, ``of`` is a Part or a
+    criterion: one condition of the JND by itself (``judge.crossings``).
     """
 
     scene: Scene
@@ -471,8 +561,8 @@ class Derivation(Answer):
         return f"{titled(self.scene.title)}: {kept} as symbols"
 
     def _body(self) -> dict[str, Any]:
-        found: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
-        return found
+        body: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
+        return body
 
     def to_latex(self) -> str:
         r"""LaTeX for a paper, a paragraph for each section: what ``haptisym derive --to latex``
@@ -525,12 +615,13 @@ class Derivation(Answer):
 
     @cached_property
     def criteria(self) -> tuple[Criterion, ...]:
-        """The criteria, each with the symbol c for its threshold, or with the scene's number."""
+        """The criteria of the scene's JND, each with the symbol c for its threshold where that is
+        kept, else with the scene's number."""
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """The criterion of a part, or by its name; SceneError for a JND of which there are no such
-        formulas."""
+        """The criterion of a part, or the one with the name of a criterion; SceneError for a JND of
+        which there are no such formulas."""
         if self.kept_thresholds:
             self.scene.threshold.need_plain("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
@@ -546,16 +637,17 @@ class Derivation(Answer):
 
     def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
         """r^2 - c^2 of a distortion; SceneError for a JND that is no single formula."""
-        found = self.criterion(of).function(d)
-        if isinstance(found, RealFunction):
-            return found
+        function = self.criterion(of).function(d)
+        if isinstance(function, RealFunction):
+            return function
         raise SceneError(
             f"no single formula: the JND is {self.scene.threshold.kind}; give one number for "
             f"each part, as jnd = 0.1"
         )
 
     def piece(self, of: LatticePiece) -> RealFunction:
-        """One of the functions of which a region asks that they are not all positive."""
+        """One function of a JND region that is a maximum of minima of several (a lattice), by the
+        region's name, the minimum (``term``) and the place in it."""
         criterion = next(x for x in self.criteria if x == of.name)
         lattice = criterion.function(self.distortion)
         assert isinstance(lattice, Lattice)
@@ -582,8 +674,8 @@ class Derivation(Answer):
         return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
-        """d omega/d parameter at a crossing: -(dF/d parameter)/(dF/d omega) for the equation F = 0
-        of the crossing.
+        """d omega/d parameter at a crossing, by the implicit function theorem: -(dF/d
+        parameter)/(dF/d omega) for the equation F = 0 of the crossing.
 
         At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at
         simple crossings only.
@@ -596,22 +688,22 @@ class Derivation(Answer):
 
     def factors(self, of: Criterion | LatticePiece | str) -> Factors:
         """The irreducible factors of numerator and denominator of r^2 - c^2, of one function of a
-        region, or of Re H of a system."""
-        f = (
-            self.stiffness(of)
-            if isinstance(of, str)
-            else self.piece(of)
-            if isinstance(of, LatticePiece)
-            else self.excess(of)
-        )
-        lines = (
-            f.axis.factors(x, in_square=not f.axis.functions)[1]
-            for x in (f.function.numerator, f.function.denominator)
-        )
-        pairs = ((f.axis.in_half_angles(factor), n) for factor, n in chain(*lines))
-        return tuple(
-            (Equation(factor_form.ring, factor_form.numerator), n) for factor_form, n in pairs
-        )
+        region (``piece``), or of Re H of a system ("env" or "perc"); at each crossing one of them
+        is 0."""
+        if isinstance(of, str):
+            f = self.stiffness(of)
+        elif isinstance(of, LatticePiece):
+            f = self.piece(of)
+        else:
+            f = self.excess(of)
+        factors = []
+        for polynomial in (f.function.numerator, f.function.denominator):
+            # In omega^2, unless there are functions of omega, as cos(omega tau).
+            _, pairs = f.axis.factors(polynomial, in_square=not f.axis.functions)
+            for factor, multiplicity in pairs:
+                written = f.axis.in_half_angles(factor)
+                factors.append((Equation(written.ring, written.numerator), multiplicity))
+        return tuple(factors)
 
     @cached_property
     def groups(self) -> Groups:
@@ -635,18 +727,19 @@ class Derivation(Answer):
 
 
 def _equation(f: RealFunction) -> Equation:
-    """f = 0, by the numerator of f."""
+    """f = 0, by the numerator of f in the form in which it is written for a reader."""
     written = f.written
     return Equation(written.ring, written.numerator)
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
-    """The polynomial whose sign is that of r^2 - c^2, as a product of factors."""
+    """The function that gives the polynomial with the sign of r^2 - c^2, as a product of
+    factors."""
 
     def polynomial(d: Derivation) -> Expr:
         f = d.excess(part).written
         unit, factors = f.ring.factors(f.numerator)
-        # of a constant factor the sign alone matters
+        # Of a constant factor the sign alone matters.
         product = f.ring.one.expression() * (1 if unit > 0 else -1)
         for factor, n in factors:
             product *= f.ring.expression(factor) ** n
@@ -656,17 +749,19 @@ def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
 
 
 def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
-    """An attribute of the distortion, by its path; of a real function the factored form."""
+    """The function that gives an attribute of the distortion, by its path; of a real function the
+    factored form."""
 
-    def found(d: Derivation) -> Expr:
+    def form(d: Derivation) -> Expr:
         value = attrgetter(path)(d.distortion)
         return value.factored() if isinstance(value, RealFunction) else value
 
-    return found
+    return form
 
 
 def _jnd(name: str) -> Callable[[Derivation], Expr]:
-    """The JND of a parameter that the threshold c amounts to."""
+    """The function that gives the JND of a parameter, by its name, that the threshold c amounts
+    to."""
     return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
 
@@ -677,6 +772,8 @@ _PERCEIVED = {
     "F_si": "spring_inertia_force",
     "F_d": "damping_force",
 }
+"""Attributes of ``model.chain.Properties`` by the letter in a quantity's name: what a person makes
+of a dynamics."""
 _SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 
 QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
@@ -694,9 +791,9 @@ QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
         "p_r": _threshold_polynomial(Part.REAL),
         "p_i": _threshold_polynomial(Part.IMAG),
         **{
-            f"{x}_{of}": _of_distortion(f"{own}.{name}")
-            for of, own in _SYSTEMS.items()
-            for x, name in _PERCEIVED.items()
+            f"{letter}_{system}": _of_distortion(f"{properties}.{name}")
+            for system, properties in _SYSTEMS.items()
+            for letter, name in _PERCEIVED.items()
         },
         **{f"jnd {x}": _jnd(_PERCEIVED[x]) for x in ("k", "b", "m")},
     }
@@ -714,7 +811,7 @@ def bare(name: str) -> str:
 
 
 def listed_name(name: str) -> str | None:
-    """The quantity that a name stands for, as it is listed; None if it is none."""
+    """The quantity that a name stands for, as QUANTITIES lists it; None if it is none."""
     return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
 
 
@@ -722,6 +819,7 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a
     page of text.
 
+    ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
     ``keep`` : the names of the parameters that stay symbols; None for all of them and the
     threshold, () for none. A name that the scene does not have raises SceneError, as do names
     beside a distortion, whose symbols stay.
@@ -742,12 +840,9 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     scene = as_scene(scene)
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    kept = [
-        scene.knobs[name].felt()
-        for name in (
-            [keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters")
-        )
-    ]
+    listed = [keep] if isinstance(keep, str) else keep
+    names = several("keep", listed, "give names of parameters")
+    kept = [scene.knobs[name].felt() for name in names]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
 

@@ -37,7 +37,7 @@ from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.bound import DesignBox, at_points, smallest
-from haptisym.verbs.sweep.passes import Kernel
+from haptisym.verbs.sweep.evaluator import SetEvaluator
 
 PASSIVE, STABLE, STEADY = "passive", "stable", "steady"
 KEPT = (PASSIVE, STABLE, STEADY)
@@ -125,7 +125,7 @@ class Points:
     boxes: list[DesignBox] = field(default_factory=list)
     """All values, so many times what they are, of each environment."""
     known: dict[tuple[Expr, ...], Attained | None] = field(default_factory=dict)
-    _kernels: dict[int, Kernel | None] = field(default_factory=dict)
+    _evaluators: dict[int, SetEvaluator | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for x in _offsets(len(self.free), self.off):
@@ -185,9 +185,9 @@ class Points:
         pairs = product(self.factors[since:], self.scenes)
         for (factors, scene), box in zip(pairs, boxes, strict=True):
             of_scene = np.empty((2, len(values)))
-            left, kernel = np.arange(len(values)), self._kernel(scene)
-            if kernel is not None:
-                columns, left = kernel.in_floats((values * np.array(factors, float)).T)
+            left, evaluator = np.arange(len(values)), self._evaluator(scene)
+            if evaluator is not None:
+                columns, left = evaluator.in_floats((values * np.array(factors, float)).T)
                 of_scene[:] = np.nan_to_num(columns["bandwidth"], nan=0.0)
             # the box is multiplied by the factors, so that its shares are those of the values
             if len(left):
@@ -211,18 +211,18 @@ class Points:
         shares = np.stack(at_points(criteria, (values - start) / width))
         return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
-    def _kernel(self, scene: Scene) -> Kernel | None:
-        """The kernel of a sweep of the scene; None for several delays, holds or powers of s, or one
+    def _evaluator(self, scene: Scene) -> SetEvaluator | None:
+        """The evaluator of a sweep of the scene; None for several delays, holds or powers of s, or one
         with a JND region, of which a single set may take a sweep a second."""
-        if id(scene) not in self._kernels:
+        if id(scene) not in self._evaluators:
             chain = scene.chain
             parts = ((chain.environment, chain.rendered), *chain.matrices)
             waves = [x for x in parts if not all(entry.is_rational_function(s) for entry in x)]
             many = len(waves) + any(x.region is not None for x in noticed(scene.threshold)) > 1
-            self._kernels[id(scene)] = (
-                None if many else Kernel.of(replace(scene, hands=()), self.free)
+            self._evaluators[id(scene)] = (
+                None if many else SetEvaluator.of(replace(scene, hands=()), self.free)
             )
-        return self._kernels[id(scene)]
+        return self._evaluators[id(scene)]
 
     def attained(self, values: Sequence[Expr]) -> Attained | None:
         """What is attained at some values; None where the model is not defined there."""

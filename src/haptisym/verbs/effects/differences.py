@@ -26,7 +26,7 @@ from flint import acb_series, arb, arb_series
 from sympy import Expr, Rational
 
 from haptisym.judge.crossings import level
-from haptisym.judge.peaks import largest
+from haptisym.judge.peaks import largest_value
 from haptisym.kernel.budget import Waiting
 from haptisym.kernel.dynamics import RealFunction, on_axis
 from haptisym.kernel.errors import UndecidedError
@@ -312,7 +312,7 @@ class Difference:
     def _exact_bounds(self, piece: BandPiece) -> tuple[float, float]:
         """Bounds by the exact functions; both infinite where both functions have the same pole."""
         low, high = self.balls.ends(piece)
-        tops = [largest(f, low, high) for f in self.squares]
+        tops = [largest_value(f, low, high) for f in self.squares]
         bounded = [nextafter(float(SquareRoot(top)), inf) for top in tops if top is not None]
         # the minimum of both is bounded by the one of them that is
         if bounded:

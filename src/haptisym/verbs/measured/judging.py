@@ -4,7 +4,11 @@ against the region of changes that are not noticed.
 The change is dH/|H_env| = x + j y. How far it lies from the border of the region is computed for
 regions of every shape, at all points at once: positive outside, negative inside. A disc of radius r
 lies outside where the distance is above r, inside where it is at most -r; else nothing is decided.
-Read from ``lines_of`` (the discs) and ``judged``.
+
+A *disc* holds the true change at a frequency point with a stated probability; a *part* is the real
+or the imaginary part; a *floor* is the least change of H, in its own unit, that is noticed whatever
+its share. Arrays have one entry for each frequency point. Read from ``lines_of`` (the discs) and
+``judged``.
 """
 
 from __future__ import annotations
@@ -13,6 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import flint
@@ -30,9 +35,12 @@ from haptisym.model.measured import Complexes, Measurement, Reals
 from haptisym.model.measuredscene import MeasuredScene
 
 Corners: TypeAlias = Sequence[tuple[Reals, Reals]]
-_LOST, _BITS = 1e-14, 400
-"""Relative error of a value that is accepted in floats; and bits with which it is computed again
-where more may be lost."""
+"""The corners of a polygon, counterclockwise: x and y of each at all frequency points."""
+# Relative error of a value that is accepted in floats; and bits with which it is computed again
+# where more may be lost.
+_LOST = 1e-14
+_BITS = 400
+# Of the logarithm of a multiplier: its digits are exhausted after some sixty.
 _HALVINGS = 60
 # Of its half axis: a point on an axis of an ellipse is moved beside it by so much, as the equation
 # for the foot of the perpendicular divides by 0 there.
@@ -60,22 +68,24 @@ def _polynomial(row: tuple[Expr, ...], at: Reals) -> Reals:
     if len(lost):
         with flint.ctx.workprec(_BITS):
             exact = arb_poly([expression_ball(x) for x in row[::-1]])
-            values[lost] = [float(exact(arb(x)).mid()) for x in at[lost].tolist()]
+            balls = [exact(arb(x)) for x in at[lost].tolist()]
+            values[lost] = [float(ball.mid()) for ball in balls]
     return np.asarray(values)
 
 
 @lru_cache(maxsize=64)
 def _coefficients(formula: Expr) -> tuple[tuple[Expr, ...], ...]:
     """Return the coefficients of numerator and denominator, descending."""
-    return tuple(tuple(Poly(x, omega).all_coeffs()) for x in fraction(together(formula)))
+    numerator, denominator = fraction(together(formula))
+    return tuple(tuple(Poly(x, omega).all_coeffs()) for x in (numerator, denominator))
 
 
 def ends_of(c: Threshold, part: Part, at: Reals) -> tuple[Reals, Reals]:
     """Return the ends between which a change of one part alone is not noticed, as shares of
     ``|H_env|``; the limit is that for changes that make the part larger."""
-    region, axis = c.region, 0 if part is Part.REAL else 1
+    region = c.region
     if region.corners:
-        return _axis(_corners(c, at), axis)
+        return _axis(_corners(c, at), 0 if part is Part.REAL else 1)
     limit = values_of(c[part], at)
     # A tilted ellipse meets an axis nearer than its largest extent along it: at a sqrt(1 - t^2).
     if region.shape is Shape.ELLIPSE:
@@ -110,15 +120,21 @@ def part_distance(
     if is_of_change_alone(c, part):
         return np.maximum(x - high, low - x)
     below = high if lower is None else values_of(lower, at)
-    least, largest = (_floored(c, at, s) for s in size)
-    uncertain = size[0] < size[1]
-    exact = _two_way(np.maximum(high, largest), np.maximum(below, largest), x, env)
-    grown, moved = np.abs(env + x) - np.abs(env), np.abs(x)
+    least_size, largest_size = size
+    largest_floor = _floored(c, at, least_size)
+    least_floor = _floored(c, at, largest_size)
+    uncertain = least_size < largest_size
+    up = np.maximum(high, least_floor)
+    down = np.maximum(below, least_floor)
+    largest_up = np.maximum(high, largest_floor)
+    largest_down = np.maximum(below, largest_floor)
+    exact = _two_way(up, down, x, env)
+    moved = np.abs(x)
+    grown = np.abs(env + x) - np.abs(env)
     # The floor over the least |H_env| is the largest limit: noticed with it is noticed for certain.
     # The other way round for what is not noticed; in between nothing is decided, which 0 says.
-    outer, inner = (
-        _either(moved, grown, np.maximum(high, f), np.maximum(below, f)) for f in (least, largest)
-    )
+    outer = _either(moved, grown, largest_up, largest_down)
+    inner = _either(moved, grown, up, down)
     worst = np.where(outer > 0, outer, np.minimum(inner, 0))
     return np.where(uncertain, worst, exact)
 
@@ -144,13 +160,15 @@ def depth_of(c: Threshold, at: Reals) -> Reals:
 
 def floor_of(c: Threshold, at: Reals) -> Reals:
     """Return the least change that is noticed, in the unit of H; 0 without a floor."""
-    return np.zeros(len(at)) if c.region.floor is None else values_of(c.region.floor, at)
+    floor = c.region.floor
+    return np.zeros(len(at)) if floor is None else values_of(floor, at)
 
 
 def _floored(c: Threshold, at: Reals, size: Reals) -> Reals:
     """Return the floor as a share of ``|H_env|``, infinite where that is 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.nan_to_num(floor_of(c, at) / size, nan=0.0, posinf=np.inf)
+        share = floor_of(c, at) / size
+    return np.nan_to_num(share, nan=0.0, posinf=np.inf)
 
 
 def _either(moved: Reals, grown: Reals, up: Reals, down: Reals) -> Reals:
@@ -188,7 +206,8 @@ def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
     # Where both intervals touch they are one, and its border is not in the middle.
     first = np.where(beyond & (first <= turn), -up, first)
     near = np.minimum(x - first, up - x)
-    far = np.where(beyond, np.minimum(x + up, turn - x), -np.inf)
+    in_far_one = np.minimum(x + up, turn - x)
+    far = np.where(beyond, in_far_one, -np.inf)
     distance: Reals = -np.maximum(near, far)
     return distance
 
@@ -197,19 +216,21 @@ def _two_way(up: Reals, down: Reals, x: Reals, env: Reals) -> Reals:
 
 
 def _corners(c: Threshold, at: Reals) -> Corners:
+    """Return the corners of a region at given frequencies."""
     return [(values_of(x, at), values_of(y, at)) for x, y in c.corners]
 
 
 def _edges(corners: Corners) -> Iterable[tuple[Reals, Reals, Reals, Reals]]:
     """Yield each edge of a polygon: the corner where it begins, and its direction."""
-    for (px, py), (qx, qy) in zip(corners, [*corners[1:], corners[0]], strict=True):
+    for (px, py), (qx, qy) in pairwise([*corners, corners[0]]):
         yield px, py, qx - px, qy - py
 
 
 def _axis(corners: Corners, i: int) -> tuple[Reals, Reals]:
     """Return where a convex polygon that holds the origin cuts an axis: x (0) or y (1)."""
-    count = len(corners[0][0])
-    low, high = np.full(count, -np.inf), np.full(count, np.inf)
+    first_x, _ = corners[0]
+    low = np.full(len(first_x), -np.inf)
+    high = np.full(len(first_x), np.inf)
     # A point is inside where dy (x - px) - dx (y - py) <= 0 for all edges, counterclockwise. On an
     # axis that is a bound from above or from below, by the sign of its coefficient.
     for px, py, dx, dy in _edges(corners):
@@ -230,10 +251,16 @@ def _from_polygon(corners: Corners, x: Reals, y: Reals) -> Reals:
     # themselves.
     for px, py, dx, dy in _edges(corners):
         length = np.hypot(dx, dy)
-        off_x, off_y = x - px, y - py
-        depth = np.minimum(depth, (dx * off_y - dy * off_x) / length)
-        share = np.clip((off_x * dx + off_y * dy) / length**2, 0, 1)
-        away = np.minimum(away, np.hypot(off_x - share * dx, off_y - share * dy))
+        off_x = x - px
+        off_y = y - py
+        across = dx * off_y - dy * off_x
+        along = off_x * dx + off_y * dy
+        depth = np.minimum(depth, across / length)
+        # The foot of the perpendicular, or the end of the edge that is nearer.
+        share = np.clip(along / length**2, 0, 1)
+        rest_x = off_x - share * dx
+        rest_y = off_y - share * dy
+        away = np.minimum(away, np.hypot(rest_x, rest_y))
     distance: Reals = np.where(depth >= 0, -depth, away)
     return distance
 
@@ -252,12 +279,16 @@ def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
     apart = (a - b) * (a + b) / 2
     spread = np.hypot(apart, mixed)
     turned = 0.5 * np.arctan2(mixed, apart)
-    long = np.sqrt((a**2 + b**2) / 2 + spread)
+    mean = (a**2 + b**2) / 2
+    long = np.sqrt(mean + spread)
     short = a * b * upright(tilt) / long
-    cos, sin = np.cos(turned), np.sin(turned)
+    cos = np.cos(turned)
+    sin = np.sin(turned)
     # By symmetry the first quadrant is enough.
-    u = np.maximum(np.abs(x * cos + y * sin), _NEAR * long)
-    v = np.maximum(np.abs(y * cos - x * sin), _NEAR * short)
+    u = np.abs(x * cos + y * sin)
+    v = np.abs(y * cos - x * sin)
+    u = np.maximum(u, _NEAR * long)
+    v = np.maximum(v, _NEAR * short)
     # The foot is on the ellipse for one multiplier, between these two. Halved on its logarithm, as
     # it may be many powers of ten below its upper end.
     low = short * v
@@ -265,12 +296,16 @@ def _from_ellipse(a: Reals, b: Reals, tilt: Reals, x: Reals, y: Reals) -> Reals:
     for _ in range(_HALVINGS):
         m = np.sqrt(low) * np.sqrt(high)
         foot_u = long * u / (m + 2 * spread)
-        beyond = foot_u**2 + (short * v / m) ** 2 > 1
-        low, high = np.where(beyond, m, low), np.where(beyond, high, m)
+        foot_v = short * v / m
+        beyond = foot_u**2 + foot_v**2 > 1
+        low = np.where(beyond, m, low)
+        high = np.where(beyond, high, m)
     m = np.sqrt(low) * np.sqrt(high)
     # Point minus foot is (m - short^2) (u/(m + long^2 - short^2), v/m): no difference of near
     # numbers.
-    distance: Any = np.abs(m - short**2) * np.hypot(u / (m + 2 * spread), v / m)
+    scale = np.abs(m - short**2)
+    along_u = u / (m + 2 * spread)
+    distance: Any = scale * np.hypot(along_u, v / m)
     inside = (u / long) ** 2 + (v / short) ** 2 <= 1
     signed: Reals = np.where(inside, -distance, distance)
     return signed
@@ -317,14 +352,17 @@ class Lines:
 def matched(scene: MeasuredScene) -> tuple[Measurement, Measurement | None]:
     """The perceived response on the band, and the environment's where that is measured, at the same
     frequencies. SceneError where there are none."""
-    felt, own = scene.perceived, scene.environment
+    felt = scene.perceived
+    own = scene.environment
     if scene.band is not None:
-        felt = felt.on_band(*map(float, scene.band))
+        low, high = scene.band
+        felt = felt.on_band(float(low), float(high))
     if isinstance(own, Environment):
         return felt, None
     # Two files of one bench round their frequencies differently.
     nearest = _nearest(own.omega, felt.omega)
-    common = np.abs(own.omega[nearest] - felt.omega) <= _SAME * felt.omega
+    apart = np.abs(own.omega[nearest] - felt.omega)
+    common = apart <= _SAME * felt.omega
     if not common.any():
         raise SceneError(
             f"{own.name} and {felt.name} have no frequency in common: measure both at the "
@@ -341,7 +379,9 @@ def _nearest(among: Reals, wanted: Reals) -> Any:
     """Return for each wanted frequency the index of the nearest one among ascending others."""
     right = np.searchsorted(among, wanted).clip(0, len(among) - 1)
     left = np.maximum(right - 1, 0)
-    return np.where(wanted - among[left] <= among[right] - wanted, left, right)
+    from_left = wanted - among[left]
+    from_right = among[right] - wanted
+    return np.where(from_left <= from_right, left, right)
 
 
 def lines_of(scene: MeasuredScene) -> Lines:
@@ -350,8 +390,10 @@ def lines_of(scene: MeasuredScene) -> Lines:
     felt, own = matched(scene)
     env = _exact(scene, felt.omega) if own is None else own.H
     none = np.broadcast_to(0.0, len(felt))
-    inner, outer = (none if m is None or m.discs is None else m.discs for m in (own, felt))
-    known = any(m is not None and m.discs is not None for m in (own, felt))
+    env_discs = None if own is None else own.discs
+    inner = none if env_discs is None else env_discs
+    outer = none if felt.discs is None else felt.discs
+    known = env_discs is not None or felt.discs is not None
     size = np.abs(env)
     with np.errstate(divide="ignore", invalid="ignore"):
         change = (felt.H - env) / size
@@ -359,17 +401,25 @@ def lines_of(scene: MeasuredScene) -> Lines:
         # this one, relative to the true |H_e| >= size - inner, by at most this. No bound is known
         # where the disc of H_env holds 0.
         share = inner / size
-        radius = np.where(
-            share < 1, ((inner + outer) / size + np.abs(change) * share) / (1 - share), np.inf
-        )
+        moved = (inner + outer) / size + np.abs(change) * share
+        radius = np.where(share < 1, moved / (1 - share), np.inf)
     return Lines(
-        felt.omega, env, felt.H, inner, outer, change, radius if known else None, felt, own
+        omega=felt.omega,
+        environment=env,
+        perceived=felt.H,
+        env_radius=inner,
+        perc_radius=outer,
+        change=change,
+        radius=radius if known else None,
+        felt=felt,
+        own=own,
     )
 
 
 def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
     """H_env of a model, at all frequencies."""
-    values = scene.frame.distortion().compile(of=["environment_real", "environment_imag"])(at)
+    program = scene.frame.distortion().compile(of=["environment_real", "environment_imag"])
+    values = program(at)
     with np.errstate(invalid="ignore"):  # of what is infinite
         env: Complexes = values.environment_real + 1j * values.environment_imag
     if not np.isfinite(env).all():
@@ -384,8 +434,11 @@ def _exact(scene: MeasuredScene, at: Reals) -> Complexes:
 def limits_of(scene: MeasuredScene, at: Reals) -> dict[Part, Reals]:
     """Return for each part the smaller of the two limits within which a change of that part alone
     is not noticed."""
-    ends = {part: ends_of(scene.threshold, part, at) for part in Part}
-    return {part: np.minimum(-low, high) for part, (low, high) in ends.items()}
+    limits = {}
+    for part in Part:
+        low, high = ends_of(scene.threshold, part, at)
+        limits[part] = np.minimum(-low, high)
+    return limits
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,14 +464,15 @@ def judged(scene: MeasuredScene, x: Lines, part: Part | None) -> JudgedLine | No
             change = _side(x.change, part)
             # Where the change alone decides, the environment is not used: anything may stand for
             # it.
-            env, reach = (
-                (change, (change, change)) if is_of_change_alone(c, part) else _environment(x, part)
-            )
+            env, reach = change, (change, change)
+            if not is_of_change_alone(c, part):
+                env, reach = _environment(x, part)
             distance = part_distance(c, part, x.omega, change, env, reach)
     return _told(x, distance, part, c)
 
 
 def _side(z: Complexes, part: Part) -> Reals:
+    """Return the real or the imaginary parts."""
     return z.real if part is Part.REAL else z.imag
 
 
@@ -426,10 +480,9 @@ def _environment(x: Lines, part: Part) -> tuple[Reals, tuple[Reals, Reals]]:
     """Return a part of H_env as a share of ``|H_env|``, and the least and the largest ``|H_env|``
     in its disc."""
     size = np.abs(x.environment)
-    return _side(x.environment, part) / size, (
-        np.maximum(size - x.env_radius, 0),
-        size + x.env_radius,
-    )
+    share = _side(x.environment, part) / size
+    least = np.maximum(size - x.env_radius, 0)
+    return share, (least, size + x.env_radius)
 
 
 def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedLine:
@@ -441,16 +494,20 @@ def _told(x: Lines, distance: Reals, part: Part | None, c: Threshold) -> JudgedL
     is_any = bool(zero.any())
     if is_any:
         dH = x.perceived - x.environment
-        moved, floor = np.abs(_side(dH, part) if part else dH), floor_of(c, x.omega)
-        distance = np.where(zero, np.where(moved <= floor, -np.inf, np.inf), distance)
+        moved = np.abs(_side(dH, part) if part else dH)
+        floor = floor_of(c, x.omega)
+        by_floor = np.where(moved <= floor, -np.inf, np.inf)
+        distance = np.where(zero, by_floor, distance)
     with np.errstate(invalid="ignore"):
         radius = 0.0 if x.radius is None else x.radius
         # The region is closed: a change on its border is not noticed.
-        outside, inside = distance > radius, distance <= -radius
+        outside = distance > radius
+        inside = distance <= -radius
     if is_any:
         outside = np.where(zero, moved > x.perc_radius + floor, outside)
         inside = np.where(zero, moved + x.perc_radius <= floor, inside)
-    return JudgedLine(distance, outside.astype(np.int8) - inside.astype(np.int8))
+    verdict = outside.astype(np.int8) - inside.astype(np.int8)
+    return JudgedLine(distance, verdict)
 
 
 # Step 2.
@@ -468,24 +525,29 @@ class Signs:
     @property
     def known(self) -> Any:
         """Where all three signs are determined."""
-        return (self.environment != OPEN) & (self.perceived != OPEN) & (self.compared != OPEN)
+        both = (self.environment != OPEN) & (self.perceived != OPEN)
+        return both & (self.compared != OPEN)
 
     def label(self, part: Part, line: int) -> tuple[Property, Change]:
         """Return how the change is felt at a point where all signs are known."""
-        env, perc, compared = (
-            int(self.environment[line]),
-            int(self.perceived[line]),
-            int(self.compared[line]),
-        )
-        change = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}[compared]
-        return (Property.DAMPING if part is Part.IMAG else real_property(env, perc)), change
+        change = _CHANGES[int(self.compared[line])]
+        if part is Part.IMAG:
+            return Property.DAMPING, change
+        env = int(self.environment[line])
+        perc = int(self.perceived[line])
+        return real_property(env, perc), change
+
+
+_CHANGES = {1: Change.HIGHER, -1: Change.LOWER, 0: Change.EQUAL}
 
 
 def signs(x: Lines, part: Part) -> Signs:
     """Return the signs of one part at all points."""
-    env, perc = (h.real if part is Part.REAL else h.imag for h in (x.environment, x.perceived))
+    env = _side(x.environment, part)
+    perc = _side(x.perceived, part)
+    grown = np.abs(perc) - np.abs(env)
     # ||a| - |b|| changes by no more than both radii together.
-    compared = _sign(np.abs(perc) - np.abs(env), x.env_radius + x.perc_radius)
+    compared = _sign(grown, x.env_radius + x.perc_radius)
     return Signs(_sign(env, x.env_radius), _sign(perc, x.perc_radius), compared)
 
 

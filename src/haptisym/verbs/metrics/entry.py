@@ -13,7 +13,7 @@ from pathlib import Path
 
 from haptisym.judge.crossings import Criterion, kept
 from haptisym.judge.evaluation import evaluate
-from haptisym.judge.peaks import largest
+from haptisym.judge.peaks import largest_value
 from haptisym.kernel.budget import SECONDS, Left, in_time, limited
 from haptisym.kernel.dynamics import RealFunction, squared_modulus
 from haptisym.kernel.reals import RealNumber, SquareRoot, short
@@ -128,7 +128,7 @@ def _largest(square: RealFunction, m: Measured) -> RealNumber | None:
     """Return the largest value of a modulus on the band, given its square; None where unbounded."""
     if square.is_zero:
         return ZERO
-    peak = largest(square, *m.band)
+    peak = largest_value(square, *m.band)
     return None if peak is None else SquareRoot(peak)
 
 

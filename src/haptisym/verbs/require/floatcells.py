@@ -14,6 +14,11 @@ close in on where slopes prove that there is just one (``_slant``).
 conj D) on the axis: a sum of powers of omega, omega^p c_p, each coefficient made of q and of cos
 and sinc of delays. Divided by the lowest power it is G(omega, q), bounded down to omega = 0; beyond
 a reach its highest power outweighs the others whatever the phases are.
+
+A value *keeps* the conditions where all hold on the band, else it *breaks* them; a *run* is an
+interval of values with one verdict, *open* where there is none. A *model* is a Taylor model
+(``programs.taylormodels``), a *cell* a box of frequency and value. Begin with ``FloatCells.told``
+and ``Energy.clear``.
 """
 
 from __future__ import annotations
@@ -50,7 +55,8 @@ _SHORT_PIECES = tuple(2.0**-n for n in (14, 12, 10, 8, 6))
 # After how many cells the larger excess is asked too.
 _HARD = 2000
 # Relative widths of values that are cut no further: of all, and of those around what stays open.
-_COARSE, _FINE = 1e-3, 2e-10
+_COARSE = 1e-3
+_FINE = 2e-10
 # How often the pieces of the band are halved in cells whose values are cut no further.
 _LAST = 3
 # Pieces that are looked at to cut values more finely, each time.
@@ -59,7 +65,8 @@ _MOST_FINE = 20_000
 # large part of them.
 _WIDENED = 1e-6
 # How often pieces of the band are halved until their slopes show a sign, and how many there may be.
-_HALVINGS, _MOST_SLOPES = 6, 1000
+_HALVINGS = 6
+_MOST_SLOPES = 1000
 
 _THRESHOLDS = ("c", "c_real", "c_imag")
 
@@ -95,13 +102,13 @@ class FloatCells:
         # Around 0 widths relative to the value would never be reached: below this size they are
         # not.
         least = 0.0 if low * high > 0 else self.scale * _COARSE
-        pieces = {*_FIRST_PIECES, *(_SHORT_PIECES if self.free.dimension is Dimension.TIME else ())}
-        marks, steps = np.array(ladder(low, high, self.scale)), np.array(sorted(pieces))
-        outer, inner = (np.stack([x[:-1], x[1:]], -1)[:, None] for x in (marks, steps))
+        shares = {*_FIRST_PIECES}
+        if self.free.dimension is Dimension.TIME:
+            shares.update(_SHORT_PIECES)
         found = search(
             self._judges,
-            outer,
-            inner,
+            _intervals(ladder(low, high, self.scale)),
+            _intervals(sorted(shares)),
             wide=_wider(_COARSE, least),
             last=_LAST,
             what="cells of band and values",
@@ -117,58 +124,65 @@ class FloatCells:
     def _excesses(self) -> list[tuple[Excess, Callable[[], Excess] | None]] | None:
         """The excess of each criterion, and one that is never smaller, made when asked for; None
         where one criterion cannot be bounded in floats."""
-        is_threshold = self.free.parts or self.free.symbol.name in _THRESHOLDS
-        if is_threshold or not all(
-            x.part or x.region or x.name == ANY_ENVIRONMENT.name for x in self.criteria
-        ):
+        name = self.free.symbol.name
+        if self.free.parts or name in _THRESHOLDS:
             return None
+        for x in self.criteria:
+            is_bounded = x.part or x.region or x.name == ANY_ENVIRONMENT.name
+            if not is_bounded:
+                return None
+        excesses: list[tuple[Excess, Callable[[], Excess] | None]] = []
         try:
-            box = _OneFree(self.scene, self.free.symbol.name)
+            box = _OneFree(self.scene, name)
             series = is_series(self.scene.chain)
-            listed = [
-                (excess_of(box, x), _larger(box, x) if series else None) for x in self.criteria
-            ]
-            return [x for x in listed if not x[0].is_zero]
+            for x in self.criteria:
+                excess = excess_of(box, x)
+                larger = _larger(box, x) if series else None
+                if not excess.is_zero:
+                    excesses.append((excess, larger))
         except HaptisymError:
             return None
+        return excesses
 
     @property
     def _judges(self) -> list[_Judge]:
-        return [_Judge(*x) for x in self._excesses or ()]
+        """A judge of each excess that is not zero everywhere, with its own count of cells."""
+        return [_Judge(excess, larger) for excess, larger in self._excesses or ()]
 
     def _finer(self, runs: Sequence[JudgedValues]) -> list[JudgedValues]:
         """Runs of values with those that are open cut more finely, unless they are shown to hold
         just one end; first those between kept and broken ones."""
         places = [i for i, x in enumerate(runs) if x.open is not None]
-        found = {i: [x] for i, x in enumerate(runs)}
+        finer = {i: [x] for i, x in enumerate(runs)}
         for i in sorted(places, key=lambda i: not _is_between(runs, i)):
             own = runs[i]
             if own.low <= 0 <= own.high and self.is_broken(own):
-                found[i] = [replace(own, kept=False, open=None)]
-            elif own.open is not None and (turned := self._turned(runs, i)).slant is None:
-                cut = Search(
-                    self._judges,
-                    own.open,
-                    wide=_wider(_FINE, self.scale * _COARSE),
-                    last=_LAST,
-                    most=_MOST_FINE,
-                    what="ends of values",
-                )
-                settled = joined([own.open[:0], *cut])
-                # A cell is broken where an excess has a finite ceiling: the frequency at which it
-                # is positive for all of its values was found.
-                broken = settled.ceiling < np.inf
-                around = [
-                    *runs[max(i - 1, 0) : i],
-                    *_runs(settled[~broken], settled[broken], cut.left),
-                    *runs[i + 1 : i + 2],
-                ]
-                found[i] = [
-                    self._turned(around, k) for k in range(len(around)) if around[k] not in runs
-                ]
-            else:
-                found[i] = [turned]
-        return merged(x for own in found.values() for x in own)
+                finer[i] = [replace(own, kept=False, open=None)]
+                continue
+            turned = self._turned(runs, i)
+            finer[i] = self._cut(runs, i) if turned.slant is None else [turned]
+        return merged(x for own in finer.values() for x in own)
+
+    def _cut(self, runs: Sequence[JudgedValues], i: int) -> list[JudgedValues]:
+        """The runs into which an open run falls where its values are cut more finely."""
+        cells = runs[i].open
+        assert cells is not None
+        cut = Search(
+            self._judges,
+            cells,
+            wide=_wider(_FINE, self.scale * _COARSE),
+            last=_LAST,
+            most=_MOST_FINE,
+            what="ends of values",
+        )
+        settled = joined([cells[:0], *cut])
+        # A cell is broken where an excess has a finite ceiling: the frequency at which it is
+        # positive for all of its values was found.
+        broken = settled.ceiling < np.inf
+        inside = _runs(settled[~broken], settled[broken], cut.left)
+        before, after = runs[max(i - 1, 0) : i], runs[i + 1 : i + 2]
+        around = [*before, *inside, *after]
+        return [self._turned(around, k) for k, x in enumerate(around) if x not in runs]
 
     def _turned(self, runs: Sequence[JudgedValues], i: int) -> JudgedValues:
         """A run that is open, with the slant that proves one end in it; unchanged where there may
@@ -176,7 +190,8 @@ class FloatCells:
         own = runs[i]
         if own.open is None or not _is_between(runs, i):
             return own
-        return replace(own, slant=self._slant(own.open, 1.0 if runs[i - 1].kept else -1.0))
+        sense = 1.0 if runs[i - 1].kept else -1.0
+        return replace(own, slant=self._slant(own.open, sense))
 
     def _slant(self, cells: Cells, sense: float) -> float | None:
         """How steep the lines are along which each excess that may be 0 grows as the values grow
@@ -186,8 +201,8 @@ class FloatCells:
         line: so there is one end.
         """
         steepest = 0.0
-        outer = cells.outer.copy()
-        middle, radius = outer.mean(-1), np.ptp(outer, -1) / 2
+        middle = cells.outer.mean(-1)
+        radius = np.ptp(cells.outer, -1) / 2
         radius = np.maximum(radius, np.abs(middle) * _WIDENED / 2)
         outer = np.stack([middle - radius, middle + radius], -1)
         for (excess, _), pieces in zip(self._excesses or (), cells.pieces, strict=True):
@@ -215,30 +230,40 @@ def _grows(excess: Excess, boxes: Array, sense: float) -> tuple[Array, float]:
     positive stays so. Slanted lines are for two functions that must not both be positive and bind
     at a corner, one over the zero of the other: along the band one falls there as the other grows.
     """
-    is_inside = (boxes[:, 0, 0] > 0) & (boxes[:, 0, 1] < 1)
-    found, steepest = np.ones(len(boxes), bool), 0.0
+    start, end = boxes[:, 0].T
+    is_inside = (start > 0) & (end < 1)
+    grows = np.ones(len(boxes), bool)
+    steepest = 0.0
     for term in excess.terms(boxes):
+        # Of each function where it is positive, and its slopes along the parameter and along omega,
+        # the least and the largest.
+        positive, by_value, by_omega = [], [], []
         negative = np.zeros(len(boxes), bool)
-        straight, slanted = ~negative, is_inside.copy()
-        ends = [f.bounds() for f in term]
-        signs = [(low[:, 0] > 0, high[:, 0] < 0) for low, high in ends]
-        along = [np.sort(sense * np.stack([low[:, 2], high[:, 2]]), 0) for low, high in ends]
-        across = [np.stack([low[:, 1], high[:, 1]]) for low, high in ends]
-        v = _slant(along, across, [~positive for positive, _ in signs])
-        for (positive, none), q, w in zip(signs, along, across, strict=True):
-            negative |= none
-            straight &= positive | (q[0] > 0)
+        for f in term:
+            # Value, slope along omega, slope along the parameter.
+            low, high = f.bounds()
+            positive.append(low[:, 0] > 0)
+            negative |= high[:, 0] < 0
+            by_omega.append(np.stack([low[:, 1], high[:, 1]]))
+            slopes = np.stack([low[:, 2], high[:, 2]])
+            by_value.append(np.sort(sense * slopes, 0))
+        v = _slant(by_value, by_omega, [~x for x in positive])
+        straight = np.ones(len(boxes), bool)
+        slanted = is_inside.copy()
+        for stays, (least, _), w in zip(positive, by_value, by_omega, strict=True):
+            straight &= stays | (least > 0)
             # A function that is positive all over the box does not matter: it stays so. Of others
             # the slope along the line is q + v w, at least by the worse end of w.
             with np.errstate(invalid="ignore"):
-                slanted &= positive | (q[0] + np.minimum(v * w[0], v * w[1]) > 0)
-        found &= negative | straight | slanted
+                worst = np.minimum(v * w[0], v * w[1])
+                slanted &= stays | (least + worst > 0)
+        grows &= negative | straight | slanted
         # Models are functions of both sides of a box from -1 to 1: v becomes a share of the band
         # for one unit of the parameter.
         steepness = np.abs(v) * np.ptp(boxes[:, 0], -1) / np.ptp(boxes[:, 1], -1)
         needed = slanted & ~negative & ~straight
         steepest = max(steepest, float(steepness[needed].max(initial=0.0)))
-    return found, steepest
+    return grows, steepest
 
 
 def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Array]) -> Array:
@@ -248,12 +273,14 @@ def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Arr
     ``counts`` : of each function the boxes in which it matters.
     """
     boxes = along[0].shape[1]
-    low, high = np.full(boxes, -np.inf), np.full(boxes, np.inf)
+    low = np.full(boxes, -np.inf)
+    high = np.full(boxes, np.inf)
     with np.errstate(all="ignore"):
         for q, w, matters in zip(along, across, counts, strict=True):
             # q + v w > 0 asks for v above this where w > 0, and below it where w < 0.
             bound = -q.mean(0) / w.mean(0)
-            is_lower, is_upper = matters & (w[0] > 0), matters & (w[1] < 0)
+            is_lower = matters & (w[0] > 0)
+            is_upper = matters & (w[1] < 0)
             low = np.where(is_lower, np.maximum(low, bound), low)
             high = np.where(is_upper, np.minimum(high, bound), high)
         # Amid what all allow, so that the slopes' widths have most room on either side.
@@ -264,40 +291,53 @@ def _slant(along: Sequence[Array], across: Sequence[Array], counts: Sequence[Arr
 def _is_between(runs: Sequence[JudgedValues], i: int) -> bool:
     """Whether the values below keep the conditions and those above do not, or the other way
     round."""
-    return 0 < i < len(runs) - 1 and {runs[i - 1].kept, runs[i + 1].kept} == {True, False}
+    if not 0 < i < len(runs) - 1:
+        return False
+    below, above = runs[i - 1].kept, runs[i + 1].kept
+    return {below, above} == {True, False}
+
+
+def _intervals(ends: Sequence[float]) -> Array:
+    """The intervals between neighbouring numbers, as boxes of one side."""
+    x = np.array(ends)
+    return np.stack([x[:-1], x[1:]], -1)[:, None]
 
 
 def _wider(share: float, least: float) -> Callable[[Array], Array]:
     """A function that tells which cells are at least as wide as a share of their values, or of
     ``least`` where these are smaller."""
-    return lambda cells: (
-        cells[..., 1] - cells[..., 0] >= share * np.maximum(np.abs(cells).max(-1), least)
-    )
+
+    def wide(cells: Array) -> Array:
+        sizes = np.maximum(np.abs(cells).max(-1), least)
+        return cells[..., 1] - cells[..., 0] >= share * sizes
+
+    return wide
 
 
 def _runs(*parts: Cells) -> list[JudgedValues]:
     """Cells that are kept, broken and left, in this order of ``parts``, as runs of values: those
     that follow each other with one verdict as one."""
-    listed = sorted(
-        (*x.outer[i, 0].tolist(), n, i) for n, x in enumerate(parts) for i in range(len(x))
-    )
-    runs = list[JudgedValues]()
-    for n, group in groupby(listed, key=lambda row: row[2]):
+    # Both ends of each cell, the number of its part, and its own number in that.
+    listed: list[tuple[float, float, int, int]] = []
+    for n, cells in enumerate(parts):
+        for i, (low, high) in enumerate(cells.outer[:, 0].tolist()):
+            listed.append((low, high, n, i))
+    runs = []
+    for n, group in groupby(sorted(listed), key=lambda row: row[2]):
         rows = [*group]
-        low, high, kept = Fraction(rows[0][0]), Fraction(rows[-1][1]), (True, False, None)[n]
-        cells = parts[n][[row[3] for row in rows]] if n == 2 else None
-        runs.append(JudgedValues(low, high, kept, open=cells))
+        first, last = Fraction(rows[0][0]), Fraction(rows[-1][1])
+        kept = (True, False, None)[n]
+        left = parts[n][[row[3] for row in rows]] if kept is None else None
+        runs.append(JudgedValues(first, last, kept, open=left))
     return runs
 
 
 def _larger(box: Box, x: Criterion) -> Callable[[], Excess] | None:
     """What makes the larger excess r^2 - c^2 of a criterion of one part with a plain number as its
     threshold; None for others."""
-    return (
-        None
-        if x.part is None or x.region or x.threshold.has(omega)
-        else cache(partial(LargerExcess, box, x))
-    )
+    if x.part is None or x.region or x.threshold.has(omega):
+        return None
+    return cache(partial(LargerExcess, box, x))
 
 
 @dataclass
@@ -318,7 +358,8 @@ class _Judge:
         if self.larger and self.looked > _HARD:
             rest = np.flatnonzero(~found.negative)
             if len(rest):
-                return found.known_negative(rest[self.larger().curve(cells[rest]).negative])
+                curve = self.larger().curve(cells[rest])
+                return found.known_negative(rest[curve.negative])
         return found
 
 
@@ -353,27 +394,28 @@ class LagTerm:
 def terms_in(ring: Ring, polynomial: Polynomial) -> list[LagTerm]:
     """A polynomial as terms, of each power and delay one."""
     numbers: dict[tuple[Expr, Expr], Expr] = {}
-    first, last = ring.size, ring.size + len(ring.lags)
+    # The variables of a ring are s, pi, its symbols, unit delays, and broken powers of s.
+    delays = ring.size
+    orders = delays + len(ring.lags)
     for exponents, value in monomials(polynomial):
-        # The variables of a ring are s, pi, its symbols, unit delays, and broken powers of s.
-        power, of_pi, *rest = (int(n) for n in exponents)
-        of_symbols, of_lags, of_orders = (
-            rest[: first - 2],
-            rest[first - 2 : last - 2],
-            rest[last - 2 :],
-        )
-        number = Rational(int(value.p), int(value.q)) * pi**of_pi
-        for symbol, n in zip(ring.symbols, of_symbols, strict=True):
+        degrees = [int(n) for n in exponents]
+        rational = Rational(int(value.p), int(value.q))
+        number = rational * pi ** degrees[1]
+        for symbol, n in zip(ring.symbols, degrees[2:delays], strict=True):
             number *= symbol**n
-        lag, more = _weighted(of_lags, ring.lags), _weighted(of_orders, ring.orders)
-        place = power + more, lag
-        numbers[place] = numbers.get(place, Integer(0)) + number
-    return [LagTerm(*place, number) for place, number in numbers.items()]
+        lag = _weighted(degrees[delays:orders], ring.lags)
+        power = degrees[0] + _weighted(degrees[orders:], ring.orders)
+        key = power, lag
+        numbers[key] = numbers.get(key, Integer(0)) + number
+    return [LagTerm(power, lag, number) for (power, lag), number in numbers.items()]
 
 
 def _weighted(exponents: Sequence[int], numbers: Sequence[Expr]) -> Expr:
     """The sum of numbers, each as often as its exponent says."""
-    return sum((n * x for n, x in zip(exponents, numbers, strict=False)), Integer(0))
+    total = Integer(0)
+    for n, x in zip(exponents, numbers, strict=False):
+        total += n * x
+    return total
 
 
 Turned: TypeAlias = tuple[Expr, Expr, Expr | None]
@@ -399,17 +441,21 @@ def endings(row: Sequence[LagTerm]) -> Iterator[Turned]:
 def paired(above: Iterable[Turned], below: Iterable[Turned]) -> tuple[dict[Expr, Expr], list[Expr]]:
     """Im(N conj D), for N and D with the terms ``above`` and ``below``: its coefficients by powers
     of omega, without those that cancel; and the powers of which they are not known."""
-    numbers, unknown = dict[Expr, Expr](), list[Expr]()
+    numbers: dict[Expr, Expr] = {}
+    unknown: list[Expr] = []
     for (p, a, x), (n, b, y) in product(above, below):
-        power, quarters = p + n, a - b
+        power = p + n
+        quarters = a - b
         if x is None or y is None or not isinstance(quarters, Integer):
             unknown.append(power)
             continue
         # j^a times the conjugate of j^b is j^(a - b).
         imaginary_part = (0, 1, 0, -1)[int(quarters) % 4]
-        numbers[power] = numbers.get(power, Integer(0)) + imaginary_part * x * y
+        before = numbers.get(power, Integer(0))
+        numbers[power] = before + imaginary_part * x * y
     expanded = {power: x.expand() for power, x in numbers.items()}
-    return {power: form for power, form in expanded.items() if form != 0}, unknown
+    nonzero = {power: form for power, form in expanded.items() if form != 0}
+    return nonzero, unknown
 
 
 def add_to(found: Parts, power: Expr, model: TaylorModel, C: float, S: float) -> None:
@@ -418,7 +464,8 @@ def add_to(found: Parts, power: Expr, model: TaylorModel, C: float, S: float) ->
     pair = found.setdefault(power, [None, None])
     for i, factor in enumerate((C, S)):
         if factor:
-            more, known = model.times(factor), pair[i]
+            more = model.times(factor)
+            known = pair[i]
             pair[i] = more if known is None else known + more
 
 
@@ -442,21 +489,25 @@ class ModelPowers:
     """The powers x^p of a model, p >= 0; whole ones are made once each: 1, x, x^2, ..."""
 
     def __init__(self, x: TaylorModel) -> None:
-        self.x, self._known = x, [x.number(1.0)]
+        self.x = x
+        self._known = [x.number(1.0)]
 
     def __call__(self, p: Expr) -> TaylorModel:
         if not isinstance(p, Integer):
             return self.x.to_the(self.x.number(floated(p)))
-        while len(self._known) <= int(p):
+        n = int(p)
+        while len(self._known) <= n:
             self._known.append(self._known[-1] * self.x)
-        return self._known[int(p)]
+        return self._known[n]
 
 
 def bent_sinc(angle: TaylorModel) -> TaylorModel:
     """(sinc x - 1)/x^2, which lies between -1/6 and -1/6 + x^2/120."""
-    most = np.abs(np.stack(angle.bounds()))[:, :, 0].max(0)
+    sizes = np.abs(np.stack(angle.bounds()))
+    most = sizes[:, :, 0].max(0)
     low = np.full(len(most), -1 / 6 * (1 + 1e-12))
-    return between(low, np.maximum(low, -1 / 6 + most**2 / 120 + 1e-12), angle)
+    high = -1 / 6 + most**2 / 120 + 1e-12
+    return between(low, np.maximum(low, high), angle)
 
 
 def variables(cells: Array) -> tuple[TaylorModel, TaylorModel]:
@@ -466,8 +517,11 @@ def variables(cells: Array) -> tuple[TaylorModel, TaylorModel]:
         low, high = cells[:, i].T
         size = np.maximum(-low, high)
         with np.errstate(all="ignore"):  # what is not finite is unknown
-            found.append(variable((low + high) / 2, (high - low) / 2, size, i, 2, slopes=0))
-    return found[0], found[1]
+            middle = (low + high) / 2
+            radius = (high - low) / 2
+            found.append(variable(middle, radius, size, i, 2, slopes=0))
+    omega, value = found
+    return omega, value
 
 
 @dataclass(frozen=True)
@@ -492,24 +546,25 @@ class _Points:
         return self * self.number(x)
 
     def __add__(self, other: _Points) -> _Points:
-        return _Points(
-            self.c0 + other.c0, self.r + other.r + _ROUNDING * (abs(self.c0) + abs(other.c0))
-        )
+        sizes = abs(self.c0) + abs(other.c0)
+        r = self.r + other.r + _ROUNDING * sizes
+        return _Points(self.c0 + other.c0, r)
 
     def __mul__(self, other: _Points) -> _Points:
         c0 = self.c0 * other.c0
-        return _Points(
-            c0, abs(self.c0) * other.r + self.r * (abs(other.c0) + other.r) + _ROUNDING * abs(c0)
-        )
+        largest = abs(other.c0) + other.r
+        r = abs(self.c0) * other.r + self.r * largest
+        return _Points(c0, r + _ROUNDING * abs(c0))
 
     def __truediv__(self, other: _Points) -> _Points:
         c0 = np.divide(self.c0, other.c0)  # by 0 as well
-        return _Points(
-            c0, np.divide(self.r + abs(c0) * other.r, abs(other.c0)) + _ROUNDING * abs(c0)
-        )
+        size = abs(c0)
+        r = np.divide(self.r + size * other.r, abs(other.c0))
+        return _Points(c0, r + _ROUNDING * size)
 
     def cosine_and_sine(self) -> tuple[_Points, _Points]:
-        return tuple(_Points(x, self.r + _ROUNDING) for x in (np.cos(self.c0), np.sin(self.c0)))  # type: ignore[return-value]
+        r = self.r + _ROUNDING
+        return _Points(np.cos(self.c0), r), _Points(np.sin(self.c0), r)
 
     def sinc(self) -> _Points:
         return _Points(np.sinc(self.c0 / np.pi), self.r + _ROUNDING)
@@ -525,19 +580,29 @@ def ends_of(model: TaylorModel) -> tuple[float, float]:
     return float(low.min()), float(high.max())
 
 
+def size_of(model: TaylorModel) -> float:
+    """The largest size of a model in any of its cells."""
+    low, high = ends_of(model)
+    return max(abs(low), abs(high))
+
+
 def span(low: Rational, high: Rational) -> Span:
     """The ends as floats, rounded outward."""
-    a, b = float(low), float(high)
-    return a if Rational(a) <= low else nextafter(a, -inf), b if Rational(b) >= high else nextafter(
-        b, inf
-    )
+    a = float(low)
+    if Rational(a) > low:
+        a = nextafter(a, -inf)
+    b = float(high)
+    if Rational(b) < high:
+        b = nextafter(b, inf)
+    return a, b
 
 
 class _Late:
     """A delay over cells, with cosine and sinc of its phase omega lag, each made once."""
 
     def __init__(self, omega: TaylorModel, lag: TaylorModel) -> None:
-        self.lag, self.angle = lag, omega * lag
+        self.lag = lag
+        self.angle = omega * lag
 
     @cached_property
     def cosine(self) -> TaylorModel:
@@ -550,7 +615,7 @@ class _Late:
 
 # Up to which frequency, rad/s, one is looked for from which on Im H > 0.
 _FARTHEST = 2.0**60
-# Cells of frequency and parameter that are looked at for one range of values.
+# Cells of frequency and parameter that are looked at for one range of values, and to begin with.
 _MOST = 800
 _FIRST = 48
 
@@ -563,7 +628,8 @@ class Energy:
     """
 
     def __init__(self, rows: Sequence[Sequence[LagTerm]], symbol: Symbol) -> None:
-        self._rows, self.symbol = rows, symbol
+        self._rows = rows
+        self.symbol = symbol
 
     @classmethod
     def of(cls, H: RationalFunction, symbol: Symbol) -> Energy:
@@ -582,11 +648,12 @@ class Energy:
         reach = self._reach(q)
         if reach is None:
             return False
-        edges = np.concatenate(
-            [[start], np.geomspace(max(start, 1e-4 * reach), max(reach, 2 * start), _FIRST)]
-        )
+        first, last = max(start, 1e-4 * reach), max(reach, 2 * start)
+        edges = np.concatenate([[start], np.geomspace(first, last, _FIRST)])
         cells = np.empty((_FIRST, 2, 2))
-        cells[:, 0, 0], cells[:, 0, 1], cells[:, 1] = edges[:-1], edges[1:], q
+        cells[:, 0, 0] = edges[:-1]
+        cells[:, 0, 1] = edges[1:]
+        cells[:, 1] = q
         waiting = Batches(cells, size=_MOST, most=_MOST, what="cells of frequency and value")
         for own in waiting:
             model = self._function(*variables(own))
@@ -596,8 +663,10 @@ class Energy:
                 return False
             left = ~(low > 0)
             # Cut where the function changes most: along frequency or along the parameter.
-            rates = np.abs(model.c1[left, 0]) + np.abs(model.c2[left, 0]).sum(-1)
-            waiting.add(halves(own[left], np.argmax(np.nan_to_num(rates, nan=0.0, posinf=0.0), -1)))
+            bends = np.abs(model.c2[left, 0]).sum(-1)
+            rates = np.abs(model.c1[left, 0]) + bends
+            rates = np.nan_to_num(rates, nan=0.0, posinf=0.0)
+            waiting.add(halves(own[left], np.argmax(rates, -1)))
         return not len(waiting.rest)
 
     def active_at(self, q: Span) -> float | None:
@@ -609,15 +678,18 @@ class Energy:
             # Where the sign settles far out, up to there; else some turns of the delays show what
             # repeats.
             reach = self._reach((middle, middle), (value, value)) or self._turns(q)
-        grid = np.unique(
-            np.concatenate([np.geomspace(1e-4 * reach, reach, 150), np.linspace(0, reach, 150)[1:]])
-        )
+        by_ratio = np.geomspace(1e-4 * reach, reach, 150)
+        by_step = np.linspace(0, reach, 150)[1:]
+        grid = np.unique(np.concatenate([by_ratio, by_step]))
         at: Any = _Points(grid, grid * _ROUNDING)
-        low = np.broadcast_to(self._function(at, value).bounds()[1], grid.shape)
+        _, upper = self._function(at, value).bounds()
+        most = np.broadcast_to(upper, grid.shape)
         # Where the middle value is most negative, all values of the range are most likely so.
-        for i in np.argsort(low)[:3]:
-            if low[i] < 0 and self._bounds(grid[i : i + 1], q)[1][0] < 0:
-                return float(grid[i])
+        for i in np.argsort(most)[:3]:
+            if most[i] < 0:
+                _, proven = self._bounds(grid[i : i + 1], q)
+                if proven[0] < 0:
+                    return float(grid[i])
         return None
 
     def rises(self, q: Span) -> float | None:
@@ -629,16 +701,17 @@ class Energy:
         end = self._reach(q) or 0.0
         while end > 1e-6:
             omega, value = variables(np.array([[[0.0, end], q]]))
-            found = self._coefficients(omega, value, expanded=True)
-            powers = sorted(found)
+            coefficients = self._coefficients(omega, value, expanded=True)
+            powers = sorted(coefficients)
             if len(powers) < 2:
                 return None
-            low, high = (x[0, 0] for x in found[powers[1]].bounds())
+            _, second, *later = powers
+            low, high = (x[0, 0] for x in coefficients[second].bounds())
             # The power next to the lowest must outweigh all others, which lose against it as the
             # end shrinks.
-            rest = sum(
-                max(map(abs, ends_of(found[p]))) * end ** floated(p - powers[1]) for p in powers[2:]
-            )
+            rest = 0.0
+            for p in later:
+                rest += size_of(coefficients[p]) * end ** floated(p - second)
             if low > rest * (1 + 1e-9):
                 return end
             if high < 0:
@@ -656,65 +729,80 @@ class Energy:
         if not end * side > 0:
             return None
         # As u = 1/q from 0 on: one range of floats holds all values beyond the end, and infinity.
-        span = 0.0, nextafter(1 / abs(end), inf)
-        return None if self._inverted(side).active_at(span) is None else False
+        inverse = 0.0, nextafter(1 / abs(end), inf)
+        if self._inverted(side).active_at(inverse) is None:
+            return None
+        return False
 
     def _is_helped(self, side: int) -> bool:
         """Whether more of the number is more stiffness, damping or mass, and nothing else."""
         above, below = self._rows
-        if len(below) > 1 or any(
-            x.power != 0 or x.lag != 0 or not x.number.is_positive for x in below
-        ):
+        if len(below) > 1:
             return False
-        more = [(x, x.number.diff(self.symbol) * side) for x in above if x.number.has(self.symbol)]
-        return all(x.lag == 0 and x.power in (0, 1, 2) and y.is_positive for x, y in more)
+        for x in below:
+            if x.power != 0 or x.lag != 0 or not x.number.is_positive:
+                return False
+        for x in above:
+            if x.number.has(self.symbol):
+                grown = x.number.diff(self.symbol) * side
+                is_passive = x.lag == 0 and x.power in (0, 1, 2)
+                if not is_passive or not grown.is_positive:
+                    return False
+        return True
 
     def _inverted(self, side: int) -> Energy:
         """The energy with side/u in place of q, times a power of u > 0, which keeps its sign."""
         rows = []
         for row in self._rows:
             forms = [Poly(x.number, self.symbol) for x in row]
-            most = max(x.degree() for x in forms)
-            numbers = (
-                sum((c * side**n * self.symbol ** (most - n) for (n,), c in x.terms()), Integer(0))
-                for x in forms
-            )
-            rows.append(
-                [LagTerm(x.power, x.lag, number) for x, number in zip(row, numbers, strict=True)]
-            )
+            most = max(form.degree() for form in forms)
+            inverted = []
+            for x, form in zip(row, forms, strict=True):
+                number = Integer(0)
+                for (n,), c in form.terms():
+                    number += c * side**n * self.symbol ** (most - n)
+                inverted.append(LagTerm(x.power, x.lag, number))
+            rows.append(inverted)
         return Energy(rows, self.symbol)
 
     @cached_property
     def top(self) -> Expr | None:
         """The coefficient of the highest power of s in N; None where a delay is in it."""
-        top = max(x.power for x in self._rows[0])
-        terms = [x for x in self._rows[0] if x.power == top]
-        return (
-            sum((x.number for x in terms), Integer(0)) if all(x.lag == 0 for x in terms) else None
-        )
+        above, _ = self._rows
+        top = max(x.power for x in above)
+        total = Integer(0)
+        for x in above:
+            if x.power == top:
+                if x.lag != 0:
+                    return None
+                total += x.number
+        return total
 
     @cached_property
     def at_0(self) -> Expr:
         """G(0, q), exactly. UndecidedError where the terms 1 - s lag of delays do not tell it."""
-        found, unknown = paired(*(list(beginnings(row)) for row in self._rows))
-        lowest = min(found, default=None)
-        if lowest is None or bool(lowest > self._lowest) or any(bool(p <= lowest) for p in unknown):
+        above, below = (list(beginnings(row)) for row in self._rows)
+        coefficients, unknown = paired(above, below)
+        lowest = min(coefficients, default=None)
+        if lowest is None or bool(lowest > self._lowest):
             raise UndecidedError("passivity, near frequency 0")
-        return found[lowest]
+        if any(bool(p <= lowest) for p in unknown):
+            raise UndecidedError("passivity, near frequency 0")
+        return coefficients[lowest]
 
     @cached_property
     def far(self) -> tuple[Expr, ExactSign] | None:
         """The highest power of omega in Im(N conj D), and the sign of its coefficient, as a
         function of q; None where a delay is in it."""
-        found, unknown = paired(*(list(endings(row)) for row in self._rows))
-        top = max(found, default=None)
-        if (
-            top is None
-            or any(bool(p >= top) for p in unknown)
-            or not found[top].is_polynomial(self.symbol)
-        ):
+        above, below = (list(endings(row)) for row in self._rows)
+        coefficients, unknown = paired(above, below)
+        top = max(coefficients, default=None)
+        if top is None or any(bool(p >= top) for p in unknown):
             return None
-        return top, ExactSign(found[top], self.symbol)
+        coefficient = coefficients[top]
+        if not coefficient.is_polynomial(self.symbol):
+            return None
+        return top, ExactSign(coefficient, self.symbol)
 
     @cached_property
     def turning(self) -> ExactSign | None:
@@ -724,18 +812,25 @@ class Energy:
         None where that is not known. H goes as N's highest power there, all of which is delayed,
         over one of D that is not: its phase turns through all angles.
         """
-        highest = [max((y.power for y in row), default=None) for row in self._rows]
-        tops, below = (
-            [x for x in row if x.power == power]
-            for row, power in zip(self._rows, highest, strict=True)
-        )
-        if len(below) > 1 or below[0].lag != 0 or any(x.lag == 0 for x in tops):
+        of_highest_power = []
+        for row in self._rows:
+            highest = max((x.power for x in row), default=None)
+            of_highest_power.append([x for x in row if x.power == highest])
+        above, below = of_highest_power
+        if len(below) > 1 or below[0].lag != 0:
+            return None
+        if any(x.lag == 0 for x in above):
             return None
         # Two of them may come to have one delay, and cancel.
-        if len(tops) > 1 and any(x.lag.has(self.symbol) for x in tops):
+        if len(above) > 1 and any(x.lag.has(self.symbol) for x in above):
             return None
-        known = next((x.number for x in tops if not x.number.has(self.symbol)), tops[0].number)
-        form = -(prod((x.lag for x in tops), start=known * below[0].number) ** 2).expand()
+        constants = [x.number for x in above if not x.number.has(self.symbol)]
+        number = constants[0] if constants else above[0].number
+        factor = prod((x.lag for x in above), start=number * below[0].number)
+        return self._sign_of(-(factor**2).expand())
+
+    def _sign_of(self, form: Expr) -> ExactSign | None:
+        """The sign of a polynomial in q; None of any other form."""
         return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
 
     @cached_property
@@ -748,31 +843,37 @@ class Energy:
         early = [[x for x in row if x.lag == 0] for row in self._rows]
         if not all(early):
             return None
-        late = prod(
-            (x.lag**2 for row in self._rows for x in row if x.lag.has(self.symbol)),
-            start=Integer(1),
-        )
-        form = prod((max(row, key=lambda x: x.power).number for row in early), start=late).expand()
-        return ExactSign(form, self.symbol) if form.is_polynomial(self.symbol) else None
+        form = Integer(1)
+        for row in self._rows:
+            for x in row:
+                if x.lag.has(self.symbol):
+                    form *= x.lag**2
+        for row in early:
+            fastest = max(row, key=lambda x: x.power)
+            form *= fastest.number
+        return self._sign_of(form.expand())
 
     @cached_property
     def _lowest(self) -> Expr:
+        """The lowest power of omega in Im(N conj D), by which it is divided to make G."""
         omega, q = variables(np.array([[[0.0, 1.0], [1.0, 1.0]]]))
         return min(self._coefficients(omega, q))
 
     def _bounds(self, omega: Array, q: Span) -> tuple[Array, Array]:
+        """Bounds of G at single frequencies for all values of a range."""
         cells = np.empty((len(omega), 2, 2))
         cells[:, 0, 0] = cells[:, 0, 1] = omega
         cells[:, 1] = q
-        low, high = (x[:, 0] for x in self._function(*variables(cells)).bounds())
+        model = self._function(*variables(cells))
+        low, high = (x[:, 0] for x in model.bounds())
         return low, high
 
     def _function(self, omega: TaylorModel, q: TaylorModel) -> TaylorModel:
         """Models of G(omega, q) over cells."""
         with np.errstate(all="ignore"):
-            found = self._coefficients(omega, q)
-            total, powers = omega.number(0.0), ModelPowers(omega)
-            for p, model in found.items():
+            total = omega.number(0.0)
+            powers = ModelPowers(omega)
+            for p, model in self._coefficients(omega, q).items():
                 total = total + model * powers(p - self._lowest)
             return total
 
@@ -795,47 +896,55 @@ class Energy:
 
         exp(-j a), a = omega lag, is cos a - j omega lag sinc a: sinc has no division by omega.
         """
-        found, powers, late_by = Parts(), ModelPowers(q), dict[Expr, _Late]()
+        parts = Parts()
+        powers = ModelPowers(q)
+        late_by: dict[Expr, _Late] = {}
         for x in row:
             C, S = x.turned
             number = self._valued(x.number, powers)
             if x.lag == 0:
-                add_to(found, x.power, number, C, S)
+                add_to(parts, x.power, number, C, S)
                 continue
             if x.lag not in late_by:
                 late_by[x.lag] = _Late(omega, self._valued(x.lag, powers))
             own = late_by[x.lag]
             late = number * own.lag
             if not expanded:
-                add_to(found, x.power, number * own.cosine, C, S)
-                add_to(found, x.power + 1, late * own.sinc, S, -C)
+                add_to(parts, x.power, number * own.cosine, C, S)
+                add_to(parts, x.power + 1, late * own.sinc, S, -C)
                 continue
             # cos a = 1 - a^2/2 sinc(a/2)^2, and sinc a = 1 + a^2 (sinc a - 1)/a^2.
             half = own.angle.times(0.5).sinc()
-            add_to(found, x.power, number, C, S)
-            add_to(found, x.power + 2, (number * own.lag * own.lag * half * half).times(-0.5), C, S)
-            add_to(found, x.power + 1, late, S, -C)
-            add_to(found, x.power + 3, late * own.lag * own.lag * bent_sinc(own.angle), S, -C)
-        return found
+            rest_of_cosine = late * own.lag * half * half
+            rest_of_sine = late * own.lag * own.lag * bent_sinc(own.angle)
+            add_to(parts, x.power, number, C, S)
+            add_to(parts, x.power + 2, rest_of_cosine.times(-0.5), C, S)
+            add_to(parts, x.power + 1, late, S, -C)
+            add_to(parts, x.power + 3, rest_of_sine, S, -C)
+        return parts
 
     def _valued(self, form: Expr, powers: ModelPowers) -> TaylorModel:
         """A number or a delay over cells of the parameter, of which the powers are known."""
         if form not in self._rows_of:
-            is_one = form.is_polynomial(self.symbol)
-            rows = Poly(form, self.symbol).all_coeffs()[::-1] if is_one else None
-            self._rows_of[form] = rows and [
-                (Integer(n), floated(c)) for n, c in enumerate(rows) if c != 0
-            ]
-        row, q = self._rows_of[form], powers.x
+            self._rows_of[form] = self._row_of(form)
+        row = self._rows_of[form]
+        q = powers.x
         if row is None:
             return valued(form, {self.symbol: q}, q)
         terms = [powers(n).times(c) if n else q.number(c) for n, c in row]
         return sum(terms[1:], terms[0]) if terms else q.number(0.0)
 
+    def _row_of(self, form: Expr) -> list[tuple[Integer, float]] | None:
+        """The coefficients of a number or delay by powers of the parameter, those that are not 0;
+        None where it is no polynomial."""
+        if not form.is_polynomial(self.symbol):
+            return None
+        ascending = Poly(form, self.symbol).all_coeffs()[::-1]
+        return [(Integer(n), floated(c)) for n, c in enumerate(ascending) if c != 0]
+
     @cached_property
     def _rows_of(self) -> dict[Expr, list[tuple[Integer, float]] | None]:
-        """The coefficients of numbers and delays by powers of the parameter, as they are asked for;
-        None for one that is no polynomial."""
+        """What ``_row_of`` gives, once for each number and delay, as they are asked for."""
         return {}
 
     def _reach(self, q: Span, place: tuple[TaylorModel, TaylorModel] | None = None) -> float | None:
@@ -846,45 +955,56 @@ class Energy:
         known coefficient of the highest power outweighs all others together, whatever the phases.
         """
         omega, value = place or variables(np.array([[[0.0, 0.0], q]]))
-        sure, others = list[Parts](), list[dict[Expr, float]]()
+        # For N and for D: the undelayed terms and their sizes, and the sizes of the delayed terms,
+        # by powers of omega.
+        undelayed: list[Parts] = []
+        sizes: list[dict[Expr, float]] = []
+        delayed: list[dict[Expr, float]] = []
         for row in self._rows:
-            sure.append(self._parts([x for x in row if x.lag == 0], omega, value, expanded=False))
-            sizes: dict[Expr, float] = {}
+            early = [x for x in row if x.lag == 0]
+            parts = self._parts(early, omega, value, expanded=False)
+            undelayed.append(parts)
+            sizes.append({p: sum(size_of(y) for y in pair if y) for p, pair in parts.items()})
+            late: dict[Expr, float] = {}
             for x in row:
                 if x.lag != 0:
-                    most = max(map(abs, ends_of(self._valued(x.number, ModelPowers(value)))))
-                    sizes[x.power] = sizes.get(x.power, 0.0) + most
-            others.append(sizes)
-        known = imaginary(*sure)
+                    size = size_of(self._valued(x.number, ModelPowers(value)))
+                    late[x.power] = late.get(x.power, 0.0) + size
+            delayed.append(late)
+        known = imaginary(*undelayed)
         # Every product that holds a delayed factor counts by its size: undelayed times delayed,
         # both ways, and delayed times delayed.
         doubt: dict[Expr, float] = {}
-        whole = [
-            {p: sum(max(map(abs, ends_of(y))) for y in pair if y) for p, pair in x.items()}
-            for x in sure
-        ]
-        for one, other in ((whole[0], others[1]), (others[0], whole[1]), (others[0], others[1])):
+        of_above, of_below = sizes
+        late_above, late_below = delayed
+        pairs = (of_above, late_below), (late_above, of_below), (late_above, late_below)
+        for one, other in pairs:
             for p, a in one.items():
                 for n, b in other.items():
-                    doubt[p + n] = doubt.get(p + n, 0.0) + a * b
+                    before = doubt.get(p + n, 0.0)
+                    doubt[p + n] = before + a * b
         powers = sorted({*known, *doubt})
         low = {p: ends_of(model)[0] - doubt.get(p, 0.0) for p, model in known.items()}
-        if low.get(powers[-1], 1.0) <= 0 and self._ends_upward(powers[-1], q):
+        may_vanish = low.get(powers[-1], 1.0) <= 0
+        if may_vanish and self._ends_upward(powers[-1], q):
             # It may vanish but is nowhere negative: the power below it must outweigh the rest.
-            del powers[-1:]
+            powers.pop()
         if not powers or powers[-1] not in known:
             return None
-        top = powers[-1]
+        *lower, top = powers
         least = low[top]
-        rest = {
-            p: doubt.get(p, 0.0) + (max(map(abs, ends_of(known[p]))) if p in known else 0.0)
-            for p in powers
-        }
+        # The sizes of all other powers, and by how much less they grow than the highest.
+        rest = []
+        for p in lower:
+            size = doubt.get(p, 0.0)
+            if p in known:
+                size += size_of(known[p])
+            rest.append((size, floated(p - top)))
         radius = 2.0**-20
         while radius < _FARTHEST and least > 0:
             # Relative to the highest power all others fall with omega: what holds at the radius
             # holds beyond it.
-            others_there = sum(x * radius ** floated(p - top) for p, x in rest.items() if p != top)
+            others_there = sum(size * radius**power for size, power in rest)
             if least * (1 - 1e-9) > others_there * (1 + 1e-9):
                 return radius
             radius *= 2
@@ -893,15 +1013,20 @@ class Energy:
     def _ends_upward(self, top: Expr, q: Span) -> bool:
         """Whether the coefficient of the highest power is proven nowhere negative for values of a
         range, at the ends of which it may vanish."""
-        if self.far is None or self.far[0] != top:
+        if self.far is None:
+            return False
+        power, coefficient = self.far
+        if power != top:
             return False
         low, high = map(Rational, q)
-        found = self.far[1].at(low) if low == high else self.far[1].between(low, high)
-        return found is not None and found >= 0
+        sign = coefficient.at(low) if low == high else coefficient.between(low, high)
+        return sign is not None and sign >= 0
 
     def _turns(self, q: Span) -> float:
         """A frequency, rad/s, at which the longest delay has made about three turns, where nothing
         settles the sign far out."""
         known = {self.symbol: Rational((q[0] + q[1]) / 2)}
-        lags = [floated(x.lag.xreplace(known)) for row in self._rows for x in row if x.lag != 0]
-        return 20 / max([x for x in lags if x > 0], default=1.0)
+        delays = [x.lag for row in self._rows for x in row if x.lag != 0]
+        lags = [floated(lag.xreplace(known)) for lag in delays]
+        longest = max([x for x in lags if x > 0], default=1.0)
+        return 20 / longest

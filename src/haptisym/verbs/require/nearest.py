@@ -21,7 +21,7 @@ from sympy import Expr, Rational, S
 
 from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.crossings import Criterion
-from haptisym.judge.peaks import Top, tops
+from haptisym.judge.peaks import MaximumCandidate, maximum_candidates
 from haptisym.kernel.arrays import np
 from haptisym.kernel.budget import limited
 from haptisym.kernel.errors import SceneError, UndecidedError
@@ -261,9 +261,9 @@ def _at(r: ParameterQuestion, value: Expr) -> Nearest | None:
         d = scene.distortion()
     except SceneError:
         return None
-    worst: tuple[float, Criterion, Top] | None = None
+    worst: tuple[float, Criterion, MaximumCandidate] | None = None
     for x in r.criteria:
-        found = tops(x.measure(d), *scene.band)
+        found = maximum_candidates(x.measure(d), *scene.band)
         if found is None:
             return None
         top = max(found, key=lambda top: float(top.value))

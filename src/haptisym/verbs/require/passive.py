@@ -89,7 +89,15 @@ _BEYOND = "values further out are not tested"
 def _by_cells(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
     """All values for which a display is passive, where cells prove it."""
     display = _Display(scene, free)
-    return _between(scene, free, asked, display.changes(), display.holds_at, cells=display.cells)
+    return _between(
+        scene,
+        free,
+        asked,
+        display.changes(),
+        display.holds_at,
+        cells=display.cells,
+        lone=display.alone,
+    )
 
 
 def _enclosed(value: RealNumber) -> tuple[Rational, Rational]:
@@ -119,6 +127,11 @@ class _Display:
     def holds_at(self, value: Rational) -> bool | None:
         """The exact verdict on one value."""
         return passivity(self.free.put(self.scene, value)).holds
+
+    def alone(self, x: CriticalValue) -> bool | None:
+        """The verdict on a critical value with failing values on both sides: False where Im H_perc
+        is proven to be negative at one frequency; else None."""
+        return None if self.energy.active_at(span(*_enclosed(x.value))) is None else False
 
     @cached_property
     def _at_rest(self) -> ExactSign | None:
@@ -522,7 +535,8 @@ def solve_sampled(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
             CriticalValue(x, (Binding(PASSIVE, None, Kind.START),))
             for x in zeros_of(at_rest, free.symbol)
         ]
-    # Mass, stiffness and damping of a device may be negative: their signs count too.
+    # Mass, stiffness and damping of a device may be negative: their signs count too. 0 will do for
+    # each, so that such a value holds like those next to it, and nothing has to bind there.
     for held in (loop.mass, loop.stiffness, loop.damping):
         turns += (
             [CriticalValue(x, ()) for x in zeros_of(held, free.symbol)]

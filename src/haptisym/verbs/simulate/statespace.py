@@ -18,6 +18,10 @@ to these is exact: it is read off SciPy's matrix exponential of the equation ext
 polynomials, or of a short step, as between two switches, summed as a series in h M. Stiff equations
 therefore need no small steps, and what a step leaves behind are polynomials again, from which delay
 lines read.
+
+A *signal* is a force or a motion of the network and its derivatives; a *drive* is an input and how
+often it is differentiated, a *reading* a signal and how often. Begin with ``state_space`` for the
+exact half, with ``Propagator.step`` for the floats, and with ``linear_systems`` for what joins them.
 """
 
 from __future__ import annotations
@@ -55,11 +59,14 @@ _DERIVATIVE = np.vstack([_DERIVATIVE, np.zeros((1, POINTS))])
 _AT_END = np.ones((1, POINTS)) @ _TO_SERIES
 
 # Terms of the series, for steps of such a norm of h M: what is left of exp is 1/20! = 4e-19.
-_TERMS, _SHORT = 20, 1.0
+_TERMS = 20
+_SHORT = 1.0
 _PLACES = np.array([*NODES, 1.0])
 _FACTORIALS = np.cumprod([1.0, *range(1, _TERMS + 1)])
-_FREE = _PLACES ** np.arange(_TERMS)[:, None] / _FACTORIALS[:-1, None]
-_STEADY = _PLACES ** np.arange(1, _TERMS + 1)[:, None] / _FACTORIALS[1:, None]
+_EXPONENTS = np.arange(_TERMS)[:, None]
+# x^k/k!, and its integral from 0 to x.
+_FREE = _PLACES**_EXPONENTS / _FACTORIALS[:-1, None]
+_STEADY = _PLACES ** (_EXPONENTS + 1) / _FACTORIALS[1:, None]
 
 
 def _repeated_integrals() -> Array:
@@ -69,9 +76,10 @@ def _repeated_integrals() -> Array:
     x, weights = legendre.leggauss(POINTS + _TERMS // 2)
     s = np.multiply.outer(_PLACES, (x + 1) / 2)
     basis = legendre.legvander(2 * s - 1, POINTS - 1) @ _TO_LEGENDRE
-    exponents = np.arange(_TERMS)[:, None, None]
-    powers = (_PLACES[:, None] - s) ** exponents / _FACTORIALS[:-1, None, None]
-    weighted = powers * weights * _PLACES[:, None] / 2
+    places = _PLACES[:, None]
+    powers = (places - s) ** _EXPONENTS[..., None]
+    powers = powers / _FACTORIALS[:-1, None, None]
+    weighted = powers * weights * places / 2
     result: Array = np.einsum("kps,psi->kpi", weighted, basis)
     return result
 
@@ -113,8 +121,13 @@ class Propagator:
     def _driving(self) -> tuple[list[int], list[int]]:
         """The inputs that move the state at all: those that vary within a step, and the steady
         ones."""
-        active = [i for i in range(self.N.shape[1]) if self.N[:, i].any()]
-        return [i for i in active if i not in self.steady], [i for i in active if i in self.steady]
+        varying: list[int] = []
+        steady: list[int] = []
+        for i in range(self.N.shape[1]):
+            if self.N[:, i].any():
+                kind = steady if i in self.steady else varying
+                kind.append(i)
+        return varying, steady
 
     @cached_property
     def _balance(self) -> Array:
@@ -136,10 +149,12 @@ class Propagator:
         # The two ways agree to rounding. A matrix exponential is expensive, so that a short step,
         # as between two switches, whose length comes only once, is summed as a series of known
         # terms.
-        n, (varying, steady) = len(self.M), self._driving
+        n = len(self.M)
+        varying, steady = self._driving
         width = n + len(varying) * POINTS + len(steady)
-        if h * self._size <= _SHORT:
-            weights = (h * self._size) ** np.arange(_TERMS)
+        norm = h * self._size
+        if norm <= _SHORT:
+            weights = norm ** np.arange(_TERMS)
             maps = (weights @ self._series).reshape(len(_PLACES), n, width)
             # An integral over a step has one factor h more than the powers of h M.
             maps[:, :, n:] *= h
@@ -148,22 +163,28 @@ class Propagator:
         scale = self._balance
         # One exponential for each node: with the polynomial's coefficients as further states, which
         # a nilpotent block differentiates, exp gives the response to the input exactly.
-        whole = expm(np.multiply.outer([*NODES, 1.0], unchanged + h * per_second))
+        whole = expm(np.multiply.outer(_PLACES, unchanged + h * per_second))
         free = whole[:, :n, :n] * scale[:, None] / scale[None, :]
-        return np.concatenate([free, whole[:, :n, n:] @ (h * from_values) * scale[:, None]], axis=2)
+        driven = whole[:, :n, n:] @ (h * from_values)
+        driven = driven * scale[:, None]
+        return np.concatenate([free, driven], axis=2)
 
     @cached_property
     def _size(self) -> float:
         """A norm of M, 1/s."""
-        return float(np.abs(self._extended[1]).sum(axis=0).max(initial=0.0)) or 1.0
+        _, per_second, _ = self._extended
+        columns = np.abs(per_second).sum(axis=0)
+        return float(columns.max(initial=0.0)) or 1.0
 
     @cached_property
     def _series(self) -> Array:
         """Coefficients of the same maps as power series in h times the norm of M: of (h M)^k,
         and of (h M)^k N with the inputs' repeated integrals."""
-        n, scale = len(self.M), self._balance
+        n = len(self.M)
+        scale = self._balance
         varying, steady = self._driving
-        M = self._extended[1][:n, :n] / self._size
+        _, per_second, _ = self._extended
+        M = per_second[:n, :n] / self._size
         N = self.N[:, [*varying, *steady]] / scale[:, None]
         # M^k and M^k N side by side, in balanced units and divided by the norm: no power overflows.
         parts = [np.hstack([np.eye(n), N])]
@@ -178,22 +199,26 @@ class Propagator:
         moved = moved * scale[:, None]
         held = _STEADY[:, :, None, None] * held
         held = held * scale[:, None]
-        return np.concatenate([free, moved, held], axis=3).reshape(_TERMS, -1)
+        maps = np.concatenate([free, moved, held], axis=3)
+        return maps.reshape(_TERMS, -1)
 
     @cached_property
     def _extended(self) -> tuple[Array, Array, Array]:
         """The equation extended by the inputs' Legendre coefficients, without and with the factor h
         of a step's length; and the way from values at the nodes to these, which has that factor
         too."""
-        scale, (varying, steady) = self._balance, self._driving
+        scale = self._balance
+        varying, steady = self._driving
         N = self.N / scale[:, None]
         # Inputs are scaled to columns of size 1: a large one would cost the exponential its small
         # entries, as its error is relative to the largest.
         size = np.abs(N).max(axis=0, initial=0.0)
-        n, m = len(self.M), len(varying)
+        n = len(self.M)
+        m = len(varying)
         count = m * POINTS
         inputs = slice(n, n + count)
-        unchanged = np.zeros((n + count + len(steady),) * 2)
+        width = n + count + len(steady)
+        unchanged = np.zeros((width, width))
         by_varying = N[:, varying] / size[varying]
         unchanged[:n, inputs] = np.kron(_LEFT_ENDS, by_varying)
         unchanged[:n, n + count :] = N[:, steady] / size[steady]
@@ -215,10 +240,12 @@ class Propagator:
         ``change`` : called before each step but the first with its number and the state, sets its
         steady inputs, and the later ones', in ``w``.
         """
-        steps, n = len(w), len(self.M)
+        steps = len(w)
+        n = len(self.M)
         varying, steady = self._driving
         maps = self.step(h) if n else np.zeros((len(_PLACES), 0, 0))
-        values, states = w[..., varying].reshape(steps, -1), np.empty((steps + 1, n))
+        values = w[..., varying].reshape(steps, -1)
+        states = np.empty((steps + 1, n))
         # Only the states at the ends follow from each other, one after the other; those at the
         # nodes follow from these, all steps in one product below.
         last, moved, held = np.split(maps[-1], [n, n + values.shape[1]], axis=1)
@@ -230,9 +257,9 @@ class Propagator:
             z = last @ z + driven[k] + held @ w[k, 0, steady]
         states[steps] = z
         known = np.concatenate([states[:-1], values, w[:, 0, steady]], axis=1)
-        return (known @ maps[:-1].reshape(POINTS * n, known.shape[1]).T).reshape(
-            steps, POINTS, n
-        ), states
+        to_nodes = maps[:-1].reshape(POINTS * n, known.shape[1])
+        at_nodes = known @ to_nodes.T
+        return at_nodes.reshape(steps, POINTS, n), states
 
 
 @dataclass
@@ -263,8 +290,10 @@ class Record:
                 old: Array = getattr(self, name)
                 setattr(self, name, np.concatenate([old, np.zeros_like(old)]))
         span = slice(self.count, self.count + steps)
-        self.times[span], self.lengths[span] = start + h * np.arange(steps), h
-        self.values[span], self.coefficients[span] = values, series(values)
+        self.times[span] = start + h * np.arange(steps)
+        self.lengths[span] = h
+        self.values[span] = values
+        self.coefficients[span] = series(values)
         self.count += steps
 
     def at(self, t: Array, columns: Sequence[int]) -> Array:
@@ -275,10 +304,12 @@ class Record:
             return np.broadcast_to(before, (*t.shape, len(columns)))
         later = np.searchsorted(self.times[: self.count], t, side="right")
         step = np.maximum(later - 1, 0)
-        place = 2 * (t - self.times[step]) / self.lengths[step] - 1
+        elapsed = t - self.times[step]
+        place = 2 * elapsed / self.lengths[step] - 1
         # A time that lies beyond its step by rounding is read at the end: a polynomial of degree 9
         # must not be extrapolated.
-        basis = np.power.outer(np.clip(place, -1.0, 1.0), _POWERS)
+        place = np.clip(place, -1.0, 1.0)
+        basis = np.power.outer(place, _POWERS)
         coefficients = self.coefficients[step][..., columns]
         values = (basis[..., None, :] @ coefficients)[..., 0, :]
         is_before = (t < self.times[0])[..., None]
@@ -354,16 +385,19 @@ class StateSpace:
     def reach(self, name: str, order: int, channel: Input) -> int | None:
         """The highest derivative of an input in a signal; -1 if it acts through the state alone,
         None if not at all."""
-        row, index = self.signal(name, order), self.inputs.index(channel)
+        row = self.signal(name, order)
+        index = self.inputs.index(channel)
         direct = [k for k, c in enumerate(row.inputs) if c[0, index] != 0]
         if direct:
             return max(direct)
         # a M^j n for j below the number of states: by Cayley and Hamilton the input reaches the
         # signal only if one of them is not 0.
         for n in self.N:
-            moved = fmpq_mat(self.size, 1, [n[i, index] for i in range(self.size)])
+            column = [n[i, index] for i in range(self.size)]
+            moved = fmpq_mat(self.size, 1, column)
             for _ in range(self.size):
-                if (row.state * moved)[0, 0] != 0:
+                felt = row.state * moved
+                if felt[0, 0] != 0:
                     return -1
                 moved = self.M * moved
         return None
@@ -371,7 +405,11 @@ class StateSpace:
     def drives(self, channel: Input) -> list[int]:
         """The orders of an input's derivatives that the state equation holds."""
         index = self.inputs.index(channel)
-        return [k for k, n in enumerate(self.N) if any(n[i, index] != 0 for i in range(self.size))]
+        orders = []
+        for k, n in enumerate(self.N):
+            if any(n[i, index] != 0 for i in range(self.size)):
+                orders.append(k)
+        return orders
 
     @cached_property
     def size(self) -> int:
@@ -392,16 +430,21 @@ def state_space(equations: Sequence[SignalSum], known: Iterable[str] = ()) -> St
     """
     known = tuple(known)
     fixed = {MOTION, *known}
-    keys = [(key, value) for equation in equations for key, value in equation.terms.items()]
-    present = [Input(n, lag) for (n, _, lag), _ in keys if n in fixed or lag != 0]
-    inputs = tuple(dict.fromkeys([*present, *(Input(n, fmpq(0)) for n in known)]))
-    orders: dict[str, int] = {}
-    if any(lag < 0 for (_, _, lag), _ in keys):
+    keys = [key for equation in equations for key in equation.terms]
+    if any(lag < 0 for _, _, lag in keys):
         raise SceneError("a negative delay cannot be simulated")
-    for (name, order, lag), _ in keys:
+    inputs: list[Input] = []
+    # The highest derivative of each unknown in the equations.
+    orders: dict[str, int] = {}
+    for name, order, lag in keys:
+        if name in fixed or lag != 0:
+            inputs.append(Input(name, lag))
         if name not in fixed:
-            orders[name] = max(orders.get(name, 0), order if lag == 0 else 0)
-    return _reduced(_Descriptor.of(equations, inputs, orders))
+            own_order = order if lag == 0 else 0
+            orders[name] = max(orders.get(name, 0), own_order)
+    inputs += [Input(name, fmpq(0)) for name in known]
+    distinct = tuple(dict.fromkeys(inputs))
+    return _reduced(_Descriptor.of(equations, distinct, orders))
 
 
 @dataclass(frozen=True, eq=False)
@@ -424,17 +467,20 @@ class _Descriptor:
         listed = [(name, k) for name in ordered for k in range(max(orders[name], 1))]
         columns = {key: i for i, key in enumerate(listed)}
         # x^(k+1) is the derivative of x^(k): one more equation for each unknown derivative.
-        chains = [key for key in listed if key[1] + 1 < orders[key[0]]]
+        chains = [(name, k) for name, k in listed if k + 1 < orders[name]]
         size = len(columns)
         rows = len(equations) + len(chains)
         keys = [key for equation in equations for key in equation.terms]
-        depth = 1 + max((k for n, k, lag in keys if Input(n, lag) in inputs), default=0)
-        E, A = fmpq_mat(rows, size), fmpq_mat(rows, size)
+        of_inputs = [k for name, k, lag in keys if Input(name, lag) in inputs]
+        depth = 1 + max(of_inputs, default=0)
+        E = fmpq_mat(rows, size)
+        A = fmpq_mat(rows, size)
         B = tuple(fmpq_mat(rows, len(inputs)) for _ in range(depth))
         for i, equation in enumerate(equations):
             for (name, order, lag), value in equation.terms.items():
-                if Input(name, lag) in inputs:
-                    B[order][i, inputs.index(Input(name, lag))] -= value
+                channel = Input(name, lag)
+                if channel in inputs:
+                    B[order][i, inputs.index(channel)] -= value
                 elif order and order == orders[name]:
                     E[i, columns[name, order - 1]] += value
                 else:
@@ -451,14 +497,16 @@ def _reduced(system: _Descriptor) -> StateSpace:
     In each round the variables are K z + C_0 w + C_1 dw/dt + ... of those, z, that are left.
     """
     E, A, B = system.E, system.A, list(system.B)
-    size, width = E.ncols(), len(system.inputs)
+    size = E.ncols()
+    width = len(system.inputs)
     if E.nrows() != size:
         raise SceneError(
             f"the effects give {E.nrows()} equations for {size} unknowns: they do not "
             f"determine the motion"
         )
     chosen = list(range(size))
-    K, C = fmpq_mat(size, size), [fmpq_mat(size, width)]
+    K = fmpq_mat(size, size)
+    C = [fmpq_mat(size, width)]
     for i in range(size):
         K[i, i] = fmpq(1)
     # A round takes out the equations without a derivative, and what it puts in their place may have
@@ -472,12 +520,17 @@ def _reduced(system: _Descriptor) -> StateSpace:
         pivots, back, forward = _solved(lower, E.ncols(), len(B), width)
         keep = [i for i in range(E.ncols()) if i not in pivots]
         E, A, B = _substituted(upper, E.ncols(), width, back, forward)
-        K, C = K * back, _added(C, [K * f for f in forward])
+        C = _added(C, [K * f for f in forward])
+        K = K * back
         chosen = [chosen[i] for i in keep]
-    rows = _stack(upper, len(chosen) * 2 + width * len(B))
+    # The echelon form is [1 | -M | -N_0 | -N_1 | ...].
     inputs = 2 * len(chosen)  # the column where they begin
-    M = -1 * (_columns(rows, len(chosen), inputs))
-    N = [-1 * (_columns(rows, inputs + k * width, inputs + (k + 1) * width)) for k in range(len(B))]
+    rows = _stack(upper, inputs + width * len(B))
+    M = -1 * _columns(rows, len(chosen), inputs)
+    N = []
+    for k in range(len(B)):
+        start = inputs + k * width
+        N.append(-1 * _columns(rows, start, start + width))
     return _without_derivatives(system, M, N, K, C, tuple(chosen))
 
 
@@ -486,18 +539,21 @@ def _row_reduced(
 ) -> tuple[list[list[Any]], list[list[Any]]]:
     """The rows of [E | -A | -B] in echelon form: those with a derivative, and those without."""
     parts = [E, -1 * A, *(-1 * b for b in B)]
-    side_by_side = zip(*(part.tolist() for part in parts), strict=True)
-    width = 2 * E.ncols() + sum(b.ncols() for b in B)
-    table = [[*chain.from_iterable(row)] for row in side_by_side]
+    tables = [part.tolist() for part in parts]
+    size = E.ncols()
+    width = 2 * size + sum(b.ncols() for b in B)
+    table = [list(chain(*row)) for row in zip(*tables, strict=True)]
     form, _ = _stack(table, width).rref()
     rows = [row for row in form.tolist() if any(x != 0 for x in row)]
-    size = E.ncols()
     # A row of inputs alone would prescribe what is given, and fewer rows than unknowns leave a
     # signal free. Numbers are exact: that an entry is 0 is known.
     lower = [row for row in rows if all(x == 0 for x in row[:size])]
-    if any(all(x == 0 for x in row[: 2 * size]) for row in lower) or len(rows) < size:
+    prescribes = any(all(x == 0 for x in row[: 2 * size]) for row in lower)
+    if prescribes or len(rows) < size:
         raise SceneError("the effects contradict each other, or do not determine a signal")
-    return rows[: len(rows) - len(lower)], lower
+    # In echelon form rows without a derivative come last.
+    upper = rows[: len(rows) - len(lower)]
+    return upper, lower
 
 
 def _solved(
@@ -560,18 +616,28 @@ def _without_derivatives(
     undone: it would make large numbers that cancel where the equations are stiff.
     """
     # The inputs that are moved: a projection onto all but the hand's motion.
-    moving = fmpq_mat(len(system.inputs), len(system.inputs))
+    count = len(system.inputs)
+    moving = fmpq_mat(count, count)
     for i, channel in enumerate(system.inputs):
         moving[i, i] = fmpq(int(channel.name != MOTION))
-    shifts = [fmpq_mat(M.nrows(), len(system.inputs)) for _ in N]
+    shifts = [fmpq_mat(M.nrows(), count) for _ in N]
     for k in range(len(N) - 1, 0, -1):
         top = N[k] * moving
         shifts[k - 1] += top
         N[k] -= top
         N[k - 1] += M * top
-        C = _added(C, [*(fmpq_mat(K.nrows(), len(system.inputs)) for _ in range(k - 1)), K * top])
+        # K times what was taken out of z acts on the signals at the order k - 1.
+        lower_orders = [fmpq_mat(K.nrows(), count) for _ in range(k - 1)]
+        C = _added(C, [*lower_orders, K * top])
     return StateSpace(
-        system.inputs, system.columns, M, tuple(N), K, tuple(C), chosen, tuple(shifts[:-1])
+        inputs=system.inputs,
+        columns=system.columns,
+        M=M,
+        N=tuple(N),
+        K=K,
+        C=tuple(C),
+        chosen=chosen,
+        shifts=tuple(shifts[:-1]),
     )
 
 
@@ -579,21 +645,30 @@ def _without_derivatives(
 
 
 def _stack(rows: list[list[Any]], width: int) -> RationalMatrix:
-    return fmpq_mat(len(rows), width, [x for row in rows for x in row])
+    """The matrix with these rows; ``width`` columns also where there is no row."""
+    entries = list(chain(*rows))
+    return fmpq_mat(len(rows), width, entries)
 
 
 def _columns(matrix: RationalMatrix, first: int, last: int) -> RationalMatrix:
-    return _stack([row[first:last] for row in matrix.tolist()], last - first)
+    """The columns from one to before another."""
+    rows = [row[first:last] for row in matrix.tolist()]
+    return _stack(rows, last - first)
 
 
 def _row(matrix: RationalMatrix, index: int) -> RationalMatrix:
-    return fmpq_mat(1, matrix.ncols(), matrix.tolist()[index] if matrix.ncols() else [])
+    """One row, as a matrix of one."""
+    entries = matrix.tolist()[index] if matrix.ncols() else []
+    return fmpq_mat(1, matrix.ncols(), entries)
 
 
 def _added(one: Sequence[RationalMatrix], other: Sequence[RationalMatrix]) -> list[RationalMatrix]:
     """Return the sums order by order; the shorter list counts as zero beyond its end."""
     longer, shorter = (one, other) if len(one) >= len(other) else (other, one)
-    return [a + shorter[i] if i < len(shorter) else a for i, a in enumerate(longer)]
+    sums = list(longer)
+    for i, matrix in enumerate(shorter):
+        sums[i] = sums[i] + matrix
+    return sums
 
 
 Reading = tuple[str, int]
@@ -637,7 +712,12 @@ class Linear:
     @cached_property
     def steady(self) -> dict[str, int]:
         """Where among the drives each signal is that elements set."""
-        return {self.drives[i][0].name: i for i in self.propagator.steady if self.drives[i][1] == 0}
+        places = {}
+        for i in self.propagator.steady:
+            channel, order = self.drives[i]
+            if order == 0:
+                places[channel.name] = i
+        return places
 
     @cached_property
     def groups(self) -> tuple[DriveGroup, ...]:
@@ -652,26 +732,33 @@ class Linear:
                 group.orders.append(order)
             else:
                 group.others.append(i)
-                group.columns.extend([self.readings.index((x.name, order))] if lag else ())
+                if lag:
+                    column = self.readings.index((x.name, order))
+                    group.columns.append(column)
         return tuple(groups.values())
 
     def outputs(self, z: Array, w: Array) -> Array:
         """The readings, from states (..., state) and inputs (..., drives)."""
         n = self.exact.size
-        result: Array = z @ self.rows[:, :n].T + w @ self.rows[:, n:].T
+        by_state, by_drives = self.rows[:, :n], self.rows[:, n:]
+        result: Array = z @ by_state.T + w @ by_drives.T
         return result
 
     def weight(self, row: Array, name: str, order: int) -> float:
         """Return the weight of a derivative of an undelayed input in a row of ``rows``."""
-        here = ((x.name, k) == (name, order) and x.lag == 0 for x, k in self.drives)
-        return float(sum(row[self.exact.size + i] for i, is_it in enumerate(here) if is_it))
+        of_drives = row[self.exact.size :]
+        total = 0
+        for weight, (x, k) in zip(of_drives, self.drives, strict=True):
+            if x.name == name and k == order and x.lag == 0:
+                total += weight
+        return float(total)
 
     def poles(self) -> Any:
         """Return the eigenvalues of the state equation, 1/s, as if nothing came back through
         delay lines."""
-        return (
-            np.linalg.eigvals(self.propagator.M) if self.exact.size else np.zeros(0, dtype=complex)
-        )
+        if not self.exact.size:
+            return np.zeros(0, dtype=complex)
+        return np.linalg.eigvals(self.propagator.M)
 
 
 def linear_systems(
@@ -682,8 +769,10 @@ def linear_systems(
     # All 2^n sets of n switches (at most 3): the exact reduction is slow and is never made in a
     # run.
     count = len(net.switches)
-    sets = [frozenset(i for i in range(count) if bits >> i & 1) for bits in range(1 << count)]
-    exact = {closed: _exact(net, closed) for closed in sets}
+    exact = {}
+    for bits in range(1 << count):
+        closed = frozenset(i for i in range(count) if bits >> i & 1)
+        exact[closed] = _exact(net, closed)
     present = [x for x in exact.values() if x is not None]
     wanted = _followed(present, net, readings)
     systems: dict[frozenset[int], Linear | None] = {}
@@ -695,9 +784,11 @@ def linear_systems(
 def _exact(net: Network, closed: frozenset[int]) -> StateSpace | None:
     """Return the state equation with these switches closed; None where they contradict each other
     or the prescribed motion."""
-    known = set(net.jumps) - {net.switches[i].target for i in closed}
+    switches = [net.switches[i] for i in closed]
+    known = set(net.jumps) - {switch.target for switch in switches}
+    equations = [*net.equations, *(switch.closed for switch in switches)]
     try:
-        return state_space([*net.equations, *(net.switches[i].closed for i in closed)], known)
+        return state_space(equations, known)
     except SceneError:
         if not closed:
             raise
@@ -713,28 +804,38 @@ def _followed(
     for reading in wanted:  # grows while it is walked
         # An advanced equation needs a higher derivative of its own delayed past in each round: the
         # list would never end.
-        if reading[1] > HIGHEST_ORDER:
+        name, order = reading
+        if order > HIGHEST_ORDER:
+            element, *_ = name.split(".")
             raise SceneError(
-                f"{reading[0].split('.')[0]}: the scene needs ever higher derivatives of a "
-                f"delayed signal: "
+                f"{element}: the scene needs ever higher derivatives of a delayed signal: "
                 "it is not causal (an advanced equation)"
             )
         for system in systems:
-            for drive, order in _drives_of(system, reading, net):
-                new = (drive.name, order)
-                if drive.lag != 0 and drive.name != MOTION and new not in wanted:
+            for channel, order_of_drive in _drives_of(system, reading, net):
+                new = (channel.name, order_of_drive)
+                is_recorded = channel.lag != 0 and channel.name != MOTION
+                if is_recorded and new not in wanted:
                     wanted.append(new)
     return tuple(wanted)
+
+
+def _is_set(system: StateSpace, name: str, net: Network) -> bool:
+    """Whether an element sets a signal, so that it is an input and no variable of the equations."""
+    return name in net.jumps and not any(name == variable for variable, _ in system.columns)
 
 
 def _drives_of(system: StateSpace, reading: Reading, net: Network) -> list[Drive]:
     """The inputs of a signal and of the state equation, with the derivatives that act."""
     driving = [(x, k) for x in system.inputs for k in system.drives(x)]
-    if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
+    name, order = reading
+    if _is_set(system, name, net):
         return driving
-    row = system.signal(*reading)
+    row = system.signal(name, order)
     inputs = list(enumerate(system.inputs))
-    direct = [(x, k) for k, c in enumerate(row.inputs) for i, x in inputs if c[0, i] != 0]
+    direct = []
+    for k, c in enumerate(row.inputs):
+        direct += [(x, k) for i, x in inputs if c[0, i] != 0]
     # What shifts the state is needed to take it over from another system when a switch moves.
     back = []
     for k, c in enumerate(system.shifts):
@@ -748,52 +849,56 @@ def _floats(system: StateSpace, net: Network, readings: tuple[Reading, ...]) -> 
     """Return a system in floats: exact numbers are rounded here, once, after all that cancels has
     cancelled."""
     needed = [drive for reading in readings for drive in _drives_of(system, reading, net)]
-    drives = tuple(dict.fromkeys([*needed, *((x, 0) for x in system.inputs)]))
+    needed += [(x, 0) for x in system.inputs]
+    drives = tuple(dict.fromkeys(needed))
     wanted = [_row_in_linear(system, reading, drives, net) for reading in readings]
     every = [_row_in_linear(system, key, drives, net) for key in system.columns]
     back = np.zeros((system.size, len(drives)))
-    for k, matrix in enumerate(system.shifts):
-        for i, channel in enumerate(system.inputs):
-            if (channel, k) in drives:
-                back[:, drives.index((channel, k))] = [
-                    float_of(matrix[r, i]) for r in range(system.size)
-                ]
     N = np.zeros((system.size, len(drives)))
+    steady = []
     for i, (channel, k) in enumerate(drives):
+        column = system.inputs.index(channel)
+        if k < len(system.shifts):
+            shift = system.shifts[k]
+            back[:, i] = [float_of(shift[r, column]) for r in range(system.size)]
         if k < len(system.N):
-            column = system.inputs.index(channel)
-            N[:, i] = [float_of(system.N[k][r, column]) for r in range(system.size)]
+            driven = system.N[k]
+            N[:, i] = [float_of(driven[r, column]) for r in range(system.size)]
+        if channel.lag == 0 and channel.name in net.jumps:
+            steady.append(i)
     width = system.size + len(drives)
-    steady = tuple(i for i, (x, _) in enumerate(drives) if x.lag == 0 and x.name in net.jumps)
     return Linear(
-        system,
-        drives,
-        readings,
-        Propagator(_array(system.M), N, steady),
-        np.array(wanted).reshape(-1, width),
-        np.array(every).reshape(-1, width),
-        back,
+        exact=system,
+        drives=drives,
+        readings=readings,
+        propagator=Propagator(_array(system.M), N, tuple(steady)),
+        rows=np.array(wanted).reshape(-1, width),
+        everything=np.array(every).reshape(-1, width),
+        back=back,
     )
 
 
 def _row_in_linear(
     system: StateSpace, reading: Reading, drives: tuple[Drive, ...], net: Network
 ) -> list[float]:
-    if reading[0] in net.jumps and not any(name == reading[0] for name, _ in system.columns):
-        # An element sets this signal, so that it is an input and no variable of the equations.
-        present = next(x for x in system.inputs if x.name == reading[0] and x.lag == 0)
-        itself = (present, reading[1])
-        return [0.0] * system.size + [float(drive == itself) for drive in drives]
-    row: SignalRow = system.signal(*reading)
-    state = [float_of(row.state[0, i]) for i in range(system.size)]
-    direct = []
+    """The weights of the state and of the drives in a signal."""
+    name, order = reading
+    if _is_set(system, name, net):
+        present = next(x for x in system.inputs if x.name == name and x.lag == 0)
+        itself = (present, order)
+        no_state = [0.0] * system.size
+        return no_state + [float(drive == itself) for drive in drives]
+    row = system.signal(name, order)
+    weights = [float_of(row.state[0, i]) for i in range(system.size)]
     for x, k in drives:
-        weight = row.inputs[k][0, system.inputs.index(x)] if k < len(row.inputs) else fmpq(0)
-        direct.append(float_of(weight))
-    return state + direct
+        weight = fmpq(0)
+        if k < len(row.inputs):
+            weight = row.inputs[k][0, system.inputs.index(x)]
+        weights.append(float_of(weight))
+    return weights
 
 
-def _array(matrix: Any) -> Array:
-    return np.array([float_of(x) for row in matrix.tolist() for x in row]).reshape(
-        matrix.nrows(), matrix.ncols()
-    )
+def _array(matrix: RationalMatrix) -> Array:
+    """A matrix of exact numbers in floats."""
+    entries = [float_of(x) for row in matrix.tolist() for x in row]
+    return np.array(entries).reshape(matrix.nrows(), matrix.ncols())

@@ -25,10 +25,10 @@ from haptisym.judge.passivity import (
     Passivity,
     environment_alone,
     force_is_stable,
+    is_stable_by_parts,
     passivity,
-    rests,
 )
-from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
+from haptisym.kernel.asymptoticsign import Sense, sign_without_zeros
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, ring_of
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError
 from haptisym.kernel.objects import Shown
@@ -49,7 +49,7 @@ def unstable_roots(scene: Scene, hand: Hand) -> Roots:
     scene = unclocked(scene)
     if clocks(scene):
         return clocked_roots(scene, hand)
-    at_rest = sign_of_number(hand.b.value) > 0 and rests(
+    at_rest = sign_of_number(hand.b.value) > 0 and is_stable_by_parts(
         scene, scene.chain.at(values(scene.parameters))
     )
     return roots_in_hand(scene.closed.perc, hand, at_rest=at_rest)
@@ -435,7 +435,7 @@ def _meeting(perceived: RationalFunction, hand: Hand) -> RealNumber | None:
     reaches = [
         x.radius
         for f in functions
-        if (x := asymptotic_sign(f)).sense is Sense.NEGATIVE and x.radius
+        if (x := sign_without_zeros(f)).sense is Sense.NEGATIVE and x.radius
     ]
     # One function that is negative from some frequency on suffices: no hand has roots there.
     if not reaches:

@@ -40,7 +40,7 @@ from haptisym.kernel.reals import (
 )
 from haptisym.kernel.roots import ordered
 from haptisym.kernel.zeros import sign_of
-from haptisym.verbs.stability.loops import Pair
+from haptisym.verbs.stability.characteristic import Pair
 from haptisym.verbs.stability.opened import Opened, Passage, Span
 
 _BITS, _MOST_BITS = 128, 1 << 10

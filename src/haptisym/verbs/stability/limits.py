@@ -43,9 +43,10 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.existence import allowed, missing
 from haptisym.model.scene import Knob, Scene, clocks, unclocked
 from haptisym.model.valueranges import searched
-from haptisym.verbs.stability.critical import meetings
+from haptisym.verbs.stability.critical import critical_values
 from haptisym.verbs.stability.held import drifts, moved, unstable_roots
-from haptisym.verbs.stability.loops import Loop, Meeting, Tendency
+from haptisym.verbs.stability.loops import CriticalRoot, Loop
+from haptisym.verbs.stability.roottendency import RootTendency
 from haptisym.verbs.stability.sampled import clocked_question
 
 _BITS = 256
@@ -185,14 +186,14 @@ class _Asked:
         """The question: critical values, a verdict between each two of them, and intervals without
         any stable value."""
         loop = self.loop
-        tally, one_way = Tally(loop, drifts=self._drifts), Tendency(loop)
+        tally, one_way = Tally(loop, drifts=self._drifts), RootTendency(loop)
 
         def changes() -> Iterator[CriticalValues]:
             # Each window replaces the one before it: the first ones are held back, unless they are
             # complete, or an end next to the present value is all that is asked for.
             held_back: CriticalValues | None = None
             try:
-                for n, found in enumerate(meetings(loop, self.free.value, self.asked)):
+                for n, found in enumerate(critical_values(loop, self.free.value, self.asked)):
                     tally.window = held_back = found
                     if self.near or n >= _FIRST or not found.open:
                         yield self._named(found)
@@ -210,7 +211,9 @@ class _Asked:
             )
 
         def cells(low: RealNumber | None, high: RealNumber | None) -> Iterable[Cell]:
-            return [Cell(low, high, holds=False)] if one_way.everywhere(low, high) else []
+            return (
+                [Cell(low, high, holds=False)] if one_way.is_unstable_throughout(low, high) else []
+            )
 
         return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
 
@@ -236,7 +239,7 @@ class _Asked:
         )
 
     def _binding(self, x: CriticalValue) -> Binding:
-        omega = x.omega if isinstance(x, Meeting) else None
+        omega = x.omega if isinstance(x, CriticalRoot) else None
         return Binding(self.criterion, omega, Kind.FAR if omega is None else Kind.AXIS)
 
 
@@ -260,7 +263,7 @@ class Tally:
         found = self._from_another(value)
         if found is not None:
             return found
-        roots = self.loop.at(value)
+        roots = self.loop.roots_at(value)
         number = roots.number
         # Frequencies ascend: only if the first one is 0 is there a root at rest.
         if number and roots.on_axis and not ordered(roots.on_axis[0], ExactNumber(Integer(0))):
@@ -286,7 +289,7 @@ class Tally:
             for x in self.window.values
             if ordered(low, x.value) >= 0 and ordered(x.value, high) >= 0
         ]
-        senses = [x.sense for x in between if isinstance(x, Meeting) and x.sense is not None]
+        senses = [x.sense for x in between if isinstance(x, CriticalRoot) and x.sense is not None]
         # At an end that is critical itself some roots lie on the axis: no sum of crossings tells
         # how many.
         if len(senses) < len(between) or any(
@@ -307,7 +310,7 @@ def _is_clear(loop: Loop, x: CriticalValue) -> bool:
     """Whether no root lies on the axis at a critical value after all, as where all but the hand's
     damping vanish at omega = 0. False proves nothing."""
     places = [b.omega for b in x.bindings]
-    return not loop.turns and all(
+    return not loop.has_q_in_exponent and all(
         y is not None and not _on_axis(loop, x.value, y).contains(0) for y in places
     )
 
@@ -321,4 +324,4 @@ def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
             known[exp(-s * lag)] = (-place * expression_ball(lag)).exp()
         for order in loop.ring.orders:
             known[s**order] = place ** acb(expression_ball(order))
-        return acb(loop.ring.ball(loop.top, known))
+        return acb(loop.ring.ball(loop.numerator, known))

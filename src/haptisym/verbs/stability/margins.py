@@ -25,7 +25,7 @@ from haptisym.effects import delay as delayed
 from haptisym.effects import series
 from haptisym.judge.bindings import STABLE, STEADY, Binding, Kind, stable_in
 from haptisym.judge.crossings import Criterion
-from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
+from haptisym.kernel.asymptoticsign import Sense, sign_without_zeros
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
@@ -184,11 +184,11 @@ def _turned(loop: Loop, criterion: Criterion) -> list[CriticalValue]:
 
     UndecidedError where such frequencies may be without end, or one is only touched.
     """
-    if len(loop.powers) != 2:
+    if len(loop.coefficients) != 2:
         return []
-    ratio = RationalFunction(loop.ring, loop.powers[0], loop.powers[1]).reduced()
+    ratio = RationalFunction(loop.ring, loop.coefficients[0], loop.coefficients[1]).reduced()
     condition = minus(squared_modulus(ratio).function, Integer(1))
-    settled = asymptotic_sign(condition)
+    settled = sign_without_zeros(condition)
     if settled.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise UndecidedError("where the loop has a gain of 1: it may be at ever higher frequencies")
     table = chart(

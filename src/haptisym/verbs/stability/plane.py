@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any, TypeAlias
 
 import flint
@@ -36,15 +36,22 @@ from haptisym.verbs.stability.held import characteristic, zeros_of
 _PIXELS = 200
 # Pixels of the smallest cell that is counted.
 _LEAST = 60
+# Points of the boundary in each of its two grids of frequencies.
 _FREQUENCIES = 4000
+# The largest cells, whose roots are counted.
 _MOST_CELLS = 12
+# Of the balls whose middles are the coefficients of a loop.
 _BITS = 128
 # What coefficients of a loop may be off by, as a share of the largest, and still be linear.
 _ROUNDING = 1e-9
 # Turns of the longest delay that are drawn: from each on the boundary winds once more around.
 _TURNS = 12
 
+# The steps from a pixel to those that share a side with it.
+_NEIGHBOURS = (-1, 0), (1, 0), (0, -1), (0, 1)
+
 Window: TypeAlias = tuple[float, float, float, float]
+"""Lowest and highest stiffness, lowest and highest damping."""
 
 
 @dataclass(frozen=True)
@@ -83,11 +90,10 @@ class Plane:
 
 def plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """The plane of the hands that have a hand's mass, with its cells."""
-    found = boundary(scene, hand, window)
-    labels = _labels(found.k, found.b, found.at_0, window)
-    return replace(
-        found, cells=tuple(_cells(lambda k, b: _roots(scene, hand, k, b), labels, window))
-    )
+    drawn = boundary(scene, hand, window)
+    labels = _labels(drawn.k, drawn.b, drawn.at_0, window)
+    cells = _cells(lambda k, b: _roots(scene, hand, k, b), labels, window)
+    return replace(drawn, cells=tuple(cells))
 
 
 def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
@@ -97,15 +103,21 @@ def boundary(scene: Scene, hand: Hand, window: Window) -> Plane:
 
     def at(omega: Array) -> tuple[Array, Array]:
         values = response(omega)
-        return mass * omega**2 - values.perceived_real, -values.perceived_imag / omega
+        stiffness = mass * omega**2 - values.perceived_real
+        damping = -values.perceived_imag / omega
+        return stiffness, damping
 
-    end = _end(at, window, [float(x) for x in ring_of(scene.closed.perc).lags])
+    lags = [float(x) for x in ring_of(scene.closed.perc).lags]
+    end = _end(at, window, lags)
+    begin = 1e-5 * end
     # Equal steps show the turns of a delay, steps of the logarithm where the boundary begins.
-    grids = np.geomspace(1e-5 * end, end, _FREQUENCIES), np.linspace(1e-5 * end, end, _FREQUENCIES)
-    k, b = at(np.unique(np.concatenate(grids)))
-    start = -float(response(np.array([0.0])).perceived_real[0])
-    at_0 = start if np.isfinite(start) else None
-    return Plane(mass, k, b, at_0, window)
+    by_ratio = np.geomspace(begin, end, _FREQUENCIES)
+    by_step = np.linspace(begin, end, _FREQUENCIES)
+    grid = np.unique(np.concatenate([by_ratio, by_step]))
+    k, b = at(grid)
+    static = response(np.array([0.0]))
+    at_0 = -float(static.perceived_real[0])
+    return Plane(mass, k, b, at_0 if np.isfinite(at_0) else None, window)
 
 
 def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
@@ -116,22 +128,31 @@ def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
     """
     low, high, least, most = window
     middles = (np.arange(_PIXELS) + 0.5) / _PIXELS
-    k, b = low + middles * (high - low), least + middles * (most - least)
+    k = low + middles * (high - low)
+    b = least + middles * (most - least)
     # The polynomial is c(k, b) = c0 + k c1 + b c2: made at four points, the fourth of which shows
     # whether it is so. They lie amid the window, where no coefficient is lost.
-    k0, k1 = k[_PIXELS // 4], k[-_PIXELS // 4]
-    b0, b1 = b[_PIXELS // 4], b[-_PIXELS // 4]
-    c = {(x, y): _coefficients(scene, hand, x, y) for x in (k0, k1) for y in (b0, b1)}
-    size = max(map(len, c.values()))
-    c = {at: np.pad(row, (0, size - len(row))) for at, row in c.items()}
-    along, across = (c[k1, b0] - c[k0, b0]) / (k1 - k0), (c[k0, b1] - c[k0, b0]) / (b1 - b0)
-    bent = c[k1, b1] - c[k0, b0] - along * (k1 - k0) - across * (b1 - b0)
-    if np.abs(bent).max() > _ROUNDING * max(np.abs(x).max() for x in c.values()):
+    first, last = _PIXELS // 4, -_PIXELS // 4
+    k0, k1 = k[first], k[last]
+    b0, b1 = b[first], b[last]
+    polynomials = []
+    for x, y in product((k0, k1), (b0, b1)):
+        polynomials.append(_coefficients(scene, hand, x, y))
+    size = max(map(len, polynomials))
+    padded = [np.pad(row, (0, size - len(row))) for row in polynomials]
+    start, at_b1, at_k1, at_both = padded
+    step_k, step_b = k1 - k0, b1 - b0
+    along = (at_k1 - start) / step_k
+    across = (at_b1 - start) / step_b
+    bent = at_both - start - along * step_k - across * step_b
+    largest = max(np.abs(x).max() for x in padded)
+    if np.abs(bent).max() > _ROUNDING * largest:
         raise UndecidedError("the plane of a wall of which the loop is no linear function")
     if not along.any() and not across.any():
         raise UndecidedError("the plane of a wall that is not what is rendered")
-    rows = c[k0, b0] + (k - k0)[:, None, None] * along + (b - b0)[None, :, None] * across
-    counts = _outside(rows)
+    by_k = (k - k0)[:, None, None] * along
+    by_b = (b - b0)[None, :, None] * across
+    counts = _outside(start + by_k + by_b)
     # One count may belong to several cells that do not touch: each gets a number of its own.
     labels = np.zeros(counts.shape, dtype=int)
     for number in np.unique(counts):
@@ -145,22 +166,23 @@ def wall_plane(scene: Scene, hand: Hand, window: Window) -> Plane:
         except UndecidedError:
             return None
 
-    return Plane(
-        float(hand.m.value), nowhere, nowhere, None, window, tuple(_cells(at, labels, window))
-    )
+    cells = tuple(_cells(at, labels, window))
+    return Plane(float(hand.m.value), nowhere, nowhere, None, window, cells)
 
 
 def _wall(scene: Scene, k: float, b: float) -> Scene:
-    return scene.with_values(
-        {path: Rational(f"{x:.3g}") for path, x in zip(WALL, (k, b), strict=True)}
-    )
+    """The scene with a wall of k and b, of three digits each, as they are written."""
+    walls = zip(WALL, (k, b), strict=True)
+    return scene.with_values({path: Rational(f"{x:.3g}") for path, x in walls})
 
 
 def _coefficients(scene: Scene, hand: Hand, k: float, b: float) -> Array:
     """The coefficients of the loop's polynomial in 1/z, ascending, at a wall of k and b."""
-    own = scene.with_values({path: Rational(x) for path, x in zip(WALL, (k, b), strict=True)})
+    wall = zip(WALL, (k, b), strict=True)
+    own = scene.with_values({path: Rational(x) for path, x in wall})
     with flint.ctx.workprec(_BITS):
-        return np.array([float(x.mid()) for x in loop_of(own, hand).balls()])
+        balls = loop_of(own, hand).balls()
+        return np.array([float(x.mid()) for x in balls])
 
 
 def _outside(rows: Array) -> Array:
@@ -168,8 +190,10 @@ def _outside(rows: Array) -> Array:
     n = rows.shape[-1] - 1
     # The eigenvalues of the companion matrix, all pixels at once, are the roots z.
     companion = np.zeros((*rows.shape[:-1], n, n))
-    companion[..., 0, :] = -rows[..., 1:] / rows[..., :1]
-    below, diagonal = np.arange(1, n), np.arange(n - 1)
+    leading = rows[..., :1]
+    companion[..., 0, :] = -rows[..., 1:] / leading
+    below = np.arange(1, n)
+    diagonal = np.arange(n - 1)
     companion[..., below, diagonal] = 1
     sizes = np.abs(np.linalg.eigvals(companion))
     return np.asarray((sizes >= 1).sum(-1))
@@ -182,21 +206,27 @@ def _end(
     rough = np.geomspace(1e-3, 1e6, 20_000)
     k, b = boundary(rough)
     low, high, least, most = window
-    inside = (k > low) & (k < high) & (b > least) & (b < most)
+    k_inside = (k > low) & (k < high)
+    b_inside = (b > least) & (b < most)
+    inside = rough[k_inside & b_inside]
     # A fifth beyond the last point inside, so that the way out is drawn too.
-    last = float(1.2 * rough[inside][-1]) if inside.any() else 100.0
-    return min(last, 2 * np.pi * _TURNS / max(lags)) if lags else last
+    end = float(1.2 * inside[-1]) if len(inside) else 100.0
+    if not lags:
+        return end
+    return min(end, 2 * np.pi * _TURNS / max(lags))
 
 
 def _labels(k: Array, b: Array, at_0: float | None, window: Window) -> Array:
     """A number for each pixel: 0 on the boundary, else that of its cell."""
     low, high, least, most = window
     open_ones = np.ones((_PIXELS, _PIXELS), dtype=bool)
-    x, y = (k - low) / (high - low) * _PIXELS, (b - least) / (most - least) * _PIXELS
+    x = (k - low) / (high - low) * _PIXELS
+    y = (b - least) / (most - least) * _PIXELS
     for (x0, x1), (y0, y1) in zip(pairwise(x), pairwise(y), strict=True):
         left, right = min(x0, x1), max(x0, x1)
         lower, upper = min(y0, y1), max(y0, y1)
-        if right < 0 or left > _PIXELS or upper < 0 or lower > _PIXELS:
+        x_outside = right < 0 or left > _PIXELS
+        if x_outside or upper < 0 or lower > _PIXELS:
             continue
         # Two points to each pixel of the line, so that it has no holes through which two cells
         # would become one; no more on a line that comes from far away, as at a pole.
@@ -204,10 +234,13 @@ def _labels(k: Array, b: Array, at_0: float | None, window: Window) -> Array:
         count = int(min(2 * length, 4 * _PIXELS)) + 2
         i = np.linspace(x0, x1, count).astype(int)
         j = np.linspace(y0, y1, count).astype(int)
-        is_seen = (i >= 0) & (i < _PIXELS) & (j >= 0) & (j < _PIXELS)
+        i_is_seen = (i >= 0) & (i < _PIXELS)
+        j_is_seen = (j >= 0) & (j < _PIXELS)
+        is_seen = i_is_seen & j_is_seen
         open_ones[i[is_seen], j[is_seen]] = False
     if at_0 is not None and low < at_0 < high:
-        open_ones[int((at_0 - low) / (high - low) * _PIXELS), :] = False
+        i_of_line = int((at_0 - low) / (high - low) * _PIXELS)
+        open_ones[i_of_line, :] = False
     return _filled(open_ones)
 
 
@@ -220,19 +253,18 @@ def _filled(open_ones: Array) -> Array:
     for start in zip(*np.nonzero(open_ones), strict=True):
         if labels[start]:
             continue
-        number, waiting = int(labels.max()) + 1, [start]
+        number = int(labels.max()) + 1
+        waiting = [start]
         labels[start] = number
         while waiting:
             i, j = waiting.pop()
-            for place in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
-                if (
-                    0 <= place[0] < _PIXELS
-                    and 0 <= place[1] < _PIXELS
-                    and open_ones[place]
-                    and not labels[place]
-                ):
-                    labels[place] = number
-                    waiting.append(place)
+            for di, dj in _NEIGHBOURS:
+                x = i + di
+                y = j + dj
+                on_grid = 0 <= x < _PIXELS and 0 <= y < _PIXELS
+                if on_grid and open_ones[x, y] and not labels[x, y]:
+                    labels[x, y] = number
+                    waiting.append((x, y))
     return labels
 
 
@@ -243,13 +275,15 @@ def _cells(
     boundary."""
     low, high, least, most = window
     sizes = np.bincount(labels.ravel())
-    for number in sorted(range(1, len(sizes)), key=lambda n: -int(sizes[n]))[:_MOST_CELLS]:
+    by_size = sorted(range(1, len(sizes)), key=lambda n: -int(sizes[n]))
+    for number in by_size[:_MOST_CELLS]:
         if sizes[number] < _LEAST:
             return
-        i, j = _deepest(labels == number)
+        pixels = labels == number
+        i, j = _deepest(pixels)
         k = low + (i + 0.5) * (high - low) / _PIXELS
         b = least + (j + 0.5) * (most - least) / _PIXELS
-        yield HandCell(k, b, roots(k, b), labels == number)
+        yield HandCell(k, b, roots(k, b), pixels)
 
 
 def _deepest(part: Any) -> tuple[int, int]:
@@ -257,13 +291,10 @@ def _deepest(part: Any) -> tuple[int, int]:
     # The frame of False counts the window's edge as boundary: 1 is taken off again below.
     left = np.pad(part, 1)
     while True:
-        inner = (
-            left
-            & np.roll(left, 1, 0)
-            & np.roll(left, -1, 0)
-            & np.roll(left, 1, 1)
-            & np.roll(left, -1, 1)
-        )
+        inner = left
+        for axis in (0, 1):
+            for shift in (1, -1):
+                inner = inner & np.roll(left, shift, axis)
         if not inner.any():
             rows, columns = np.nonzero(left)
             middle = len(rows) // 2
@@ -277,9 +308,12 @@ def _roots(scene: Scene, hand: Hand, k: float, b: float) -> Roots | None:
     ring = ring_of(perceived)
     # Three digits, as they are written into the picture: far inside of a cell the others do not
     # matter.
-    near_k, near_b = (Rational(f"{x:.3g}") for x in (k, b))
-    Z = ring.convert(hand.m.value * s**2 + near_b * s + near_k)
+    near_k = Rational(f"{k:.3g}")
+    near_b = Rational(f"{b:.3g}")
+    impedance = hand.m.value * s**2 + near_b * s + near_k
+    Z = ring.convert(impedance)
     try:
-        return zeros_of(characteristic(perceived, Z), perceived.denominator, ring)
+        polynomial = characteristic(perceived, Z)
+        return zeros_of(polynomial, perceived.denominator, ring)
     except UndecidedError:
         return None

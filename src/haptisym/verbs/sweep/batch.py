@@ -26,6 +26,9 @@ Every number has a radius beside it: |computed - exact| <= radius, by the rules 
 rounding of a computed result x adds at most u |x|, and 1e-290 more than whatever underflows. Radii
 are computed in floats themselves, from positive terms with some ten roundings each, which a factor
 1 + 32 u covers. A sign counts where the number is larger than its radius.
+
+A *set* is one value of each parameter. Begin with ``coefficients`` (a ``Batch`` of numbers with
+their sizes), then ``error`` and ``count_right``.
 """
 
 from __future__ import annotations
@@ -44,6 +47,10 @@ from haptisym.kernel.reals import bounds
 
 Array: TypeAlias = NDArray[Any]
 """Of floats, of either precision."""
+_HAS_WIDER = np.finfo(np.longdouble).nmant in (63, 112)
+FLOAT_KINDS = (np.float64, np.longdouble) if _HAS_WIDER else (np.float64,)
+"""Kinds of floats, tried in this order: NumPy's longdouble where it is a wider IEEE format, and
+neither a double by another name nor a pair of doubles."""
 MOST_TERMS = 10**9
 _SLACK = 1.001
 
@@ -86,9 +93,12 @@ def nearest(x: arb, dtype: DTypeLike) -> Any:
     """The middle of a narrow ball as a float of that type, with one rounding of that type."""
     kind: Any = np.dtype(dtype).type
     high = float(x.mid())
+    if kind is np.float64:
+        return kind(high)
     # A wider float is the sum of two doubles, the second being what the first leaves: the only
     # rounding is that of their sum.
-    return kind(high) if kind is np.float64 else kind(high) + kind(float((x - arb(high)).mid()))
+    rest = float((x - arb(high)).mid())
+    return kind(high) + kind(rest)
 
 
 BITS = 256
@@ -122,14 +132,18 @@ def monomial(power: int, exponents: tuple[int, ...], ball: arb) -> Monomial:
     # As a fraction, since the float of a ball's middle is not promised to be the nearest one.
     middle, _ = bounds(ball.mid())
     constant = float(middle)
-    return Monomial(power, constant, float(middle - type(middle)(constant)), exponents)
+    exact = type(middle)(constant)
+    rest = float(middle - exact)
+    return Monomial(power, constant, rest, exponents)
 
 
 class Monomials:
     """Monomials of the parameters' values, each computed once. ``values``: parameters x sets."""
 
     def __init__(self, values: Array) -> None:
-        self.values, self.dtype, self.sets = values, values.dtype, values.shape[1]
+        self.values = values
+        self.dtype = values.dtype
+        self.sets = values.shape[1]
         self._known: dict[tuple[int, ...], Array] = {}
 
     def monomial(self, exponents: tuple[int, ...]) -> Array:
@@ -141,24 +155,30 @@ class Monomials:
     def _monomial(self, exponents: tuple[int, ...]) -> Array:
         # One factor is split off, the rest is looked up: n factors take n - 1 products, as the
         # count of roundings has it, and monomials with a common part share these.
-        last = next((i for i, n in reversed([*enumerate(exponents)]) if n), None)
-        if last is None:
+        there = [i for i, n in enumerate(exponents) if n]
+        if not there:
             return np.ones(self.sets, self.dtype)
-        lower = tuple(n - (i == last) for i, n in enumerate(exponents))
+        last = there[-1]
         column: Array = self.values[last]
-        return self.monomial(lower) * column if any(lower) else column
+        lower = list(exponents)
+        lower[last] -= 1
+        if not any(lower):
+            return column
+        return self.monomial(tuple(lower)) * column
 
 
 def coefficients(terms: Sequence[Monomial], rows: int, powers: Monomials) -> Batch:
     """The sums of the monomials of each row, at each set of parameters."""
     values, sizes = np.zeros((2, rows, powers.sets), powers.dtype)
+    kind = powers.dtype.type
     for term in terms:
-        monomial = powers.monomial(term.exponents)
-        constant = powers.dtype.type(term.constant) + powers.dtype.type(term.rest)
-        values[term.power] += monomial * constant
-        sizes[term.power] += np.abs(monomial * constant)
+        constant = kind(term.constant) + kind(term.rest)
+        product = powers.monomial(term.exponents) * constant
+        values[term.power] += product
+        sizes[term.power] += np.abs(product)
     # a constant's rounding and its product; the products of a monomial; the sum
-    return Batch(values, sizes, 2 + max(sum(t.exponents) for t in terms) + len(terms))
+    degree = max(sum(t.exponents) for t in terms)
+    return Batch(values, sizes, 2 + degree + len(terms))
 
 
 def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]) -> Array:
@@ -173,19 +193,25 @@ def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]
     limit = min(map(_limit, products), default=0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         exponents = np.abs(np.log2(np.abs(values)))
-    within: Array = ((values == 0) | (exponents <= limit)).all(axis=0)
+    fits = (values == 0) | (exponents <= limit)
+    within: Array = fits.all(axis=0)
     return within
 
 
 def _limit(sums: Sequence[Sequence[Monomial]]) -> float:
     """The largest |log2| of the parameters for which no product of terms, one of each sum, leaves
     the range of floats."""
-    degree = sum(max(sum(t.exponents) for t in terms) for terms in sums)
-    constants = sum(max(abs(log2(abs(t.constant))) for t in terms) for terms in sums)
+    degree = 0
+    constants = 0.0
+    for terms in sums:
+        degree += max(sum(t.exponents) for t in terms)
+        constants += max(abs(log2(abs(t.constant))) for t in terms)
     return (_MOST_EXPONENT - constants) / max(degree, 1)
 
 
-_TINY_ROUTH = 1e-290
+# Zeros in Re s > 0.
+
+_TINY_ROUTH = 1e-290  # more than whatever underflows in one step
 
 
 class Ball(NamedTuple):
@@ -207,18 +233,25 @@ def count_right(p: Batch) -> tuple[Array, Array]:
         radius = error(p.sizes, p.roundings) + _TINY_ROUTH
         # The first two rows of Routh's array: the coefficients of every second power, from the
         # highest and from the next one down.
-        upper, lower = (Ball(p.values[i::-2], radius[i::-2]) for i in (p.degree, p.degree - 1))
+        highest, next_lower = p.degree, p.degree - 1
+        upper = Ball(p.values[highest::-2], radius[highest::-2])
+        lower = Ball(p.values[next_lower::-2], radius[next_lower::-2])
         signs = [_sign(upper)]
         for _ in range(p.degree):
             signs.append(_sign(lower))
             upper, lower = lower, _next(upper, lower)
         column = np.stack(signs)
-    return (column[1:] * column[:-1] < 0).sum(axis=0), (column != 0).all(axis=0)
+    changes = column[1:] * column[:-1] < 0
+    proven = (column != 0).all(axis=0)
+    return changes.sum(axis=0), proven
 
 
 def _sign(row: Ball) -> Array:
     """The sign of the first number of a row in each set; 0 where the radius leaves it open."""
-    signs: Array = (row.x[0] > row.r[0]).astype(np.int8) - (row.x[0] < -row.r[0]).astype(np.int8)
+    x, r = row.x[0], row.r[0]
+    positive = (x > r).astype(np.int8)
+    negative = (x < -r).astype(np.int8)
+    signs: Array = positive - negative
     return signs
 
 
@@ -231,7 +264,8 @@ def _next(upper: Ball, lower: Ball) -> Ball:
     # the division. Where r_b >= |b| this bounds nothing; but then the sign of b, which is in the
     # first column too, counts as 0, and the set as undecided whatever comes after it.
     least_divisor = np.abs(lower.x[0]) - lower.r[0]
-    of_q = (upper.r[0] + size_of_q * lower.r[0]) / least_divisor + u * size_of_q
+    of_dividend = upper.r[0] + size_of_q * lower.r[0]
+    of_q = of_dividend / least_divisor + u * size_of_q
     a = Ball(upper.x[1:], upper.r[1:])
     b = _as_long(Ball(lower.x[1:], lower.r[1:]), len(upper.x) - 1)
     product = q * b.x
@@ -243,5 +277,8 @@ def _next(upper: Ball, lower: Ball) -> Ball:
 
 def _as_long(row: Ball, rows: int) -> Ball:
     """A row filled up with exact zeros: those of Routh's array get shorter every second time."""
-    more = np.zeros((rows - len(row.x), row.x.shape[1]), dtype=row.x.dtype)
-    return Ball(np.concatenate([row.x, more]), np.concatenate([row.r, more])) if len(more) else row
+    missing = rows - len(row.x)
+    if not missing:
+        return row
+    zeros = np.zeros((missing, row.x.shape[1]), dtype=row.x.dtype)
+    return Ball(np.concatenate([row.x, zeros]), np.concatenate([row.r, zeros]))

@@ -58,7 +58,8 @@ from haptisym.verbs.sweep.axes import (
     axes,
 )
 from haptisym.verbs.sweep.batch import Array
-from haptisym.verbs.sweep.passes import TOLERANCE, Kernel
+from haptisym.verbs.sweep.evaluator import SetEvaluator
+from haptisym.verbs.sweep.passes import TOLERANCE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -139,9 +140,9 @@ class SweepGrid:
         return SweepVariables.of(self.scene).variables
 
     @cached_property
-    def kernel(self) -> Kernel:
-        """The kernel that computes the variables of sets."""
-        return Kernel.of(self.scene, [axis.knob for axis in self.axes])
+    def evaluator(self) -> SetEvaluator:
+        """What computes the variables of sets."""
+        return SetEvaluator.of(self.scene, [axis.knob for axis in self.axes])
 
     def regions(self) -> Iterator[Region]:
         """The blocks, in the order of the grid."""
@@ -162,7 +163,7 @@ class SweepGrid:
                 piece, rest = _cut(piece, pace.sets)
                 waiting.append(rest)
             began = monotonic()
-            answers = compute(self.kernel, np.ix_(*self.values(piece)))
+            answers = compute(self.evaluator, np.ix_(*self.values(piece)))
             pace.took(monotonic() - began, size(piece))
             yield piece, answers
 
@@ -176,7 +177,10 @@ class SweepGrid:
             "schema": "haptisym.sweep/1",
             "title": self.scene.title,
             "source": self.scene.source,
-            "band": [self.kernel.band.high * self.kernel.band.low_fraction, self.kernel.band.high],
+            "band": [
+                self.evaluator.band.high * self.evaluator.band.low_fraction,
+                self.evaluator.band.high,
+            ],
             **_threshold(self.scene),
             "relative_accuracy": TOLERANCE,
             "certified": (
@@ -191,9 +195,9 @@ class SweepGrid:
     @property
     def _how(self) -> str:
         """A sentence on which arithmetic proves the counts."""
-        if self.kernel.curves is None:
+        if self.evaluator.curves is None:
             return _ALL_EXACT
-        return f"{_IN_FLOATS}{_WITH_SINES}" if self.kernel.has_waves else _IN_FLOATS
+        return f"{_IN_FLOATS}{_WITH_SINES}" if self.evaluator.has_waves else _IN_FLOATS
 
     def _asides(self) -> dict[str, Any]:
         """The scene's notes, on what is estimated, nominal or exists twice, as text, which every
@@ -263,15 +267,15 @@ _WITH_SINES = (
 _ALL_EXACT = "floats do not answer this scene with these parameters: every set is answered exactly"
 
 
-def compute(kernel: Kernel, values: Sequence[Array]) -> tuple[Array, ...]:
+def compute(evaluator: SetEvaluator, values: Sequence[Array]) -> tuple[Array, ...]:
     """All variables, in their order, of every combination of values in arrays that broadcast
     together."""
     together = np.broadcast_arrays(*values)
-    columns = kernel.answers(np.stack([np.ravel(x) for x in together]))
+    columns = evaluator.answers(np.stack([np.ravel(x) for x in together]))
     shape = together[0].shape
     return tuple(
         columns[name].reshape(shape).astype(dtype, copy=False)
-        for name, (dtype, _) in kernel.told.variables.items()
+        for name, (dtype, _) in evaluator.sweep_variables.variables.items()
     )
 
 
@@ -688,7 +692,7 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
         for axis in grid.axes
     ]
     columns = xarray.apply_ufunc(
-        partial(_block, grid.kernel),
+        partial(_block, grid.evaluator),
         *values,
         dask="parallelized",
         output_core_dims=[()] * len(grid.variables),
@@ -697,8 +701,8 @@ def _lazy(grid: SweepGrid, xarray: Any) -> xr.Dataset:
     return _dataset(grid, xarray, [column.data for column in columns])
 
 
-def _block(kernel: Kernel, *values: Array) -> tuple[Array, ...]:
-    return compute(kernel, values)
+def _block(evaluator: SetEvaluator, *values: Array) -> tuple[Array, ...]:
+    return compute(evaluator, values)
 
 
 def in_floats(
@@ -710,7 +714,7 @@ def in_floats(
     ``values`` : of what varies in rows, sets in columns, taken as exactly the binary numbers that
     they are.
     """
-    return Kernel.of(replace(scene, hands=()), varied).in_floats(values)
+    return SetEvaluator.of(replace(scene, hands=()), varied).in_floats(values)
 
 
 @dataclass(frozen=True, repr=False)
