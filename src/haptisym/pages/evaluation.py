@@ -77,7 +77,7 @@ def page(e: Evaluation) -> Document:
         ),
         doc.Section("Explorer", (doc.Live(full.explorer),), "explorer"),
         *w.caveats(e.caveats),
-        w.certificate(e, e.scene),
+        w.CERTIFICATE,
         doc.Section(
             "Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True
         ),
@@ -175,7 +175,7 @@ class _InFull:
     def explorer(self) -> str:
         from haptisym.pages.explorer import explorer
 
-        return explorer(self.evaluation, self._forms)
+        return explorer(self.evaluation, self._forms, at_rest(self.evaluation))
 
     def derivation(self) -> Iterable[Block]:
         from haptisym.pages.scene import derivation
@@ -386,6 +386,17 @@ def how_sure(e: Evaluation) -> str:
     if e.scene.level is not None:
         return "of the fitted model"
     return "proven" if e.certified else "proven up to what is undecided"
+
+
+_MOST_AT_REST = 6
+
+
+def at_rest(e: Evaluation) -> Phrase:
+    """Return bandwidth and crossings in a sentence, which a report has next to its sliders."""
+    shown = [(event(c), " at ", w.both(c.omega)) for c in e.crossings[:_MOST_AT_REST]]
+    more = len(e.crossings) - len(shown)
+    entries: Phrase = ("; ", listed(shown), f"; {more} more" if more else "") if shown else ""
+    return f"The scene's values, {how_sure(e)}: bandwidth ", _bandwidth(e), entries, "."
 
 
 VERBS = {

@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Add, Expr, Symbol
 
-from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
@@ -487,6 +486,17 @@ def drawing(
     )
 
 
-def certificate(answer: Answer, scene: Scene) -> doc.Live:
-    """The certificate of an answer, with a program that proves it anew where the page is read."""
-    return doc.Live(lambda: str(resolve_name("haptisym.pages.explorer:checked")(answer, scene)))
+CERTIFICATE = doc.Versions(
+    (),
+    lambda: [
+        doc.Paragraph(
+            (
+                doc.Code("--certificate FILE"),
+                " writes a certificate of this result, where it has one; ",
+                doc.Code("python -m haptisym_check FILE SCENE.toml"),
+                " checks it without haptisym.",
+            )
+        )
+    ],
+)
+"""How a reader of a report has the result checked; a page in brief leaves it out."""
