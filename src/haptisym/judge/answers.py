@@ -66,7 +66,7 @@ class Answer(Shown):
     __slots__ = ()
     _schema: ClassVar[str]
     _page: ClassVar[str]
-    _figure: ClassVar[str] = ""
+    _figure: ClassVar[str]
     _certificate: ClassVar[str] = ""
 
     __reduce__ = copied
