@@ -23,8 +23,9 @@ from haptisym.kernel.reals import Way, in_unit, printed
 from haptisym.kernel.rings import X, omega, s
 from haptisym.model.distortion import Distortion, distort
 from haptisym.pages.notebook import latex
-from haptisym.writing.latex import broken, escape, symbol_name
+from haptisym.writing.latex import broken, escape, set_name
 from haptisym.writing.latex import latex as latex_document
+from haptisym.writing.layout import named
 
 SET = {"fu2019", "delayed-spring"}
 """Shipped scenes whose documents are set in a moment."""
@@ -135,7 +136,7 @@ def test_a_formula_is_written_as_a_person_writes_it(expression, expected):
     ],
 )
 def test_a_name_gets_greek_letters_and_upright_subscripts(name, expected):
-    assert symbol_name(name) == expected
+    assert set_name(named(name)) == expected
 
 
 @pytest.mark.parametrize("name", SYMBOLIC)
@@ -217,7 +218,7 @@ def read_values(aligned: str, known: dict[str, float]) -> dict[str, list[float]]
 def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     d = SYMBOLIC.get(name) or load_scene(name).symbolic_distortion()
     known = assumed(d)
-    printed = {symbol_name(x.name): number for x, number in known.items()}
+    printed = {set_name(named(x.name)): number for x, number in known.items()}
     read = read_values(latex(d), {**printed, r"\omega": _AT, "s": 0.83, "c": 1.0, "X": 1.0, "j": 1.0})
     H_env, H_perc = (
         float(sp.sympify(x.xreplace(known)).subs({s: 0.83, sp.I: 1})) for x in (d.environment, d.perceived)
@@ -290,7 +291,7 @@ def test_the_tables_hold_every_crossing_and_every_percept(name):
 def test_any_printed_formula_reads_back_with_the_same_value(expression):
     known = {x: 0.37 + 0.29 * i for i, x in enumerate(ATOMS)}
     expected = float(expression.xreplace({x: Float(number) for x, number in known.items()}))
-    read = value(latex(expression), {symbol_name(x.name): number for x, number in known.items()})
+    read = value(latex(expression), {set_name(named(x.name)): number for x, number in known.items()})
     assert read == pytest.approx(expected, rel=1e-6, abs=1e-6)
 
 

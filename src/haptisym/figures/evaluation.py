@@ -236,11 +236,10 @@ def _height(value: float) -> str:
 # How: the complex plane (Fig. 6).
 
 
-def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
+def nyquist(e: Evaluation) -> Panel:
     """H_env and H_perc in the complex plane over the band, with arrows towards higher frequencies.
 
-    ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the
-    end of the band if not given.
+    About a third, two thirds and the end of the band are marked, with the same mark on both curves.
     Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the
     axes.
 
@@ -255,7 +254,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     lows, highs = np.tile(low, 2), np.tile(high, 2)
     omega = refined(lambda w: in_window(responses(f, w), lows, highs), grid)
     values = points_of(broken(responses(f, omega), omega, poles_of(e)))
-    at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
+    at = np.asarray(_default_marks(e, f, (low, high)), dtype=float)
     curves, arrows = list[Layer](), list[Layer]()
     # The arrows of both curves stand at different shares of their length: where the curves lie on
     # each other, the arrows do not.
@@ -270,7 +269,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     axis = along(e)
     matched = Matched(
         [(axis.short(w, 6), env[0], perc[0]) for w, (env, perc) in zip(at, places, strict=True)],
-        implied=marks is None,
+        implied=True,
         shared=True,
     )
     layers = [Origin(), *curves, *arrows, *rising, matched]

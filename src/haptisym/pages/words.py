@@ -238,14 +238,14 @@ def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Rea
     return doc.Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
 
 
-def at_least(x: Printable, *, unit: Unit | None = None) -> doc.Real:
+def at_least(x: Printable) -> doc.Real:
     """A lower bound: rounded down."""
-    return doc.Real(x, Way.DOWN, unit=unit or Unit(""))
+    return doc.Real(x, Way.DOWN)
 
 
-def at_most(x: Printable, *, unit: Unit | None = None) -> doc.Real:
+def at_most(x: Printable) -> doc.Real:
     """An upper bound: rounded up."""
-    return doc.Real(x, Way.UP, unit=unit or Unit(""))
+    return doc.Real(x, Way.UP)
 
 
 def cell(x: Printable, way: Way = Way.NEAREST) -> doc.Frequency:

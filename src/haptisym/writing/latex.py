@@ -218,18 +218,12 @@ def spaced(words: str) -> str:
     return f"{before}{_NEGATIVE.sub(_MINUS, escape(words))}{after}"
 
 
-def symbol_name(name: str) -> str:
-    r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand
-    upright.
-
-    >>> symbol_name("omega_n"), symbol_name("omega_n_filter"), symbol_name("k1"), symbol_name("Mm")
-    ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1', 'M_m')
-    """
-    return set_name(named(name))
-
-
 def set_name(name: boxes.Name) -> str:
-    """A name that is taken apart already, in LaTeX."""
+    r"""Return a name in LaTeX; several letters stand upright.
+
+    >>> set_name(named("omega_n")), set_name(named("omega_n_filter")), set_name(named("k1"))
+    ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1')
+    """
     head, subscript = _word(name.head), ",".join(map(_word, name.below))
     if not subscript:
         return head
