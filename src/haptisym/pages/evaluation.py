@@ -341,7 +341,7 @@ def _step_1(e: Evaluation) -> Iterator[Block]:
     """Yield the blocks of step 1: bandwidths of a threshold with a range, the ratios, the
     crossings."""
     yield from bandwidths(e)
-    yield _figure(e, "ratios", ratios_caption(e), wide=True)
+    yield w.drawing(e, "ratios", ratios_caption(e), wide=True)
     yield crossings(e)
     if e.undecided:
         yield undecided_table(e)
@@ -495,7 +495,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     )
     if attained.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
+        yield w.drawing(e, "bandwidths", caption)
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -661,7 +661,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
             lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else "",
         ),
     )
-    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
+    figure = w.drawing(e, "regions", _PLANE)
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
@@ -711,7 +711,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     )
     near = listed(map(w.both, discrimination.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
-    figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
+    figure = w.drawing(e, "discriminate", _DECIDING)
     yield doc.Section(
         "Which changes would decide between the models?",
         (rows, *w.noted(said), figure),
@@ -764,7 +764,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
         w.Field("environment", str),
         *(w.number(region_label(x), partial(width, x=x)) for x in different(many.regions)),
     )
-    figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
+    figure = w.drawing(many, "regions", _WIDTHS)
     yield doc.Section(
         _SURVIVES,
         (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure),
@@ -841,32 +841,27 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
     """Yield the blocks of step 2: the percepts, and their figures."""
     yield percepts(e)
     for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
-        yield _figure(
+        yield w.drawing(
             e,
             f"projections-{part.value}",
             f"Magnitude of the {name} part of environment and perceived dynamics: bold where "
             f"the "
             "difference is noticed, with what it is felt as.",
         )
-    yield _figure(
+    yield w.drawing(
         e,
         "nyquist",
         "Environment (solid) and perceived dynamics (dashed) in the complex plane; arrows "
         "towards "
         "higher frequencies.",
     )
-    yield _figure(
+    yield w.drawing(
         e,
         "jnd-square",
         "Environment and perceived dynamics at one frequency; the grey region holds the "
         "changes that "
         "are not noticed.",
     )
-
-
-def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    """Return a figure of this evaluation by its name."""
-    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from sympy import Add, Expr, Symbol
 
+from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import reals
@@ -474,16 +475,14 @@ def is_transparent_throughout(e: Evaluation) -> bool:
 # What reports have besides words, loaded only where one is made.
 
 
-def drawing(
-    name: str, caption: Phrase, function: str, *given: Any, wide: bool = False
-) -> doc.Figure:
-    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is
-    given; it is told ``wide``."""
-    # Resolved by name when the figure is drawn: pages alone never load matplotlib.
-    options = {"wide": True} if wide else {}
-    return doc.Figure(
-        name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **options), wide
-    )
+def drawing(answer: Answer, name: str, caption: Phrase, *, wide: bool = False) -> doc.Figure:
+    """Return a figure of an answer by its name, one column wide, or one and a half."""
+
+    def drawn() -> Any:
+        # Resolved by name when the figure is drawn: pages alone never load matplotlib.
+        return resolve_name("haptisym.figures.files:draw_figure")(answer, name, wide=wide)
+
+    return doc.Figure(name, caption, drawn, wide)
 
 
 CERTIFICATE = doc.Versions(
