@@ -80,6 +80,7 @@ FIGURES: dict[str, Callable[[], list[Figure]]] = {
     "map, in vain": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5).figure()],
     "sweep": lambda: swept(m=np.linspace(0.5, 5, 30)),
     "sweep in the plane": lambda: swept(omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
+    "comparison": lambda: [hs.compare("fu2019", "helicopter-cyclic", "sidestick").figure()],
     "sensitivity": lambda: [hs.sensitivity(FLEXIBLE).figure()],
     "tolerances": lambda: [hs.tolerances(loose(), samples=20).figure()],
     "effects": lambda: [hs.relevance("sidestick").figure()],

@@ -44,6 +44,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "evaluation": ("evaluate", "fu2019", "--regions", "--discriminate", "--tolerance", "0.2"),
     "evaluations": ("evaluate", "palpation-device", "--regions"),
     "answers": ("require", "palpation-device", "--free", "omega_c", "--that", "stable", *HAND),
+    "comparison": ("compare", "fu2019", "helicopter-cyclic"),
     "effects": ("effects", "fu2019"),
     "metrics": ("metrics", "fu2019"),
     "controlloading": ("metrics", "fu2019", "--rule", "14cfr60-a2a", "--sweep", "4 s"),

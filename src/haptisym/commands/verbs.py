@@ -181,6 +181,61 @@ def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
     return judge(scene)
 
 
+@verb(
+    click.Argument(["scenes"], nargs=-1, required=True, metavar="SCENE..."),
+    option(
+        "--with PATH=VALUE",
+        "Compare one scene with itself at this value; repeatable.",
+        name="values",
+        multiple=True,
+    ),
+    option("--hand NAME", "Hand of all scenes, or a shipped one; repeatable.", multiple=True),
+    ENVIRONMENT,
+    NO_FILES,
+    JSON,
+    figure("the ratios of all scenes"),
+    LIMIT,
+)
+def compare(ask: Ask) -> Answer:
+    """Compare two to six displays: which is transparent furthest.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene; measured ones too.
+
+    Prints the bandwidths in order, proven, equal ones together; as what each display is noticed
+    first, and by how much later than the first one; in which parameters, models and bands they
+    differ; and whether each is stable in the hands that all of them have, or in those of --hand.
+
+    Exit status 3 where the order of two bandwidths is undecided, as it may be of measured displays.
+
+    \b
+    Examples:
+      haptisym compare fu2019 helicopter-cyclic --figure both.pdf
+      haptisym compare fu2019 --with filter.zeta=0.4
+      haptisym compare fu2019 fu2019-bench
+      haptisym compare fu2019 my-device.toml --hand postural-arm --json
+    """
+    from haptisym.verbs.compare.entry import compare as of
+
+    values = dict(map(_value_of, ask.values))
+    return of(
+        *ask.scenes,
+        values=values or None,
+        hand=ask.hand or None,
+        environment=ask.environment,
+        files=not ask.no_files,
+        digits=ask.digits or 15,
+        limit=None,
+    )
+
+
+def _value_of(text: str) -> tuple[str, str]:
+    """A path, and its value."""
+    path, _, value = (x.strip() for x in text.partition("="))
+    if not path or not value:
+        raise SceneError(f'--with {text[:60]}: write PATH=VALUE, as filter.zeta=0.07 or "tau=4 ms"')
+    return path, value
+
+
 # Languages of ``derive --to``; "python" is another word for "numpy".
 _CODE = ("numpy", "python", "c", "octave", "javascript")
 _OUTPUTS = ("text", "latex", "mathml", "json", "sympy", *_CODE)

@@ -849,24 +849,28 @@ class Room:
     def beside(self, x: float, y: float, text: str, size: float) -> Span:
         """Return the best place of a name, from its point to its lower left corner in points of the
         page; that place is taken then."""
-        a, b = self.at(x, y)
+        return self.along([(x, y)], text, size)[1]
+
+    def along(self, places: Sequence[Span], text: str, size: float) -> tuple[int, Span]:
+        """Return the best place of a name beside one of several points: which point, and the place
+        from it to the name's lower left corner in points of the page; that place is taken then."""
         wide, high = _WIDE * size * len(text), _HIGH * size
-
-        def cost(place: Box) -> float:
-            # A name nearer to another point than to its own, or as near, would be read as the
-            # other's.
-            return self._cost(place) + _DOUBTFUL * any(
-                _apart(place, p) <= _apart(place, (a, b)) for p in others
-            )
-
-        others = [p for p in self.points if p != (a, b)]
-        places = [
-            (gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)
-        ]
-        # The number n settles equal costs: the place that is tried first, the usual one, is taken.
-        _, _, best = min((cost(box) + _LONG * gap, n, box) for n, (gap, box) in enumerate(places))
-        self.boxes.append(best)
-        return best[0] - a, best[1] - b
+        tried: list[tuple[float, int, int, Span, Box]] = []
+        for which, point in enumerate(places):
+            a, b = self.at(*point)
+            others = [p for p in self.points if p != (a, b)]
+            for gap, i, j in _tried(wide, high):
+                box = (a + i, b + j, a + i + wide, b + j + high)
+                # A name nearer to another point than to its own, or as near, would be read as the
+                # other's.
+                doubtful = any(_apart(box, p) <= _apart(box, (a, b)) for p in others)
+                cost = self._cost(box) + _DOUBTFUL * doubtful + _LONG * gap
+                # The number settles equal costs: the place that is tried first, the usual one, is
+                # taken.
+                tried.append((cost, len(tried), which, (i, j), box))
+        _, _, which, offset, box = min(tried)
+        self.boxes.append(box)
+        return which, offset
 
     def crowded(self, place: Span, size: float) -> float:
         """Return the cost of a number that is written about a place."""
