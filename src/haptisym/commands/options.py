@@ -18,6 +18,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from copy import copy
 from functools import cache
 from inspect import cleandoc
 from pathlib import Path
@@ -129,6 +130,13 @@ def figure(what: str) -> click.Option:
     return output("--figure FILE", f"Draw {what} (.svg, .pdf or .png).", checked)
 
 
+def _hidden(given: click.Option) -> click.Option:
+    """An option that works, and that help does not list."""
+    option = copy(given)
+    option.hidden = True
+    return option
+
+
 def optional(name: str, **given: Any) -> click.Argument:
     """An argument that may be left out."""
     return click.Argument([name], required=False, **given)
@@ -208,6 +216,12 @@ def verb(
     # What adds to a page stands behind the options of pages, at the end of the help.
     last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
     listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
+    # One figure as a file, or all of them in a folder: both work, and help names the usual one.
+    names = {x.name for x in listed}
+    if "figure" in names and "figures" not in names:
+        listed.append(_hidden(FIGURES))
+    elif "figures" in names and "figure" not in names:
+        listed.append(_hidden(figure("the answer")))
     return lambda question: Verb(question, listed, apart, needs, each=each)
 
 

@@ -284,7 +284,7 @@ def _active(found: Passivity) -> Phrase:
     last: Phrase = ("above ", w.both(shown[-1].low.omega)) if on else ""
     before: Phrase = w.spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
     more = (
-        ", …"
+        ", and in further bands"
         if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE)
         else ""
     )
