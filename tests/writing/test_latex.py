@@ -389,6 +389,29 @@ def test_the_closed_forms_compile_in_a_plain_article(tmp_path):
     check_layout(compiled(f"{head}\n\\begin{{document}}\n{blocks}\n\n{result}\n\\end{{document}}\n", tmp_path))
 
 
+def test_the_table_for_a_paper_has_the_numbers_of_its_answer_and_needs_booktabs_alone(call, tmp_path):
+    asked = {
+        "evaluate": "fu2019", "compare": "fu2019 helicopter-cyclic", "require": "fu2019 --free zeta", "design": "fu2019 --free zeta=0.1:1",
+        "stability": "fu2019 --hand firm-grip", "tolerances": "fu2019-tolerances --samples 0",
+    }  # fmt: skip
+    for verb, words in asked.items():
+        status, _, err = call(verb, *words.split(), "--digits", "7", "--latex-table", str(tmp_path / f"{verb}.tex"))
+        assert status == 0, err
+    tables = {verb: (tmp_path / f"{verb}.tex").read_text(encoding="ascii") for verb in asked}
+    assert all(x.count("tabular") == 2 and x.startswith("% \\caption{") and "\\ref" not in x for x in tables.values())
+    rows = re.findall(
+        r"^ +(real|imag) & ([\d.]+) & ([\d.]+) &", re.sub(r"\\phantom\{0+\}", "", tables["evaluate"]), re.MULTILINE
+    )
+    assert rows == [
+        (c.criterion.name, c.omega.digits(7), printed(in_unit(c.omega, 2 * pi), 7, Way.NEAREST))
+        for c in evaluate(PAPER).crossings
+    ]
+    assert "7.978917" in tables["compare"]
+    body = "\n\n".join(tables.values())
+    head = r"\documentclass{article}\usepackage[landscape,margin=1cm]{geometry}\usepackage{booktabs}"
+    check_layout(compiled(f"{head}\n\\begin{{document}}\n{body}\n\\end{{document}}\n", tmp_path))
+
+
 @pytest.mark.slow
 def test_what_is_named_is_numbered_as_it_is_read_and_defined_as_exactly_as_it_is_used():
     text = set_document(evaluate(load_scene(FLEXIBLE)))

@@ -24,6 +24,7 @@ from haptisym.commands.options import (
     LIMIT,
     NO_FILES,
     SCENE,
+    TABLE,
     Ask,
     PathType,
     choice,
@@ -80,6 +81,7 @@ from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scen
     number("--points N", "Number of frequency points of --response.", 2, 1_000_000, 200),
     CERTIFICATE,
     LIMIT,
+    TABLE,
     FORMULAS,
     needs=[
         ("--points", "--response", "the lines of a file"),
@@ -195,6 +197,7 @@ def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
     JSON,
     figure("the ratios of all scenes"),
     LIMIT,
+    TABLE,
 )
 def compare(ask: Ask) -> Answer:
     """Compare two to six displays: which is transparent furthest.
@@ -420,6 +423,7 @@ def effects(ask: Ask) -> Answer:
         "Estimated error of a map between slices, as a share (0.5 % if not given).",
     ),
     LIMIT,
+    TABLE,
     needs=[
         ("--hand", "--that", "the hand of --that stable"),
         ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
@@ -507,6 +511,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     JSON,
     CERTIFICATE,
     LIMIT,
+    TABLE,
     each=True,
 )
 def stability(ask: Ask) -> Answer:
@@ -568,6 +573,7 @@ def stability(ask: Ask) -> Answer:
     JSON,
     figure("the bandwidth over one or two parameters"),
     LIMIT,
+    TABLE,
     needs=[("--hand", "--keep", "the hand of --keep stable")],
 )
 def design(ask: Ask) -> Answer:
@@ -644,6 +650,7 @@ def sensitivity(ask: Ask) -> Answer:
     ),
     figure("enclosures and samples, with a hand the plane of hands below them"),
     LIMIT,
+    TABLE,
     each=True,
 )
 def tolerances(ask: Ask) -> Answer:

@@ -29,8 +29,8 @@ def page(found: Comparison) -> Document:
     """Return the page: the answer in three lines, what differs, the devices, the figure."""
     blocks = (
         doc.Facts(tuple(_answer(found)), "findings"),
-        *_differences(found),
         doc.Section("Side by side", tuple(_side_by_side(found)), "side-by-side"),
+        *_differences(found),
         doc.Notes(tuple(_notes(found))),
     )
     frequency = found[0].scene.frequency

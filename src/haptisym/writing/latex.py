@@ -622,6 +622,39 @@ def tables(document: Document, digits: int = doc.DIGITS) -> str:
     return fragment([*_tables(document.blocks), *_asides(document)])
 
 
+def tabular(document: Document, digits: int | None = None, *, lines: bool = False) -> str:
+    """The table of a document that goes into a paper: the first one; with ``lines``, or where there
+    is none, the lines of the answer in two columns.
+
+    One ``tabular`` in units of the scene, which needs booktabs alone. Its caption and a label are
+    comments. ``digits`` : of each number; None for those of a page.
+    """
+    document = document.prepared(full=False, digits=digits or doc.DIGITS)
+    table = next(_tables(document.blocks), None)
+    if lines or table is None:
+        facts = next(x for x in document.blocks if isinstance(x, doc.Facts))
+        table = doc.Table((doc.Column(""), doc.Column("")), facts.rows, document.title)
+    heads, rows = _cells(table)
+    caption = phrase(table.caption).replace("\n", " ")
+    label = re.sub(r"\W+", "-", document.title.lower(), flags=re.ASCII).strip("-")
+    comments = [f"% \\caption{{{caption}}}", f"% \\label{{tab:{label[:40].rstrip('-')}}}"]
+    # Columns as wide as they are: paragraphs would need another package.
+    columns = " ".join("l" for _ in table.columns)
+    text = "\n".join([*comments, *_tabular(columns, heads, rows), ""])
+    # \operatorname is of amsmath.
+    return text.replace(r"\operatorname", r"\mathrm")
+
+
+def _cells(table: doc.Table) -> tuple[list[str], list[str]]:
+    """The headings and the rows of a table, numbers with their points below each other."""
+    cells = [[*map(phrase, row)] for row in table.rows]
+    for i, column in enumerate(table.columns):
+        if column.number:
+            _point([said(row[i]) for row in table.rows], cells, i)
+    rows = [f"    {' & '.join(row)} \\\\" for row in cells]
+    return [phrase(x.heading) for x in table.columns], rows
+
+
 def _asides(document: Document) -> list[Block]:
     """The lines below the title as paragraphs, without the source, which is a plain string."""
     return [doc.Paragraph(x) for x in document.lead if not isinstance(x, str)]
@@ -769,12 +802,7 @@ class _Writer:
 
     @_written.register
     def _(self, block: doc.Table) -> str:
-        heads = [phrase(x.heading) for x in block.columns]
-        cells = [[*map(phrase, row)] for row in block.rows]
-        for i, column in enumerate(block.columns):
-            if column.number:
-                _point([said(row[i]) for row in block.rows], cells, i)
-        rows = [f"    {' & '.join(row)} \\\\" for row in cells]
+        heads, rows = _cells(block)
         columns, lines = _columns(block)
         # A float cannot break over pages: a long table becomes several, cut where the lines so far
         # pass a multiple of what one page has.
@@ -809,21 +837,21 @@ def _table(
     """A floating table with these rows, all or a part of the table's."""
     caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
     named = [f"  \\caption{{{caption}}}"] if table.caption else []
-    return "\n".join(
-        [
-            r"\begin{table}[!htbp]",
-            r"  \centering",
-            *named,
-            rf"  \begin{{tabular}}{{{columns}}}",
-            r"    \toprule",
-            f"    {' & '.join(heads)} \\\\",
-            r"    \midrule",
-            *rows,
-            r"    \bottomrule",
-            r"  \end{tabular}",
-            r"\end{table}",
-        ]
-    )
+    inside = _tabular(columns, heads, rows)
+    return "\n".join([r"\begin{table}[!htbp]", r"  \centering", *named, *inside, r"\end{table}"])
+
+
+def _tabular(columns: str, heads: Sequence[str], rows: Sequence[str]) -> list[str]:
+    """The lines of a table without its float; no row of headings where all are empty."""
+    headed = [f"    {' & '.join(heads)} \\\\", r"    \midrule"] if any(heads) else []
+    return [
+        rf"  \begin{{tabular}}{{{columns}}}",
+        r"    \toprule",
+        *headed,
+        *rows,
+        r"    \bottomrule",
+        r"  \end{tabular}",
+    ]
 
 
 def _columns(table: doc.Table) -> tuple[str, list[int]]:
