@@ -86,9 +86,8 @@ from haptisym.verbs.evaluate.entry import evaluate
 if TYPE_CHECKING:
     from haptisym.verbs.derive.derivation import Derivation
 
-MOST_LABELS, _MOST_NUMBERS = 4, 8
-"""Crossings whose frequencies are written above the axes, and narrow percepts that get a number, at
-most."""
+_MOST_NUMBERS = 8
+"""Narrow percepts that get a number, at most."""
 
 
 def along(e: Evaluation) -> DrawnAxis:
@@ -202,14 +201,16 @@ def _crossings(e: Evaluation) -> list[Mark]:
 def _frequency_labels(
     e: Evaluation, axis: DrawnAxis, omega: Array, highest: Array, top: float
 ) -> list[tuple[float, str]]:
-    """Return the labels above the axes, each with its frequency in rad/s: of the lowest crossings,
-    and of the two highest peaks that are cut.
+    """Return the labels above the axes, each with its frequency in rad/s: of all crossings, and of
+    the two highest peaks that are cut.
 
-    Behind the last frequency stands how many more there are, where not all have room.
+    Where there are many crossings their numbers in the table of the page stand for them.
     """
-    crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings[:MOST_LABELS]]
-    if more := len(e.crossings) - len(crossings):
-        crossings[-1] = (crossings[-1][0], f"{crossings[-1][1]}, and {more} more")
+    is_few = len(e.crossings) <= pen.MOST_LABELS
+    crossings = [
+        (float(c.omega), axis.digits(c.omega, 4) if is_few else str(number))
+        for number, c in enumerate(e.crossings, 1)
+    ]
     # A gap is a pole, and so the highest of all.
     values = np.where(np.isnan(highest), np.inf, highest)
     runs = [

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from sympy import Rational
 
+from haptisym.figures import pen
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
 from haptisym.judge.evaluation import Compared, Evaluation, Reported, different, region_label
@@ -368,9 +369,11 @@ def crossings(e: Evaluation) -> Block:
         decided = ", up to what is undecided" if e.undecided else ""
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
     enclosure = ("enclosure of ", named("omega"), " (rad/s)")
+    numbers = [w.Field("no.", lambda c: str(e.crossings.index(c) + 1))] if _is_numbered(e) else []
     return w.table(
         e.crossings,
         f"All crossings of the thresholds on the band, {how_sure(e)}.",
+        *numbers,
         w.Field("part", lambda c: c.criterion.name),
         w.hertz(lambda c: w.cell(c.omega)),
         w.Field("ratio", event),
@@ -472,7 +475,13 @@ _JOINT_RATIOS = (
 
 def ratios_caption(e: Evaluation) -> str:
     """Return the caption of the figure of ratios."""
-    return _JOINT_RATIOS if joint(e.criteria) else _RATIOS
+    numbers = " The numbers are those of the table." if _is_numbered(e) else ""
+    return (_JOINT_RATIOS if joint(e.criteria) else _RATIOS) + numbers
+
+
+def _is_numbered(e: Evaluation) -> bool:
+    """Whether a figure has numbers in place of the frequencies of its many crossings."""
+    return len(e.crossings) > pen.MOST_LABELS
 
 
 # A threshold that is a range.
