@@ -237,8 +237,10 @@ def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
     e, text = shipped(name)
-    sides = equations(_between(text, "up to a positive factor:\n", r"\end{align*}"))
-    for c in e.crossings:
+    long = re.findall(r"Longer than 2 lines with numbers: \$p_", text)  # there are none to be read
+    sides = {} if long else equations(_between(text, "up to a positive factor:\n", r"\end{align*}"))
+    assert bool(sides) != bool(long)
+    for c in e.crossings if sides else ():
         polynomial = sides[rf"p_{c.part.value[0]}(\omega)"][0]
         below, above = (value(polynomial, {r"\omega": float(c.omega) * (1 + sign * 1e-3)}) for sign in (-1, 1))
         assert (below < 0 < above) if c.kind.value == "exceeds" else (below > 0 > above)
@@ -267,6 +269,9 @@ def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
     for left, right in sides.items():
         if left.startswith(r"\mathcal"):
             known[left] = value(right[0], {"s": 2.5, "j": 1.0})
+    if r"H_{\mathrm{perc}}(s)" not in sides:
+        assert r"Longer than 2 lines with numbers: $H_{\mathrm{perc}}" in text
+        return
     printed = value(sides[r"H_{\mathrm{perc}}(s)"][0], {"s": 2.5, "j": 1.0, **known})
     assert printed == pytest.approx(float(e.distortion.perceived.subs({s: 2.5, sp.I: 1})), rel=2e-5)
 
@@ -431,7 +436,7 @@ def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
         name: f"{name}.pdf" for name in ("ratios", "projections-real", "projections-imag", "nyquist", "jnd-square")
     }
     text = set_document(evaluate(PAPER), figures)
-    for command in (r"\title{", r"\date{\today}", r"\maketitle"):
+    for command in (r"{\LARGE ", r"\today"):
         assert text.index(command) < text.index(r"\section{Scene}")
     body, _, appendix = text.partition("\\appendix")
     assert ("p_r(\\omega) &=" in body, "p_r(\\omega) &=" in appendix) == (False, True)

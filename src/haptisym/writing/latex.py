@@ -10,9 +10,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import singledispatchmethod
-from itertools import accumulate, groupby, pairwise
+from itertools import accumulate, groupby, pairwise, zip_longest
 from types import MappingProxyType
 from typing import Any
 
@@ -356,7 +356,20 @@ def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
     lines = [line for row in rows for line in _lines(row, room, names)]
     if not lines:
         return ""
+    if len(lines) == len(rows) >= _MANY and all(width(x) < LINE / 2 - _BETWEEN for x in lines):
+        lines = _in_two_columns(lines)
     return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
+
+
+_MANY = 6
+"""Equations of one line each from which on they stand in two columns, where they are short."""
+_BETWEEN = 3.0  # em between the columns
+
+
+def _in_two_columns(lines: Sequence[str]) -> list[str]:
+    """Equations in two columns, read downwards."""
+    half = -(-len(lines) // 2)
+    return [" & ".join(pair) for pair in zip_longest(lines[:half], lines[half:], fillvalue="&")]
 
 
 @dataclass
@@ -554,27 +567,29 @@ def _item_width(tokens: list[str], at: int) -> tuple[float, int]:
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _TEMPLATE = r"""\documentclass[a4paper]{article}
-\usepackage[margin=2.5cm]{geometry}
+\usepackage[hmargin=2.5cm,vmargin=2cm]{geometry}
 \usepackage{amsmath}
 \usepackage{array}
 \usepackage{booktabs}
 %s\allowdisplaybreaks
 \emergencystretch=3em
 \setlength{\parindent}{0pt}
-\setlength{\parskip}{\medskipamount}
+\setlength{\parskip}{\smallskipamount}
 \setlength{\abovecaptionskip}{0pt}
 \setlength{\belowcaptionskip}{1ex}
 \renewcommand{\topfraction}{0.9}
 \renewcommand{\textfraction}{0.05}
 \renewcommand{\floatpagefraction}{0.85}
+%% Tables and figures stand where they are named: no float, but captions that count as theirs.
+\makeatletter \newcommand{\here}[1]{\def\@captype{#1}} \makeatother
 %s
-\title{%s}
-\author{}
-\date{\today}
+\AtBeginDocument{\setlength{\abovedisplayskip}{4pt plus 2pt} \setlength{\belowdisplayskip}{4pt plus 2pt}}
 
 \begin{document}
 
-\maketitle
+\begin{center}
+  {\LARGE %s} \\[1ex] \today
+\end{center}
 
 %s
 
@@ -594,7 +609,9 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
     kind, title = escape(document.kind), escape(document.title)
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     information = _information(f"{document.kind}: {document.title}" if kind else document.title)
-    body = "\n\n".join([*map(phrase, document.lead), fragment(document.blocks, figures)])
+    blocks = list(doc.Style(full=True).chosen(document.blocks))
+    written = _Writer(figures, is_whole=True).joined(blocks)
+    body = "\n\n".join([*map(phrase, document.lead), written])
     return _TEMPLATE % (
         graphics,
         information,
@@ -726,6 +743,9 @@ class _Writer:
     figures: Mapping[str, str]
     names: Names = field(default_factory=Names)
     depth: int = 0
+    is_whole: bool = False
+    """Whether it is a document of ours, in which tables and figures stand where they are named; a
+    piece for somebody else's has floats."""
 
     def joined(self, blocks: Sequence[Block]) -> str:
         """Blocks one after the other: a display belongs to the paragraph before it; figures stand
@@ -771,11 +791,11 @@ class _Writer:
 
     @_written.register
     def _(self, block: doc.Section) -> str:
-        inside = _Writer(self.figures, self.names, self.depth + 1).joined(block.blocks)
+        inside = replace(self, depth=self.depth + 1).joined(block.blocks)
         if not block.title:
             return inside
         command = ("section", "subsection", "paragraph")[min(self.depth, 2)]
-        appendix = "\\appendix\n\n" if block.appendix else ""
+        appendix = "\\appendix \\small\n\n" if block.appendix else ""
         return f"{appendix}\\{command}{{{phrase(block.title)}}}\n\n{inside}"
 
     @_written.register
@@ -796,9 +816,15 @@ class _Writer:
             for x in figures
             if x.name in self.figures
         )
-        return (
-            f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}" if columns else ""
-        )
+        begin, end = self._float("figure")
+        return f"{begin}\n{columns}\n{end}" if columns else ""
+
+    def _float(self, kind: str) -> tuple[str, str]:
+        """How a figure or a table begins and ends."""
+        if self.is_whole:
+            begin = f"\\smallskip\\begin{{minipage}}{{\\linewidth}}\\centering\\here{{{kind}}}"
+            return begin, r"\end{minipage}\smallskip"
+        return f"\\begin{{{kind}}}[!htbp]\n  \\centering", f"\\end{{{kind}}}"
 
     @_written.register
     def _(self, block: doc.Table) -> str:
@@ -810,7 +836,8 @@ class _Writer:
         numbered = groupby(zip(ends, rows, strict=True), lambda x: (x[0] - 1) // _MOST)
         pieces = [[row for _, row in group] for _, group in numbered]
         return "\n\n".join(
-            _table(block, columns, heads, x, is_first=i == 0) for i, x in enumerate(pieces)
+            _table(self._float("table"), block.caption, _tabular(columns, heads, x), is_first=not i)
+            for i, x in enumerate(pieces)
         )
 
 
@@ -832,13 +859,13 @@ def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
 
 
 def _table(
-    table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool
+    around: tuple[str, str], caption: Phrase, tabular: Sequence[str], *, is_first: bool
 ) -> str:
-    """A floating table with these rows, all or a part of the table's."""
-    caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
-    named = [f"  \\caption{{{caption}}}"] if table.caption else []
-    inside = _tabular(columns, heads, rows)
-    return "\n".join([r"\begin{table}[!htbp]", r"  \centering", *named, *inside, r"\end{table}"])
+    """A table with its caption, all of it or a part."""
+    begin, end = around
+    words = phrase(caption) + ("" if is_first else " (Continued.)")
+    named = [f"  \\caption{{{words}}}"] if caption else []
+    return "\n".join([begin, *named, *tabular, end])
 
 
 def _tabular(columns: str, heads: Sequence[str], rows: Sequence[str]) -> list[str]:
