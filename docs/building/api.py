@@ -19,7 +19,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "Functions",
         "After this page you can call every command from Python: a function each, which returns a result.",
         (
-            "evaluate", "evaluate_all", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
+            "evaluate", "evaluate_all", "compare", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
             "sweep", "metrics", "control_loading", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
         ),
     ),
@@ -28,7 +28,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "After this page you can use what the functions return. `print` gives the text output, a notebook typesets it, `to_dict` and `to_json` give the JSON document.",
         (
             "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
-            "FamilyEvaluation", "MeasuredEvaluation", "Derivation", "Relevance", "Requirement", "ValueSet", "DesignMap", "Stability", "Sensitivities",
+            "FamilyEvaluation", "MeasuredEvaluation", "Comparison", "Derivation", "Relevance", "Requirement", "ValueSet", "DesignMap", "Stability", "Sensitivities",
             "Tolerances", "Metrics", "Peaks", "Peak", "Cost", "HardCosts", "Psychometric", "Published", "PublishedThresholds", "Simulation",
             "Release", "Identification", "json_schema",
         ),

@@ -64,7 +64,7 @@ def evaluate(scene: str, environment: str = "") -> dict[str, Any]:
     e = found.answers.get(environment, next(iter(found.answers.values()))) if len(family) > 1 else found
     paths = [{x.path for x in own.knobs.all} for own in family.scenes.values()]
     return {
-        **_shown(found), "explorer": explorer(e, SceneForms(e), proving=False),
+        **_shown(found), "explorer": explorer(e, SceneForms(e)),
         "environments": list(family) if len(family) > 1 else [],
         "paths": [x.path for x in family.first.knobs.all if all(x.path in own for own in paths)],
         "hands": [] if family.first.motion is MotionKind.ROTATION else list(hs.hands),

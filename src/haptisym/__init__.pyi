@@ -49,6 +49,7 @@ from haptisym.verbs.derive.derivation import Derivation as Derivation, derive as
 from haptisym.verbs.derive.verify import Verification as Verification, verify as verify
 from haptisym.verbs.design.entry import Design as Design, design as design
 from haptisym.verbs.effects.relevance import Relevance as Relevance, relevance as relevance
+from haptisym.verbs.compare.entry import Comparison as Comparison, compare as compare
 from haptisym.verbs.evaluate.entry import evaluate as evaluate
 from haptisym.verbs.family.answers import FamilyAnswers as FamilyAnswers, answer_each as answer_each
 from haptisym.verbs.family.entry import (

@@ -29,7 +29,7 @@ from haptisym.figures import pen
 from haptisym.figures.effects import verdict_bands
 from haptisym.figures.evaluation import outline
 from haptisym.figures.family import worst_case
-from haptisym.figures.layers import draw
+from haptisym.figures.layers import Panel, draw
 from haptisym.figures.measured import unit_of
 from haptisym.judge.crossings import noticed
 from haptisym.judge.percepts import felt
@@ -184,17 +184,15 @@ def spots(ax: Axes) -> list[tuple[complex, str]]:
     return [(complex(*points(x)[0]), str(x.get_marker())) for x in found]
 
 
-@pytest.mark.parametrize("marks", [(5.0, 10.0, 15.0), (3.0, 7.0, 14.5)])
-def test_both_dynamics_are_traced_and_matched_frequencies_bear_the_same_marker(marks: tuple[float, ...]) -> None:
-    """Thirds of the band, unless they are given."""
-    ax = drawn(PAPER, evaluation_charts.nyquist, *([] if marks[0] == 5 else [marks]))
+def test_both_dynamics_are_traced_and_thirds_of_the_band_bear_the_same_marker() -> None:
+    ax = drawn(PAPER, evaluation_charts.nyquist)
     (x, y), (u, v) = map(places, curves(ax))
     omega = y / 15
     assert (omega.min(), omega.max(), ax.get_aspect()) == (0, 15, 1)
     assert (x, u + 1j * v) == (pytest.approx(paper_env(omega).real), pytest.approx(paper_perc(omega)))
     seen = spots(ax)
     assert [len(seen), len({m for _, m in seen})] == [6, 3]
-    for (one, mark), (other, same), at in zip(seen[::2], seen[1::2], marks, strict=True):
+    for (one, mark), (other, same), at in zip(seen[::2], seen[1::2], (5.0, 10.0, 15.0), strict=True):
         assert (one, other, mark) == (pytest.approx(paper_env(at)), pytest.approx(paper_perc(at)), same)
         assert f"{at:g} rad/s" in told(ax)
 
@@ -250,16 +248,12 @@ def test_a_dynamics_that_stays_in_one_spot_is_still_marked_within_the_axes() -> 
 
 def test_a_frequency_marked_for_two_scenes_has_one_shape_and_one_entry() -> None:
     ax = axes()
-    draw(ax, evaluation_charts.nyquist(evaluated(hs.Scene(STIFF, (), (0, 20))), (5, 12)), label="ideal")
-    limits = (*ax.get_xlim(), *ax.get_ylim())
-    draw(ax, evaluation_charts.nyquist(evaluated(hs.Scene(STIFF, LAGGED.effects, (0, 40))), (12, 30)), label="slow")
-    at = [(round(x.imag / 3, 9), mark) for x, mark in spots(ax)[::2]]
-    assert [x for x, _ in at] == [5, 12, 12, 30]
-    assert (at[1][1] == at[2][1], len({mark for _, mark in at})) == (True, 3)
+    for label, texts in (("ideal", ("5 rad/s", "12 rad/s")), ("slow", ("12 rad/s", "30 rad/s"))):
+        rows = [(words, np.zeros(2), np.ones(2)) for words in texts]
+        draw(ax, Panel([evaluation_charts.Matched(rows, shared=True)]), label=label)
+    shapes = [mark for _, mark in spots(ax)[::2]]
+    assert (shapes[1] == shapes[2], len(set(shapes))) == (True, 3)
     assert told(ax).count("12 rad/s") == 1
-    assert spots(ax)[-1][0] == pytest.approx(perc(30))
-    wider = (*ax.get_xlim(), *ax.get_ylim())
-    assert all(a <= b if i % 2 == 0 else a >= b for i, (a, b) in enumerate(zip(wider, limits, strict=True)))
 
 
 # The projections.

@@ -33,6 +33,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "design": lambda s: hs.design(s, {"zeta": (0.3, 1)}),
     "stability": lambda s: hs.stability(s, ["postural-arm"]),
     "sensitivity": hs.sensitivity,
+    "comparison": lambda s: hs.compare(s, values={"zeta": "0.4"}),
     "metrics": hs.metrics,
     "controlloading": hs.control_loading,
     "peaks": hs.peaks,

@@ -66,11 +66,13 @@ def test_pages_are_in_the_terms_of_the_field(path: Path) -> None:
 
 
 @pytest.mark.parametrize("verb", VERBS)
-def test_help_is_in_the_terms_of_the_field(verb: str) -> None:
+def test_every_option_has_help_and_that_is_in_the_terms_of_the_field(verb: str) -> None:
+    """The page of every option is made of it. What has none does nothing but say what to write instead."""
     command = app.get_command(click.Context(app), verb)
     assert command is not None
-    text = "\n".join([command.help or "", *(x.help or "" for x in command.params if isinstance(x, click.Option))])
-    assert dialect(text) == []
+    options = [x for x in command.params if isinstance(x, click.Option)]
+    assert [x.name for x in options if not x.help and (x.expose_value or not x.hidden)] == []
+    assert dialect("\n".join([command.help or "", *(x.help or "" for x in options)])) == []
 
 
 PROSE = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -100,8 +102,8 @@ def test_errors_are_in_the_terms_of_the_field() -> None:
     assert {path.name: found for path in paths if (found := dialect(errors(path)))} == {}
 
 
-def test_the_docs_have_at_most_18000_words() -> None:
-    assert sum(len(x.read_text(encoding="utf-8").split()) for x in (ROOT / "docs").glob("*.md")) <= 18_000
+def test_the_docs_have_at_most_19000_words() -> None:
+    assert sum(len(x.read_text(encoding="utf-8").split()) for x in (ROOT / "docs").glob("*.md")) <= 19_000
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 120
 
 

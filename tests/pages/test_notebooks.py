@@ -41,6 +41,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
     "evaluation": paper,
     "requirement": lambda: hs.require("delayed-spring", "tau"),
     "map": lambda: hs.design_map("fu2019", ["zeta", "omega_n"], [("0.4", "0.6"), (50, 500)], slices=3),
+    "comparison": lambda: hs.compare("fu2019", values={"zeta": "0.4"}),
     "sensitivities": lambda: hs.sensitivity("fu2019"),
     "tolerances": lambda: hs.tolerances("fu2019-tolerances", samples=3),
     "relevance": lambda: hs.relevance("fu2019", "0.01"),

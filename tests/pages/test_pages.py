@@ -81,6 +81,7 @@ PAGES: dict[str, Callable[[], Any]] = {
         "inertia-compensation", {"m_c": ("0 g", "32 g"), "b_c": (0, "3.6")}, keep="passive"
     ),
     "sensitivity": lambda: hs.sensitivity("fu2019"),
+    "compare": lambda: hs.compare("fu2019", "helicopter-cyclic", hand="postural-arm"),
     "tolerances": lambda: hs.tolerances(DAMPED, samples=0),
     "stability": lambda: hs.stability("delayed-spring", ["light-touch", "postural-arm"]),
     "stability-clock": lambda: hs.stability("virtual-wall", "light-touch"),
@@ -159,8 +160,8 @@ def flat(document: object) -> Iterator[float]:
         for x in document.values() if isinstance(document, dict) else document:
             yield from flat(x)
     elif isinstance(document, int | float | str) and not isinstance(document, bool):
-        with suppress(ValueError):
-            yield float(document)
+        with suppress(ValueError, OverflowError):
+            yield float(Fraction(document))
 
 
 def tables(blocks: Iterable[Block], *, full: bool = False) -> Iterator[Table]:
@@ -276,7 +277,7 @@ def test_the_first_lines_and_the_tables_of_a_shipped_scene_hold_numbers_of_its_d
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
-    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"},
+    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"}, "compare": {"scenes", "differences"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
+from collections.abc import Iterator
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from pkgutil import resolve_name, walk_packages
 from typing import Any
 
 import pytest
@@ -14,6 +15,8 @@ from marks import required
 from schemas import faults, parsed
 
 import haptisym as hs
+from haptisym.figures.files import Drawings
+from haptisym.judge.answers import Answer
 from haptisym.writing.schemas import schema_names
 
 required("jsonschema, of the extra test,", find_spec("jsonschema"))
@@ -41,6 +44,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "evaluation": ("evaluate", "fu2019", "--regions", "--discriminate", "--tolerance", "0.2"),
     "evaluations": ("evaluate", "palpation-device", "--regions"),
     "answers": ("require", "palpation-device", "--free", "omega_c", "--that", "stable", *HAND),
+    "comparison": ("compare", "fu2019", "helicopter-cyclic"),
     "effects": ("effects", "fu2019"),
     "metrics": ("metrics", "fu2019"),
     "controlloading": ("metrics", "fu2019", "--rule", "14cfr60-a2a", "--sweep", "4 s"),
@@ -97,10 +101,23 @@ def files(tmp_path: Path) -> dict[str, str]:
     return {"bench": str(tmp_path / "bench.toml"), "answers": str(tmp_path / "answers.csv")}
 
 
-def test_every_answer_has_a_schema_and_every_schema_an_answer() -> None:
-    sources = (x.read_text(encoding="utf-8") for x in Path(hs.__file__).parent.rglob("*.py"))
-    kinds = {name for text in sources for name in re.findall(r'_schema: ClassVar\[str\] = "haptisym\.(\w+)/1"', text)}
-    assert len(kinds) > 15
+def kinds_below(kind: type[Answer]) -> Iterator[type[Answer]]:
+    """All classes that are derived from one, of the modules that are loaded."""
+    for derived in kind.__subclasses__():
+        yield derived
+        yield from kinds_below(derived)
+
+
+def test_every_answer_has_a_page_a_figure_and_a_schema_and_every_schema_an_answer() -> None:
+    for found in walk_packages(hs.__path__, "haptisym."):
+        if not found.name.endswith("__main__"):
+            import_module(found.name)
+    kinds = set()
+    for answer in kinds_below(Answer):
+        page, figure, schema = (getattr(answer, f"_{x}", "") for x in ("page", "figure", "schema"))
+        assert callable(page and resolve_name(page)), answer
+        assert isinstance(figure and resolve_name(figure), Drawings), answer
+        kinds.add(schema.removeprefix("haptisym.").removesuffix("/1"))
     assert set(schema_names()) == kinds | {"scenes", "schemas"} == {*OTHERS, "cost", "peaks"}
 
 

@@ -18,6 +18,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
+from copy import copy
 from functools import cache
 from inspect import cleandoc
 from pathlib import Path
@@ -129,6 +130,13 @@ def figure(what: str) -> click.Option:
     return output("--figure FILE", f"Draw {what} (.svg, .pdf or .png).", checked)
 
 
+def _hidden(given: click.Option) -> click.Option:
+    """An option that works, and that help does not list."""
+    option = copy(given)
+    option.hidden = True
+    return option
+
+
 def optional(name: str, **given: Any) -> click.Argument:
     """An argument that may be left out."""
     return click.Argument([name], required=False, **given)
@@ -180,6 +188,11 @@ _PAGES = (
     output("--report FILE", "Write the page as a report (.html or .pdf).", checked_report),
     _DIGITS,
 )
+TABLE = output(
+    "--latex-table FILE",
+    "Write the main table for a paper, as one tabular of booktabs.",
+    _checked_latex,
+)
 FORMULAS = option("--formulas", "Print the formulas, too.")
 EVERYTHING = option("--all", "Print every measure with its formulas and values.", name="formulas")
 
@@ -206,8 +219,14 @@ def verb(
     for x in options:
         listed += x if isinstance(x, tuple) else (x,)
     # What adds to a page stands behind the options of pages, at the end of the help.
-    last = [x for x in listed if x in (FORMULAS, EVERYTHING)]
+    last = [x for x in listed if x in (TABLE, FORMULAS, EVERYTHING)]
     listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
+    # One figure as a file, or all of them in a folder: both work, and help names the usual one.
+    names = {x.name for x in listed}
+    if "figure" in names and "figures" not in names:
+        listed.append(_hidden(FIGURES))
+    elif "figures" in names and "figure" not in names:
+        listed.append(_hidden(figure("the answer")))
     return lambda question: Verb(question, listed, apart, needs, each=each)
 
 
@@ -417,6 +436,10 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
     if ask.latex is not None:
         latex: Callable[..., str] = resolve_name("haptisym.writing.latex:latex")
         keep("LaTeX", ask.latex, lambda: write_whole(ask.latex, latex(page()), "ascii"))
+    if getattr(ask, "latex_table", None) is not None:
+        tabular: Callable[..., str] = resolve_name("haptisym.writing.latex:tabular")
+        text = tabular(page(), ask.digits, lines=found._is_in_lines)
+        keep("LaTeX table", ask.latex_table, lambda: write_whole(ask.latex_table, text, "ascii"))
     if ask.report is not None:
         save = resolve_name("haptisym.pages.report:save")
         keep("report", ask.report, lambda: save(page(), found.to_json(), ask.report))

@@ -24,6 +24,7 @@ from haptisym.commands.options import (
     LIMIT,
     NO_FILES,
     SCENE,
+    TABLE,
     Ask,
     PathType,
     choice,
@@ -80,6 +81,7 @@ from haptisym.model.scenefile import chosen, felt_through, load_scene, open_scen
     number("--points N", "Number of frequency points of --response.", 2, 1_000_000, 200),
     CERTIFICATE,
     LIMIT,
+    TABLE,
     FORMULAS,
     needs=[
         ("--points", "--response", "the lines of a file"),
@@ -179,6 +181,62 @@ def _measured(scene: MeasuredScene, ask: Ask) -> Answer:
     from haptisym.verbs.measured.entry import judge
 
     return judge(scene)
+
+
+@verb(
+    click.Argument(["scenes"], nargs=-1, required=True, metavar="SCENE..."),
+    option(
+        "--with PATH=VALUE",
+        "Compare one scene with itself at this value; repeatable.",
+        name="values",
+        multiple=True,
+    ),
+    option("--hand NAME", "Hand of all scenes, or a shipped one; repeatable.", multiple=True),
+    ENVIRONMENT,
+    NO_FILES,
+    JSON,
+    figure("the ratios of all scenes"),
+    LIMIT,
+    TABLE,
+)
+def compare(ask: Ask) -> Answer:
+    """Compare two to six displays: which is transparent furthest.
+
+    SCENE is a scene file (TOML) or the name of a shipped scene; measured ones too.
+
+    Prints the bandwidths in order, proven, equal ones together; as what each display is noticed
+    first, and by how much later than the first one; in which parameters, models and bands they
+    differ; and whether each is stable in the hands that all of them have, or in those of --hand.
+
+    Exit status 3 where the order of two bandwidths is undecided, as it may be of measured displays.
+
+    \b
+    Examples:
+      haptisym compare fu2019 helicopter-cyclic --figure both.pdf
+      haptisym compare fu2019 --with filter.zeta=0.4
+      haptisym compare fu2019 fu2019-bench
+      haptisym compare fu2019 my-device.toml --hand postural-arm --json
+    """
+    from haptisym.verbs.compare.entry import compare as of
+
+    values = dict(map(_value_of, ask.values))
+    return of(
+        *ask.scenes,
+        values=values or None,
+        hand=ask.hand or None,
+        environment=ask.environment,
+        files=not ask.no_files,
+        digits=ask.digits or 15,
+        limit=None,
+    )
+
+
+def _value_of(text: str) -> tuple[str, str]:
+    """A path, and its value."""
+    path, _, value = (x.strip() for x in text.partition("="))
+    if not path or not value:
+        raise SceneError(f'--with {text[:60]}: write PATH=VALUE, as filter.zeta=0.07 or "tau=4 ms"')
+    return path, value
 
 
 # Languages of ``derive --to``; "python" is another word for "numpy".
@@ -365,6 +423,7 @@ def effects(ask: Ask) -> Answer:
         "Estimated error of a map between slices, as a share (0.5 % if not given).",
     ),
     LIMIT,
+    TABLE,
     needs=[
         ("--hand", "--that", "the hand of --that stable"),
         ("--friction", "--resolution", "Abbott and Okamura's bound 2 f_c/Delta"),
@@ -452,6 +511,7 @@ def _refuse_contradictions(free: int, ranges: int) -> None:
     JSON,
     CERTIFICATE,
     LIMIT,
+    TABLE,
     each=True,
 )
 def stability(ask: Ask) -> Answer:
@@ -513,6 +573,7 @@ def stability(ask: Ask) -> Answer:
     JSON,
     figure("the bandwidth over one or two parameters"),
     LIMIT,
+    TABLE,
     needs=[("--hand", "--keep", "the hand of --keep stable")],
 )
 def design(ask: Ask) -> Answer:
@@ -589,6 +650,7 @@ def sensitivity(ask: Ask) -> Answer:
     ),
     figure("enclosures and samples, with a hand the plane of hands below them"),
     LIMIT,
+    TABLE,
     each=True,
 )
 def tolerances(ask: Ask) -> Answer:

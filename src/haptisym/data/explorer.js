@@ -287,7 +287,7 @@
 
   function say(bands, edges) {
     const pieces = bands.map(([a, b]) => `${short(a)} to ${short(b)}`).join(", ");
-    write("explorer-band", bands.length ? `Transparent at ${pieces} rad/s.` : "Transparent nowhere on the band.");
+    write("explorer-band", `The sliders' values, computed: transparent ${bands.length ? `at ${pieces} rad/s` : "nowhere on the band"}.`);
     const told = edges.map((x) => {
       const limit = CRITERIA.length > 1 ? ` ${percent(region.most(x.part, at(x.omega, values), x.omega))}` : "";
       return `${meets(x)}${limit} at ${short(x.omega)}`;
@@ -332,43 +332,10 @@
     sayProbe(probe);
   }
 
-  // What is proven, a moment after the sliders rest: by exact arithmetic, for the decimals that the boxes show.
-
-  let resting = 0;
-  function prove() {
-    const place = find("explorer-proven");
-    if (!place) return;
-    clearTimeout(resting);
-    place.textContent = "";
-    if (!document.querySelector("#explorer-panel [aria-invalid]")) resting = setTimeout(proveNow, 250);
-  }
-
-  function proveNow() {
-    if (document.readyState === "loading") { // what proves stands further down in the page
-      resting = setTimeout(proveNow, 250);
-      return;
-    }
-    const read = (id) => JSON.parse(find(id).textContent);
-    const shown = (id) => find(`${id}-value`).value;
-    const given = {
-      values: spec.paths.map(([id, place, key]) => [place, key, shown(id)]),
-      threshold: Object.fromEntries(Object.entries(spec.region.numbers).filter(([, x]) => "slider" in x).map(([key, x]) => [key, shown(x.slider)])),
-      band: spec.band.map(String),
-    };
-    const { crossings: found, why } = haptisymCheck.crossings(read("certificate-scene"), spec.environment, read("certificate-catalogue"), given);
-    if (!found) {
-      write("explorer-proven", `Not proven at these values: ${why}.`);
-      return;
-    }
-    const told = found.map((x) => `${meets(x)} its threshold at ${written(Number(x.omega.toPrecision(6)))}`);
-    const count = found.length === 0 ? "No crossing" : found.length === 1 ? "1 crossing" : `${found.length} crossings`;
-    const list = told.length ? `: ${told.slice(0, 6).join("; ")}${told.length > 6 ? "; and others" : ""}` : "";
-    write("explorer-proven", `Proven at the decimals shown, in exact arithmetic${list}. ${count} within the band, none missed; a threshold that is only touched is not counted.`);
-  }
+  // What moves.
 
   let waiting = false;
   function redraw() {
-    prove();
     if (waiting) return;
     waiting = true;
     requestAnimationFrame(() => {
@@ -406,17 +373,13 @@
     box.addEventListener("input", () => {
       if (!allowed(s, box.valueAsNumber)) {
         box.setAttribute("aria-invalid", "true");
-        prove();
         return;
       }
       values.set(s.id, box.valueAsNumber);
       show(s, { typing: true });
       redraw();
     });
-    box.addEventListener("change", () => {
-      show(s);
-      prove();
-    });
+    box.addEventListener("change", () => show(s));
     show(s);
   });
   find("explorer-reset").addEventListener("click", () => {
@@ -426,5 +389,4 @@
   });
   find("explorer-panel").hidden = false;
   draw();
-  prove();
 })();

@@ -78,9 +78,9 @@ class _Panel(Layer):
         return []
 
 
-def task(found: Cost, name: str = "") -> Panel:
-    """Right digits over time for the methods of one task: the first, if none is named."""
-    return Panel([_Panel(found.task(name or found.rows[0].task), draw_cost)])
+def task(found: Cost) -> Panel:
+    """Return a panel of correct digits over time for the methods of the first task."""
+    return Panel([_Panel(found.task(found.rows[0].task), draw_cost)])
 
 
 def _place(row: CostMeasurement) -> tuple[float, float]:

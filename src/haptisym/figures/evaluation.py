@@ -86,9 +86,8 @@ from haptisym.verbs.evaluate.entry import evaluate
 if TYPE_CHECKING:
     from haptisym.verbs.derive.derivation import Derivation
 
-MOST_LABELS, _MOST_NUMBERS = 4, 8
-"""Crossings whose frequencies are written above the axes, and narrow percepts that get a number, at
-most."""
+_MOST_NUMBERS = 8
+"""Narrow percepts that get a number, at most."""
 
 
 def along(e: Evaluation) -> DrawnAxis:
@@ -202,14 +201,16 @@ def _crossings(e: Evaluation) -> list[Mark]:
 def _frequency_labels(
     e: Evaluation, axis: DrawnAxis, omega: Array, highest: Array, top: float
 ) -> list[tuple[float, str]]:
-    """Return the labels above the axes, each with its frequency in rad/s: of the lowest crossings,
-    and of the two highest peaks that are cut.
+    """Return the labels above the axes, each with its frequency in rad/s: of all crossings, and of
+    the two highest peaks that are cut.
 
-    Behind the last frequency stands how many more there are, where not all have room.
+    Where there are many crossings their numbers in the table of the page stand for them.
     """
-    crossings = [(float(c.omega), axis.digits(c.omega, 4)) for c in e.crossings[:MOST_LABELS]]
-    if more := len(e.crossings) - len(crossings):
-        crossings[-1] = (crossings[-1][0], f"{crossings[-1][1]}, and {more} more")
+    is_few = len(e.crossings) <= pen.MOST_LABELS
+    crossings = [
+        (float(c.omega), axis.digits(c.omega, 4) if is_few else str(number))
+        for number, c in enumerate(e.crossings, 1)
+    ]
     # A gap is a pole, and so the highest of all.
     values = np.where(np.isnan(highest), np.inf, highest)
     runs = [
@@ -236,11 +237,10 @@ def _height(value: float) -> str:
 # How: the complex plane (Fig. 6).
 
 
-def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
+def nyquist(e: Evaluation) -> Panel:
     """H_env and H_perc in the complex plane over the band, with arrows towards higher frequencies.
 
-    ``marks``: frequencies, rad/s, marked alike on both curves; about a third, two thirds and the
-    end of the band if not given.
+    About a third, two thirds and the end of the band are marked, with the same mark on both curves.
     Where a dynamics is infinite, or far from where it is on most of the band, its curve leaves the
     axes.
 
@@ -255,7 +255,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     lows, highs = np.tile(low, 2), np.tile(high, 2)
     omega = refined(lambda w: in_window(responses(f, w), lows, highs), grid)
     values = points_of(broken(responses(f, omega), omega, poles_of(e)))
-    at = np.asarray(marks if marks is not None else _default_marks(e, f, (low, high)), dtype=float)
+    at = np.asarray(_default_marks(e, f, (low, high)), dtype=float)
     curves, arrows = list[Layer](), list[Layer]()
     # The arrows of both curves stand at different shares of their length: where the curves lie on
     # each other, the arrows do not.
@@ -270,7 +270,7 @@ def nyquist(e: Evaluation, marks: Sequence[float] | None = None) -> Panel:
     axis = along(e)
     matched = Matched(
         [(axis.short(w, 6), env[0], perc[0]) for w, (env, perc) in zip(at, places, strict=True)],
-        implied=marks is None,
+        implied=True,
         shared=True,
     )
     layers = [Origin(), *curves, *arrows, *rising, matched]

@@ -10,7 +10,7 @@ time of a file.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -58,11 +58,8 @@ class Drawings(Generic[A]):
             made = sheet(self.kinds[name or next(iter(self.kinds))](answer), wide=wide)
         return _estimated(made, getattr(answer, "_about", None))
 
-    def save(
-        self, answer: A, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)
-    ) -> list[Path]:
-        """All of them as files, SVG, PDF and PNG or some of these, in a directory that is made if
-        need be."""
+    def save(self, answer: A, directory: str | Path) -> list[Path]:
+        """Write all of them as SVG, PDF and PNG, in a directory that is made if need be."""
         folder, paths = Path(directory), list[Path]()
         folder.mkdir(parents=True, exist_ok=True)
         for name in self._sheets if self._own else self.kinds:
@@ -70,14 +67,12 @@ class Drawings(Generic[A]):
                 figure = self.figure(answer, name)
             except NothingToDrawError:
                 continue
-            paths += [save_as(figure, folder / f"{name}{kind}") for kind in kinds]
+            paths += [save_as(figure, folder / f"{name}{kind}") for kind in UNDATED]
         return paths
 
 
 def drawings_of(found: Answer) -> Drawings[Any]:
-    """What can be drawn of an answer. NothingToDrawError where that is nothing."""
-    if not found._figure:
-        raise NothingToDrawError(f"{type(found).__name__} has no figure")
+    """What can be drawn of an answer."""
     drawings: Drawings[Any] = resolve_name(found._figure)
     return drawings
 
@@ -87,11 +82,9 @@ def draw_figure(found: Answer, name: str = "", *, wide: bool = False) -> Figure:
     return drawings_of(found).figure(found, name, wide=wide)
 
 
-def save_figures(
-    found: Answer, directory: str | Path, kinds: Iterable[str] = tuple(UNDATED)
-) -> list[Path]:
+def save_figures(found: Answer, directory: str | Path) -> list[Path]:
     """All figures of an answer as files. The same answer gives the same files, byte for byte."""
-    return drawings_of(found).save(found, directory, kinds)
+    return drawings_of(found).save(found, directory)
 
 
 def plot(

@@ -522,7 +522,8 @@ class Above(Layer):
     """Texts side by side on top of the axes, each tied to its place; those that are there already
     move for new ones.
 
-    Where they have no room beside each other, only those that were there first stay.
+    Where they have no room beside each other they stand upright; where not even so, only those
+    that were there first stay.
     """
 
     places: Sequence[tuple[float, str]]
@@ -535,7 +536,7 @@ class Above(Layer):
         rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
         new = [(float(on.x.of(x)), text, ink) for x, text in self.places]
         # Without room for all, the row of the first scene stays whole.
-        if rows and sum(text_width(ax, text) for _, text, _ in [*rows, *new]) > 1:
+        if rows and _UPRIGHT * em(ax) * len([*rows, *new]) > 1:
             new = []
         for old in before:
             old.remove()
@@ -543,10 +544,11 @@ class Above(Layer):
             color = ink if on.given or on.number else pen.GREY
             ax.axvline(x, color=color, linewidth=0.5, linestyle=pen.DOTTED, zorder=1)
         ordered = sorted([*rows, *new])
-        places = spread(
-            [share_of(ax, x) for x, _, _ in ordered],
-            [text_width(ax, text) for _, text, _ in ordered],
-        )
+        widths = [text_width(ax, text) for _, text, _ in ordered]
+        is_upright = sum(widths) > 1
+        if is_upright:
+            widths = [_UPRIGHT * em(ax)] * len(ordered)
+        places = spread([share_of(ax, x) for x, _, _ in ordered], widths)
         return [
             ax.annotate(
                 text,
@@ -556,6 +558,7 @@ class Above(Layer):
                 textcoords="axes fraction",
                 ha="center",
                 va="bottom",
+                rotation=90 if is_upright else 0,
                 fontsize=pen.SMALL,
                 color=own,
                 arrowprops=pen.LEADER,
@@ -565,6 +568,8 @@ class Above(Layer):
         ]
 
 
+_UPRIGHT = 1.25
+"""Sizes of the font that a text takes along the axes where it stands upright."""
 _ABOVE = "_above"
 """The mark of labels above the axes, by which those of a scene drawn before are found."""
 
@@ -661,7 +666,7 @@ def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
             for artist in made:
                 artist.set(**style)
     _refit(on, chart, rest)
-    rows = legend(ax, handles, lines=int(any(isinstance(x, Above) for x in chart.layers)))
+    rows = legend(ax, handles, above=_height_above(ax))
     if chart.title and not on.number:
         # The title stands above the legend, of which a row takes about 1.42 sizes of its font.
         ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
@@ -669,6 +674,13 @@ def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
         # A gid becomes an id in SVG, which must occur once in a file: hence the count n.
         artist.set_gid(f"{_GROUP}{on.number + 1}.{n}")
     return styled or drawn
+
+
+def _height_above(ax: Axes) -> float:
+    """Return the height of the texts that stand above the axes, in sizes of their font."""
+    texts = [x for x in ax.texts if x.get_label() == _ABOVE]
+    upright = [_WIDE * len(x.get_text()) + 0.7 for x in texts if x.get_rotation()]
+    return max(upright, default=1.9 if texts else 0.0)
 
 
 def _refit(on: On, chart: Panel, rest: tuple[Span, Span]) -> None:
@@ -700,9 +712,9 @@ def entries(ax: Axes) -> dict[str, Any]:
     )
 
 
-def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
-    """Draw the legend above the axes, where no curve is, and above that many lines of other text;
-    return how many rows it has.
+def legend(ax: Axes, handles: Iterable[Artist], *, above: float = 0.0) -> int:
+    """Draw the legend above the axes, where no curve is, and above other text of that height, in
+    sizes of the font; return how many rows it has.
 
     Entries of a legend that is there already stay; no label occurs twice.
     """
@@ -713,7 +725,7 @@ def legend(ax: Axes, handles: Iterable[Artist], *, lines: int = 0) -> int:
     if not known:
         return 0
     columns = _columns(ax, list(known))
-    up = ScaledTranslation(0, (0.5 + 1.9 * lines) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
+    up = ScaledTranslation(0, (0.5 + above) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
     ax.legend(
         handles=list(known.values()),
         labels=list(known),
@@ -849,24 +861,28 @@ class Room:
     def beside(self, x: float, y: float, text: str, size: float) -> Span:
         """Return the best place of a name, from its point to its lower left corner in points of the
         page; that place is taken then."""
-        a, b = self.at(x, y)
+        return self.along([(x, y)], text, size)[1]
+
+    def along(self, places: Sequence[Span], text: str, size: float) -> tuple[int, Span]:
+        """Return the best place of a name beside one of several points: which point, and the place
+        from it to the name's lower left corner in points of the page; that place is taken then."""
         wide, high = _WIDE * size * len(text), _HIGH * size
-
-        def cost(place: Box) -> float:
-            # A name nearer to another point than to its own, or as near, would be read as the
-            # other's.
-            return self._cost(place) + _DOUBTFUL * any(
-                _apart(place, p) <= _apart(place, (a, b)) for p in others
-            )
-
-        others = [p for p in self.points if p != (a, b)]
-        places = [
-            (gap, (a + i, b + j, a + i + wide, b + j + high)) for gap, i, j in _tried(wide, high)
-        ]
-        # The number n settles equal costs: the place that is tried first, the usual one, is taken.
-        _, _, best = min((cost(box) + _LONG * gap, n, box) for n, (gap, box) in enumerate(places))
-        self.boxes.append(best)
-        return best[0] - a, best[1] - b
+        tried: list[tuple[float, int, int, Span, Box]] = []
+        for which, point in enumerate(places):
+            a, b = self.at(*point)
+            others = [p for p in self.points if p != (a, b)]
+            for gap, i, j in _tried(wide, high):
+                box = (a + i, b + j, a + i + wide, b + j + high)
+                # A name nearer to another point than to its own, or as near, would be read as the
+                # other's.
+                doubtful = any(_apart(box, p) <= _apart(box, (a, b)) for p in others)
+                cost = self._cost(box) + _DOUBTFUL * doubtful + _LONG * gap
+                # The number settles equal costs: the place that is tried first, the usual one, is
+                # taken.
+                tried.append((cost, len(tried), which, (i, j), box))
+        _, _, which, offset, box = min(tried)
+        self.boxes.append(box)
+        return which, offset
 
     def crowded(self, place: Span, size: float) -> float:
         """Return the cost of a number that is written about a place."""

@@ -31,6 +31,10 @@ SCENES = (INK, "#d0701f", BLUE, "#7cc0c8", "#8f5a9e")
 CURVES = ((BLUE, SOLID, r"H_\mathrm{env}"), (RED, DASHED, r"H_\mathrm{perc}"))
 """Colour, stroke and name of environment and perceived dynamics."""
 
+MOST_LABELS = 12
+"""Crossings whose frequencies are written in a figure, at most; of more their numbers in the table
+of the page."""
+
 UNDATED: Mapping[str, Mapping[str, None]] = MappingProxyType(
     # matplotlib writes the day, or its own version, unless an entry is None: either would change
     # the file without a change of the figure.

@@ -117,12 +117,12 @@ def wall(found: Stability) -> Panel:
     return Panel(layers, x, replace(y, label=f"damping of the wall, {y.label}"), height=2.6)
 
 
-def hand_plane(found: Stability, hand: Hand | None = None) -> Panel:
+def hand_plane(found: Stability) -> Panel:
     """Stiffness against damping of hands of one mass: a ground where the display is not stable,
     with its unstable poles.
 
-    ``hand`` : whose mass it is; the first that was asked about, or 0.5 kg (or 0.01 kg m^2) where
-    none was. Filled: the hands that were asked about, if they are of that mass; hollow: published
+    The mass is that of the first hand that was asked about, or 0.5 kg (or 0.01 kg m^2) where none
+    was. Filled: the hands that were asked about, if they are of that mass; hollow: published
     ones, whatever theirs.
 
     >>> from haptisym import stability
@@ -132,7 +132,7 @@ def hand_plane(found: Stability, hand: Hand | None = None) -> Panel:
     """
     asked = [x.hand for x in found.held]
     turning = found.scene.motion is MotionKind.ROTATION
-    own = hand or (asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg"))
+    own = asked[0] if asked else Hand("none", "0.01 kg*m^2" if turning else "0.5 kg")
     shown = (
         []
         if turning

@@ -66,8 +66,10 @@ class Answer(Shown):
     __slots__ = ()
     _schema: ClassVar[str]
     _page: ClassVar[str]
-    _figure: ClassVar[str] = ""
+    _figure: ClassVar[str]
     _certificate: ClassVar[str] = ""
+    _is_in_lines: ClassVar[bool] = False
+    """Whether its main table, for a paper, is the lines of its page, whatever tables it has."""
 
     __reduce__ = copied
 

@@ -543,8 +543,6 @@ _METHODS = {
 }
 METHODS = tuple(_METHODS)
 
-Effects: TypeAlias = Sequence[Effect]
-
 
 def discretised(H: Expr, T: Expr, method: str) -> RationalFunction:
     """D(z) = H(s(z)) with common factors cancelled, a quotient of polynomials in 1/z.

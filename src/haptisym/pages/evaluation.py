@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from sympy import Rational
 
+from haptisym.figures import pen
 from haptisym.judge.bandwidths import Bandwidths, Jump
 from haptisym.judge.crossings import JOINT, Criterion, Crossing, CrossingKind, noticed
 from haptisym.judge.evaluation import Compared, Evaluation, Reported, different, region_label
@@ -77,7 +78,7 @@ def page(e: Evaluation) -> Document:
         ),
         doc.Section("Explorer", (doc.Live(full.explorer),), "explorer"),
         *w.caveats(e.caveats),
-        w.certificate(e, e.scene),
+        w.CERTIFICATE,
         doc.Section(
             "Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True
         ),
@@ -175,7 +176,7 @@ class _InFull:
     def explorer(self) -> str:
         from haptisym.pages.explorer import explorer
 
-        return explorer(self.evaluation, self._forms)
+        return explorer(self.evaluation, self._forms, at_rest(self.evaluation))
 
     def derivation(self) -> Iterable[Block]:
         from haptisym.pages.scene import derivation
@@ -284,7 +285,7 @@ def _active(found: Passivity) -> Phrase:
     last: Phrase = ("above ", w.both(shown[-1].low.omega)) if on else ""
     before: Phrase = w.spans(shown[:-1] if on else shown) if len(shown) > bool(on) else ""
     more = (
-        ", …"
+        ", and in further bands"
         if len(found.active) > _MOST_BANDS or found.beyond in (Beyond.AGAIN, Beyond.LATE)
         else ""
     )
@@ -341,7 +342,7 @@ def _step_1(e: Evaluation) -> Iterator[Block]:
     """Yield the blocks of step 1: bandwidths of a threshold with a range, the ratios, the
     crossings."""
     yield from bandwidths(e)
-    yield _figure(e, "ratios", ratios_caption(e), wide=True)
+    yield w.drawing(e, "ratios", ratios_caption(e), wide=True)
     yield crossings(e)
     if e.undecided:
         yield undecided_table(e)
@@ -368,9 +369,11 @@ def crossings(e: Evaluation) -> Block:
         decided = ", up to what is undecided" if e.undecided else ""
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
     enclosure = ("enclosure of ", named("omega"), " (rad/s)")
+    numbers = [w.Field("no.", lambda c: str(e.crossings.index(c) + 1))] if _is_numbered(e) else []
     return w.table(
         e.crossings,
         f"All crossings of the thresholds on the band, {how_sure(e)}.",
+        *numbers,
         w.Field("part", lambda c: c.criterion.name),
         w.hertz(lambda c: w.cell(c.omega)),
         w.Field("ratio", event),
@@ -386,6 +389,17 @@ def how_sure(e: Evaluation) -> str:
     if e.scene.level is not None:
         return "of the fitted model"
     return "proven" if e.certified else "proven up to what is undecided"
+
+
+_MOST_AT_REST = 6
+
+
+def at_rest(e: Evaluation) -> Phrase:
+    """Return bandwidth and crossings in a sentence, which a report has next to its sliders."""
+    shown = [(event(c), " at ", w.both(c.omega)) for c in e.crossings[:_MOST_AT_REST]]
+    more = len(e.crossings) - len(shown)
+    entries: Phrase = ("; ", listed(shown), f"; {more} more" if more else "") if shown else ""
+    return f"The scene's values, {how_sure(e)}: bandwidth ", _bandwidth(e), entries, "."
 
 
 VERBS = {
@@ -461,7 +475,13 @@ _JOINT_RATIOS = (
 
 def ratios_caption(e: Evaluation) -> str:
     """Return the caption of the figure of ratios."""
-    return _JOINT_RATIOS if joint(e.criteria) else _RATIOS
+    numbers = " The numbers are those of the table." if _is_numbered(e) else ""
+    return (_JOINT_RATIOS if joint(e.criteria) else _RATIOS) + numbers
+
+
+def _is_numbered(e: Evaluation) -> bool:
+    """Whether a figure has numbers in place of the frequencies of its many crossings."""
+    return len(e.crossings) > pen.MOST_LABELS
 
 
 # A threshold that is a range.
@@ -484,7 +504,7 @@ def bandwidths(e: Evaluation) -> Iterator[Block]:
     )
     if attained.is_one_curve:
         caption = "The bandwidth over the range; a dot is attained, a ring is not."
-        yield w.drawing("bandwidths", caption, "files:draw_figure", e, "bandwidths")
+        yield w.drawing(e, "bandwidths", caption)
 
 
 def _range(threshold: Threshold) -> Phrase:
@@ -650,7 +670,7 @@ def regions(e: Evaluation) -> Iterator[Block]:
             lambda x: event(x.crossing, _KINDS.get(x.name)) if x.crossing else "",
         ),
     )
-    figure = w.drawing("regions", _PLANE, "files:draw_figure", e, "regions")
+    figure = w.drawing(e, "regions", _PLANE)
     yield doc.Section(_SURVIVES, (doc.Paragraph(_spread(e.regions)), rows, figure), "regions")
 
 
@@ -700,7 +720,7 @@ def deciding(e: Evaluation) -> Iterator[Block]:
     )
     near = listed(map(w.both, discrimination.undecided))
     said = [words, *([w.undecided(("whether a region is reached near ", near))] if near else [])]
-    figure = w.drawing("discriminate", _DECIDING, "files:draw_figure", e, "discriminate")
+    figure = w.drawing(e, "discriminate", _DECIDING)
     yield doc.Section(
         "Which changes would decide between the models?",
         (rows, *w.noted(said), figure),
@@ -753,7 +773,7 @@ def family_regions(many: FamilyEvaluation) -> Iterator[Block]:
         w.Field("environment", str),
         *(w.number(region_label(x), partial(width, x=x)) for x in different(many.regions)),
     )
-    figure = w.drawing("regions", _WIDTHS, "files:draw_figure", many, "regions")
+    figure = w.drawing(many, "regions", _WIDTHS)
     yield doc.Section(
         _SURVIVES,
         (doc.Paragraph(_spread(many.regions, "common bandwidth")), worst, each, figure),
@@ -830,32 +850,27 @@ def _step_2(e: Evaluation) -> Iterator[Block]:
     """Yield the blocks of step 2: the percepts, and their figures."""
     yield percepts(e)
     for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
-        yield _figure(
+        yield w.drawing(
             e,
             f"projections-{part.value}",
             f"Magnitude of the {name} part of environment and perceived dynamics: bold where "
             f"the "
             "difference is noticed, with what it is felt as.",
         )
-    yield _figure(
+    yield w.drawing(
         e,
         "nyquist",
         "Environment (solid) and perceived dynamics (dashed) in the complex plane; arrows "
         "towards "
         "higher frequencies.",
     )
-    yield _figure(
+    yield w.drawing(
         e,
         "jnd-square",
         "Environment and perceived dynamics at one frequency; the grey region holds the "
         "changes that "
         "are not noticed.",
     )
-
-
-def _figure(e: Evaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    """Return a figure of this evaluation by its name."""
-    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def percepts(e: Evaluation) -> Block:

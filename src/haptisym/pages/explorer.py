@@ -1,16 +1,14 @@
-"""The parts of a page of HTML that work: the explorer, and a certificate with a program that proves
-it anew where the page is read.
+"""The explorer of a page of HTML: sliders for a scene's parameters and those of its JND.
 
-The explorer has sliders for a scene's parameters and those of its JND, and its closed forms as
-JavaScript, drawn anew as they move; it computes in floating point. The program that proves
-(``data/checker.js``) is for quotients of polynomials alone. Whatever else has a certificate is
-checked by ``python -m haptisym_check``, and the page says so.
+It has the scene's closed forms as JavaScript, which the page draws anew as the sliders move. What
+it shows is computed: floating point on samples of the band, with no error bound. What haptisym has
+proven of the scene's own values stands next to it, as a sentence that does not move. Begin with
+``explorer``; ``data/explorer.js`` reads the record that it writes.
 """
 
 from __future__ import annotations
 
 import json
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib.resources import files
@@ -18,10 +16,7 @@ from typing import Any, TypeAlias
 
 from sympy import Expr, Poly, Symbol, fraction, together
 
-from haptisym.judge.answers import Answer
 from haptisym.judge.evaluation import Evaluation
-from haptisym.kernel.dynamics import ring_of
-from haptisym.kernel.errors import HaptisymError
 from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Parameter, Rule
@@ -29,95 +24,10 @@ from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Scene
 from haptisym.pages.scene import SceneForms
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, PART_NAMES, RATIOS, unit
-from haptisym.verbs.evaluate.certificate import has_broken_powers, name_in_file
 from haptisym.writing.code import Language, nearest_double, scene_program
 from haptisym.writing.document import Phrase
 from haptisym.writing.html import Html, data, element, inline, joined, phrase, script
 from haptisym.writing.layout import named
-
-# What proves an answer anew.
-
-
-def is_provable(e: Evaluation) -> bool:
-    """Whether the page's checker can find the crossings anew, at other values too: of a rational
-    scene as its file has it."""
-    ring = ring_of(e.distortion.difference)
-    # The checker reads the scene's file: of effects that were left out, of delays and of powers
-    # that are no integers it knows nothing.
-    if e.relevance or ring.lags or ring.orders or has_broken_powers(e.scene.text):
-        return False
-    try:
-        name_in_file(e.scene)
-    except HaptisymError:
-        return False
-    return True
-
-
-def checked(answer: Answer, scene: Scene) -> Html:
-    """Return certificate, scene file, checker, and the place for its verdict; a sentence where
-    there is no certificate, or where this page cannot check it."""
-    checker = _checker(scene) if isinstance(answer, Evaluation) and is_provable(answer) else []
-    try:
-        certificate = answer.certificate()
-    except HaptisymError as error:
-        none = element(
-            "p", f"This page carries no certificate: {str(error).removeprefix('a certificate: ')}."
-        )
-        return joined([none, *checker])
-    proof = json.loads(certificate)["proof"]
-    # A certificate there is, but for a program that runs outside of the page.
-    if proof.get("delays") or proof.get("orders") or has_broken_powers(scene.text):
-        return element(
-            "p",
-            "The scene is not rational: its certificate (",
-            element("code", "--certificate FILE"),
-            ") is checked with ",
-            element("code", "python -m haptisym_check FILE SCENE.toml"),
-            ".",
-        )
-    compared = (
-        "the table of crossings above"
-        if isinstance(answer, Evaluation)
-        else "the answer that this page carries as JSON"
-    )
-    note = (
-        "This page carries a certificate, the scene's file, and a program that shares no "
-        "line with haptisym. That program proves "
-        f"the certificate anew in your browser, and compares it with {compared}."
-    )
-    result = element(
-        "p", "Not checked here: that needs JavaScript.", given={"id": "checked", "role": "status"}
-    )
-    certificate_data = data(json.dumps(certificate), "certificate")
-    return joined(
-        [
-            element("p", note),
-            result,
-            certificate_data,
-            *(checker or _checker(scene)),
-            _script("checked.js"),
-        ]
-    )
-
-
-def _checker(scene: Scene) -> list[Html]:
-    """Return the program that finds crossings anew, and the data that it reads."""
-    catalogue = tomllib.loads(
-        (files("haptisym_check") / "catalogue.toml").read_text(encoding="utf-8")
-    )
-    own = data(json.dumps(scene.text), "certificate-scene")
-    return [
-        own,
-        data(json.dumps(catalogue), "certificate-catalogue"),
-        _script("scene.js"),
-        _script("checker.js"),
-    ]
-
-
-def _script(name: str) -> Html:
-    """Return a script of the package as an element of the page."""
-    return script((files("haptisym") / "data" / name).read_text(encoding="utf-8"))
-
 
 # Sliders.
 
@@ -305,17 +215,15 @@ def _quotient(x: Expr) -> dict[str, list[float]]:
 # The explorer.
 
 
-def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
-    """The explorer's controls, plots, script and data; it needs ``data/explorer.js`` and nothing
-    from elsewhere.
+def explorer(e: Evaluation, forms: SceneForms, proven: Phrase = "") -> Html:
+    """Return the explorer's controls, plots, script and data; it needs nothing from elsewhere.
 
-    ``proving`` : on a report of a rational scene it proves the crossings at its own values; not
-    where haptisym itself does.
+    ``proven`` : what a report says of the scene's own values. A page that asks haptisym again when
+    the sliders rest leaves it out, for there the answer itself follows them.
     """
     # A formula in all parameters that would be too long is replaced by one in omega alone: then
     # only the JND moves.
     is_small = forms.symbolic is not None
-    is_proven = proving and is_small and is_provable(e)
     program = scene_program(e.scene, None if is_small else ())
     sliders = _parameters(e, forms) if is_small else {}
     limits = limit_sliders(e.scene)
@@ -330,7 +238,6 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
         "sliders": [slider.record() for slider in controls],
         "paths": _paths(e, sliders),
-        "environment": name_in_file(e.scene) if is_proven else None,
     }
     code = program.code(Language.JAVASCRIPT)
     own = files("haptisym") / "data"
@@ -340,9 +247,7 @@ def explorer(e: Evaluation, forms: SceneForms, *, proving: bool = True) -> Html:
     shown = [slider.control(words) for slider, words in controls.items()]
     return joined(
         [
-            _body(
-                shown, e.scene.threshold, is_small=is_small, is_proven=is_proven, proving=proving
-            ),
+            _body(shown, e.scene.threshold, proven, is_small=is_small),
             data(json.dumps(record), "explorer-data"),
             script(code),
             script(page),
@@ -368,39 +273,32 @@ def _paths(e: Evaluation, sliders: Mapping[Symbol, tuple[Slider, str]]) -> list[
     return paths
 
 
-def _body(
-    controls: list[Html], threshold: Threshold, *, is_small: bool, is_proven: bool, proving: bool
-) -> Html:
+def _body(controls: list[Html], threshold: Threshold, proven: Phrase, *, is_small: bool) -> Html:
     """Return what the explorer says and shows: a note, plots, sliders, a button."""
+    follows = (
+        "The tables of this page do not follow; they are about the scene's values."
+        if proven
+        else "A moment after the sliders rest, their values are in the scene, and the result is "
+        "proven for them."
+    )
     fixed = (
-        ""
-        if is_small
-        else " The parameters are too many for a formula in all of them, so only the JND moves."
-    )
-    again = (
-        " When the sliders rest, crossings are found once more in exact arithmetic: that line is "
-        "proven."
-    )
-    tables = " The tables above are proven, for the scene as it is."
-    answered = (
-        " A moment after they rest, their values are in the scene, and the answer is proven for "
-        "them."
+        "" if is_small else " The scene has no short formula in all parameters: only the JND moves."
     )
     note = element(
         "p",
         (
-            "Move the sliders, or type values: the closed forms are drawn anew, the scene's own "
+            "Move the sliders, or type values: the closed forms are drawn again; the scene's own "
             "curves stay in grey. "
         ),
-        element("strong", "This explorer computes in floating point and samples the band"),
-        "; it sees no tangency, and does not test stability.",
-        tables if proving else answered,
+        element("strong", "What the sliders show is computed"),
+        ": floating point on samples of the band, no error bound. A tangency is not found, and "
+        "stability is not tested. ",
+        follows,
         fixed,
-        again if is_proven else "",
     )
-    lines = ("band", "crossings", *(("proven",) if is_proven else ()), "probe")
-    says = [element("p", given={"id": f"explorer-{x}"}) for x in lines]
-    results = element("div", *says, given={"aria-live": "polite", "class": "told"})
+    says = [element("p", given={"id": f"explorer-{x}"}) for x in ("band", "crossings", "probe")]
+    scene = [element("p", phrase(proven))] if proven else []
+    results = element("div", *scene, *says, given={"aria-live": "polite", "class": "told"})
     reset = element(
         "button", "Reset to the scene's values", given={"type": "button", "id": "explorer-reset"}
     )

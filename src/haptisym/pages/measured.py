@@ -405,7 +405,7 @@ def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
         yield doc.Paragraph((w.RATIOS[part], *_counted(e, e.verdict[part], exceeds, "below it")))
     yield _lines(e)
     yield from cut(e)
-    yield _figure(
+    yield w.drawing(
         e,
         "ratios",
         "Distortion ratios at the measured points. Bars: the uncertainty disc of each. Filled: "
@@ -418,7 +418,7 @@ def _step_1(e: MeasuredEvaluation) -> Iterator[Block]:
             "The change at each point with its disc, in the plane of both parts, and the region "
             "that is not noticed."
         )
-        yield _figure(e, "plane", shown)
+        yield w.drawing(e, "plane", shown)
     if e.needed is not None:
         yield doc.Notes(tuple(_resolving(e)))
 
@@ -494,7 +494,7 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
         yield doc.Paragraph(
             "At no point do the discs show that something is noticed, and in which part."
         )
-    yield _figure(
+    yield w.drawing(
         e,
         "nyquist",
         (
@@ -528,11 +528,6 @@ def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:
         return felt_words(*e.signs[part].label(part, line))
     far, nearer = e.order(line)
     return " and ".join(felt_words(*e.signs[x].label(x, line)) for x in (far, nearer))
-
-
-def _figure(e: MeasuredEvaluation, name: str, caption: str, *, wide: bool = False) -> doc.Figure:
-    """Return a figure of this evaluation by its name."""
-    return w.drawing(name, caption, "files:draw_figure", e, name, wide=wide)
 
 
 def _how_sure(e: MeasuredEvaluation) -> Iterator[Phrase]:

@@ -65,7 +65,7 @@ def page(r: Requirement) -> Document:
         *_ends(r),
         *_formulas(r),
         doc.Figure("requirement", caption, r.figure),
-        w.certificate(r, r.scene),
+        w.CERTIFICATE,
     )
     return w.page_about(
         r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides()

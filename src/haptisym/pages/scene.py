@@ -617,6 +617,10 @@ def _is_readable(section: doc.Section) -> bool:
     return not any(is_long(line.value) for line in lines)
 
 
+_SHORT = 2
+"""Lines of a formula with numbers, at most: nobody reads a longer one, nor prints it."""
+
+
 @dataclass(frozen=True)
 class _Steps:
     """The steps as paragraphs and equations."""
@@ -658,8 +662,8 @@ class _Steps:
                 "here and below, long numbers are rounded so that four digits of a value are "
                 "left, after ≈"
             )
-            yield doc.Paragraph(f"With {_VALUES} ({rounded_so}):")
-            yield from self._equations(self.forms.in_numbers(DYNAMICS))
+            lead = f"With {_VALUES} ({rounded_so}):"
+            yield from self._in_numbers(lead, self.forms.in_numbers(DYNAMICS))
 
     def distortion(self) -> Iterator[Block]:
         """Yield dH, the ratios, and the relative distortion, in symbols and in numbers."""
@@ -675,8 +679,8 @@ class _Steps:
             "The relative distortion, not to be confused with them, is", RELATIVE
         )
         if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
-            yield doc.Paragraph(f"With {_VALUES} the distortion is")
-            yield from self._equations(self.forms.in_numbers(DIFFERENCE))
+            lead = f"With {_VALUES} the distortion is"
+            yield from self._in_numbers(lead, self.forms.in_numbers(DIFFERENCE))
 
     def thresholds(self) -> Iterator[Block]:
         """Yield the polynomials that are positive exactly where a ratio exceeds its threshold."""
@@ -694,21 +698,19 @@ class _Steps:
         exceeds = listed(
             (RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part
         )
-        yield doc.Paragraph(
+        lead: Phrase = (
+            "A ratio exceeds its threshold where its square does, and so no root is needed: ",
+            exceeds,
+            f". These are {kind} ",
             (
-                "A ratio exceeds its threshold where its square does, and so no root is needed: ",
-                exceeds,
-                f". These are {kind} ",
-                (
-                    "with exact coefficients; the crossings are their roots on the band, to four "
-                    "digits also where the "
-                ),
-                "coefficients are rounded, after ≈. ",
-                wide,
-                "Written up to a positive factor:",
-            )
+                "with exact coefficients; the crossings are their roots on the band, to four "
+                "digits also where the "
+            ),
+            "coefficients are rounded, after ≈. ",
+            wide,
+            "Written up to a positive factor:",
         )
-        yield from self._equations(lines)
+        yield from self._in_numbers(lead, lines)
 
     def _regions(self) -> Iterator[Block]:
         """Yield, for a region or limits that are formulas in omega, the functions that decide what
@@ -776,6 +778,18 @@ class _Steps:
             lead if is_explained else (lead, f" (with {_VALUES}; too long in symbols)")
         )
         yield from self._equations(lines)
+
+    def _in_numbers(self, lead: Phrase, lines: Iterable[Written]) -> Iterator[Block]:
+        """Yield formulas with numbers that can be read, and which ones are too long for that."""
+        formulas = list(lines)
+        long = [x for x in formulas if isinstance(x, doc.Line) and is_long(x.value, _SHORT)]
+        if kept := [x for x in formulas if x not in long]:
+            yield doc.Paragraph(lead)
+            yield from self._equations(kept)
+        if long:
+            names = listed(x.left for x in long)
+            why = f"Longer than {_SHORT} lines with numbers: "
+            yield doc.Paragraph((why, names, "; see ", doc.Code("haptisym derive"), "."))
 
     def _equations(self, lines: Iterable[Written]) -> Iterator[Block]:
         """Yield the formulas, then which of them have no readable form that is true."""

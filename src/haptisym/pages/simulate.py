@@ -33,7 +33,7 @@ def page(found: Simulation | Simulations) -> Document:
     runs = found.runs
     # Without a ratio that was recovered there is nothing to compare with the closed form.
     drawn = (
-        w.drawing(name, caption, "files:draw_figure", found, name)
+        w.drawing(found, name, caption)
         for name, caption in _CAPTIONS.items()
         if name.startswith("simulated") or any(run.estimates for run in runs)
     )

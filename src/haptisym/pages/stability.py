@@ -68,7 +68,7 @@ def page(found: Stability) -> Document:
         *_margins(found),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
-        w.certificate(found, found.scene),
+        w.CERTIFICATE,
     )
     return w.page_about(
         found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides()

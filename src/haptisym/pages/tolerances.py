@@ -138,13 +138,7 @@ _LINE = " Line: the boundary for the nominal values, computed."
 def _hands_figure(a: Tolerances) -> Iterator[Block]:
     """Yield the plane of hands where a hand was asked about."""
     if a.held:
-        yield w.drawing(
-            "hands",
-            _HANDS + ("" if clocks(a.box.scene) else _LINE),
-            "files:draw_figure",
-            a,
-            "hands",
-        )
+        yield w.drawing(a, "hands", _HANDS + ("" if clocks(a.box.scene) else _LINE))
 
 
 # Where crossings lie.
@@ -164,7 +158,7 @@ def _enclosures(a: Tolerances) -> Block:
     )
     dots = "Dots: crossings of the sets that were drawn at random." if a.samples else ""
     shown = f"Grey: where crossings may lie, proven for all values. {dots}".strip()
-    figure = w.drawing("enclosures", shown, "files:draw_figure", a, "enclosures")
+    figure = w.drawing(a, "enclosures", shown)
     rows = w.table(
         a.enclosures,
         "Where crossings lie, proven.",

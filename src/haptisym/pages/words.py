@@ -239,14 +239,14 @@ def near(x: Printable, *, unit: Unit | None = None, most: int = 1000) -> doc.Rea
     return doc.Real(x, Way.NEAREST, unit=unit or Unit(""), most=most)
 
 
-def at_least(x: Printable, *, unit: Unit | None = None) -> doc.Real:
+def at_least(x: Printable) -> doc.Real:
     """A lower bound: rounded down."""
-    return doc.Real(x, Way.DOWN, unit=unit or Unit(""))
+    return doc.Real(x, Way.DOWN)
 
 
-def at_most(x: Printable, *, unit: Unit | None = None) -> doc.Real:
+def at_most(x: Printable) -> doc.Real:
     """An upper bound: rounded up."""
-    return doc.Real(x, Way.UP, unit=unit or Unit(""))
+    return doc.Real(x, Way.UP)
 
 
 def cell(x: Printable, way: Way = Way.NEAREST) -> doc.Frequency:
@@ -475,18 +475,27 @@ def is_transparent_throughout(e: Evaluation) -> bool:
 # What reports have besides words, loaded only where one is made.
 
 
-def drawing(
-    name: str, caption: Phrase, function: str, *given: Any, wide: bool = False
-) -> doc.Figure:
-    """A figure, made by a function below ``haptisym.figures``, ``"module:function"``, of what is
-    given; it is told ``wide``."""
-    # Resolved by name when the figure is drawn: pages alone never load matplotlib.
-    options = {"wide": True} if wide else {}
-    return doc.Figure(
-        name, caption, lambda: resolve_name(f"haptisym.figures.{function}")(*given, **options), wide
-    )
+def drawing(answer: Answer, name: str, caption: Phrase, *, wide: bool = False) -> doc.Figure:
+    """Return a figure of an answer by its name, one column wide, or one and a half."""
+
+    def drawn() -> Any:
+        # Resolved by name when the figure is drawn: pages alone never load matplotlib.
+        return resolve_name("haptisym.figures.files:draw_figure")(answer, name, wide=wide)
+
+    return doc.Figure(name, caption, drawn, wide)
 
 
-def certificate(answer: Answer, scene: Scene) -> doc.Live:
-    """The certificate of an answer, with a program that proves it anew where the page is read."""
-    return doc.Live(lambda: str(resolve_name("haptisym.pages.explorer:checked")(answer, scene)))
+CERTIFICATE = doc.Versions(
+    (),
+    lambda: [
+        doc.Paragraph(
+            (
+                doc.Code("--certificate FILE"),
+                " writes a certificate of this result, where it has one; ",
+                doc.Code("python -m haptisym_check FILE SCENE.toml"),
+                " checks it without haptisym.",
+            )
+        )
+    ],
+)
+"""How a reader of a report has the result checked; a page in brief leaves it out."""

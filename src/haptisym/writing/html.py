@@ -62,13 +62,13 @@ def element(tag: str, *children: str, given: Mapping[str, str] = _NONE) -> Html:
     return Html(f"<{tag}{attributes}>{joined(children)}</{tag}>")
 
 
-def joined(parts: Iterable[str], between: str = "") -> Html:
+def joined(parts: Iterable[str]) -> Html:
     """Texts and markup one after the other, as markup.
 
-    >>> joined(["<", element("b", "x")], ", ")
-    '&lt;, <b>x</b>'
+    >>> joined(["<", element("b", "x")])
+    '&lt;<b>x</b>'
     """
-    return Html(_markup(between).join(map(_markup, parts)))
+    return Html("".join(map(_markup, parts)))
 
 
 def _markup(text: str) -> str:
@@ -76,8 +76,8 @@ def _markup(text: str) -> str:
     return text if isinstance(text, Html) else printable(escape(text))
 
 
-def script(text: str, given: Mapping[str, str] = _NONE) -> Html:
-    r"""A script element, or data in one; nothing in its text, a string or a comment, can end it.
+def script(text: str) -> Html:
+    r"""A script element; nothing in its text, a string or a comment, can end it.
 
     >>> script('"</script><!--"')
     '<script>"<\\/script><\\!--"</script>'
@@ -85,7 +85,7 @@ def script(text: str, given: Mapping[str, str] = _NONE) -> Html:
     # In a script only these two sequences mean anything to HTML; a backslash before / or ! means
     # nothing to JavaScript.
     harmless = text.replace("</", "<\\/").replace("<!--", "<\\!--")
-    return element("script", Html(harmless), given=given)
+    return element("script", Html(harmless))
 
 
 def data(text: str, identity: str) -> Html:

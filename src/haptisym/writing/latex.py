@@ -10,9 +10,9 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import singledispatchmethod
-from itertools import accumulate, groupby, pairwise
+from itertools import accumulate, groupby, pairwise, zip_longest
 from types import MappingProxyType
 from typing import Any
 
@@ -218,18 +218,12 @@ def spaced(words: str) -> str:
     return f"{before}{_NEGATIVE.sub(_MINUS, escape(words))}{after}"
 
 
-def symbol_name(name: str) -> str:
-    r"""A parameter's name as people write it: ``_`` starts subscripts, several letters stand
-    upright.
-
-    >>> symbol_name("omega_n"), symbol_name("omega_n_filter"), symbol_name("k1"), symbol_name("Mm")
-    ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1', 'M_m')
-    """
-    return set_name(named(name))
-
-
 def set_name(name: boxes.Name) -> str:
-    """A name that is taken apart already, in LaTeX."""
+    r"""Return a name in LaTeX; several letters stand upright.
+
+    >>> set_name(named("omega_n")), set_name(named("omega_n_filter")), set_name(named("k1"))
+    ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1')
+    """
     head, subscript = _word(name.head), ",".join(map(_word, name.below))
     if not subscript:
         return head
@@ -362,7 +356,20 @@ def align(rows: Sequence[doc.Line], names: Names | None = None) -> str:
     lines = [line for row in rows for line in _lines(row, room, names)]
     if not lines:
         return ""
+    if len(lines) == len(rows) >= _MANY and all(width(x) < LINE / 2 - _BETWEEN for x in lines):
+        lines = _in_two_columns(lines)
     return "\\begin{align*}\n  " + " \\\\\n  ".join(lines) + "\n\\end{align*}"
+
+
+_MANY = 6
+"""Equations of one line each from which on they stand in two columns, where they are short."""
+_BETWEEN = 3.0  # em between the columns
+
+
+def _in_two_columns(lines: Sequence[str]) -> list[str]:
+    """Equations in two columns, read downwards."""
+    half = -(-len(lines) // 2)
+    return [" & ".join(pair) for pair in zip_longest(lines[:half], lines[half:], fillvalue="&")]
 
 
 @dataclass
@@ -560,27 +567,29 @@ def _item_width(tokens: list[str], at: int) -> tuple[float, int]:
 
 _NONE: Mapping[str, str] = MappingProxyType({})
 _TEMPLATE = r"""\documentclass[a4paper]{article}
-\usepackage[margin=2.5cm]{geometry}
+\usepackage[hmargin=2.5cm,vmargin=2cm]{geometry}
 \usepackage{amsmath}
 \usepackage{array}
 \usepackage{booktabs}
 %s\allowdisplaybreaks
 \emergencystretch=3em
 \setlength{\parindent}{0pt}
-\setlength{\parskip}{\medskipamount}
+\setlength{\parskip}{\smallskipamount}
 \setlength{\abovecaptionskip}{0pt}
 \setlength{\belowcaptionskip}{1ex}
 \renewcommand{\topfraction}{0.9}
 \renewcommand{\textfraction}{0.05}
 \renewcommand{\floatpagefraction}{0.85}
+%% Tables and figures stand where they are named: no float, but captions that count as theirs.
+\makeatletter \newcommand{\here}[1]{\def\@captype{#1}} \makeatother
 %s
-\title{%s}
-\author{}
-\date{\today}
+\AtBeginDocument{\setlength{\abovedisplayskip}{4pt plus 2pt} \setlength{\belowdisplayskip}{4pt plus 2pt}}
 
 \begin{document}
 
-\maketitle
+\begin{center}
+  {\LARGE %s} \\[1ex] \today
+\end{center}
 
 %s
 
@@ -600,7 +609,9 @@ def latex(document: Document, figures: Mapping[str, str] = _NONE) -> str:
     kind, title = escape(document.kind), escape(document.title)
     graphics = "\\usepackage{graphicx}\n" if figures else ""
     information = _information(f"{document.kind}: {document.title}" if kind else document.title)
-    body = "\n\n".join([*map(phrase, document.lead), fragment(document.blocks, figures)])
+    blocks = list(doc.Style(full=True).chosen(document.blocks))
+    written = _Writer(figures, is_whole=True).joined(blocks)
+    body = "\n\n".join([*map(phrase, document.lead), written])
     return _TEMPLATE % (
         graphics,
         information,
@@ -626,6 +637,39 @@ def tables(document: Document, digits: int = doc.DIGITS) -> str:
     a string."""
     document = document.prepared(full=False, digits=digits)
     return fragment([*_tables(document.blocks), *_asides(document)])
+
+
+def tabular(document: Document, digits: int | None = None, *, lines: bool = False) -> str:
+    """The table of a document that goes into a paper: the first one; with ``lines``, or where there
+    is none, the lines of the answer in two columns.
+
+    One ``tabular`` in units of the scene, which needs booktabs alone. Its caption and a label are
+    comments. ``digits`` : of each number; None for those of a page.
+    """
+    document = document.prepared(full=False, digits=digits or doc.DIGITS)
+    table = next(_tables(document.blocks), None)
+    if lines or table is None:
+        facts = next(x for x in document.blocks if isinstance(x, doc.Facts))
+        table = doc.Table((doc.Column(""), doc.Column("")), facts.rows, document.title)
+    heads, rows = _cells(table)
+    caption = phrase(table.caption).replace("\n", " ")
+    label = re.sub(r"\W+", "-", document.title.lower(), flags=re.ASCII).strip("-")
+    comments = [f"% \\caption{{{caption}}}", f"% \\label{{tab:{label[:40].rstrip('-')}}}"]
+    # Columns as wide as they are: paragraphs would need another package.
+    columns = " ".join("l" for _ in table.columns)
+    text = "\n".join([*comments, *_tabular(columns, heads, rows), ""])
+    # \operatorname is of amsmath.
+    return text.replace(r"\operatorname", r"\mathrm")
+
+
+def _cells(table: doc.Table) -> tuple[list[str], list[str]]:
+    """The headings and the rows of a table, numbers with their points below each other."""
+    cells = [[*map(phrase, row)] for row in table.rows]
+    for i, column in enumerate(table.columns):
+        if column.number:
+            _point([said(row[i]) for row in table.rows], cells, i)
+    rows = [f"    {' & '.join(row)} \\\\" for row in cells]
+    return [phrase(x.heading) for x in table.columns], rows
 
 
 def _asides(document: Document) -> list[Block]:
@@ -699,6 +743,9 @@ class _Writer:
     figures: Mapping[str, str]
     names: Names = field(default_factory=Names)
     depth: int = 0
+    is_whole: bool = False
+    """Whether it is a document of ours, in which tables and figures stand where they are named; a
+    piece for somebody else's has floats."""
 
     def joined(self, blocks: Sequence[Block]) -> str:
         """Blocks one after the other: a display belongs to the paragraph before it; figures stand
@@ -744,11 +791,11 @@ class _Writer:
 
     @_written.register
     def _(self, block: doc.Section) -> str:
-        inside = _Writer(self.figures, self.names, self.depth + 1).joined(block.blocks)
+        inside = replace(self, depth=self.depth + 1).joined(block.blocks)
         if not block.title:
             return inside
         command = ("section", "subsection", "paragraph")[min(self.depth, 2)]
-        appendix = "\\appendix\n\n" if block.appendix else ""
+        appendix = "\\appendix \\small\n\n" if block.appendix else ""
         return f"{appendix}\\{command}{{{phrase(block.title)}}}\n\n{inside}"
 
     @_written.register
@@ -769,18 +816,19 @@ class _Writer:
             for x in figures
             if x.name in self.figures
         )
-        return (
-            f"\\begin{{figure}}[!htbp]\n\\centering\n{columns}\n\\end{{figure}}" if columns else ""
-        )
+        begin, end = self._float("figure")
+        return f"{begin}\n{columns}\n{end}" if columns else ""
+
+    def _float(self, kind: str) -> tuple[str, str]:
+        """How a figure or a table begins and ends."""
+        if self.is_whole:
+            begin = f"\\smallskip\\begin{{minipage}}{{\\linewidth}}\\centering\\here{{{kind}}}"
+            return begin, r"\end{minipage}\smallskip"
+        return f"\\begin{{{kind}}}[!htbp]\n  \\centering", f"\\end{{{kind}}}"
 
     @_written.register
     def _(self, block: doc.Table) -> str:
-        heads = [phrase(x.heading) for x in block.columns]
-        cells = [[*map(phrase, row)] for row in block.rows]
-        for i, column in enumerate(block.columns):
-            if column.number:
-                _point([said(row[i]) for row in block.rows], cells, i)
-        rows = [f"    {' & '.join(row)} \\\\" for row in cells]
+        heads, rows = _cells(block)
         columns, lines = _columns(block)
         # A float cannot break over pages: a long table becomes several, cut where the lines so far
         # pass a multiple of what one page has.
@@ -788,7 +836,8 @@ class _Writer:
         numbered = groupby(zip(ends, rows, strict=True), lambda x: (x[0] - 1) // _MOST)
         pieces = [[row for _, row in group] for _, group in numbered]
         return "\n\n".join(
-            _table(block, columns, heads, x, is_first=i == 0) for i, x in enumerate(pieces)
+            _table(self._float("table"), block.caption, _tabular(columns, heads, x), is_first=not i)
+            for i, x in enumerate(pieces)
         )
 
 
@@ -810,26 +859,26 @@ def _point(shown: Sequence[str], cells: list[list[str]], i: int) -> None:
 
 
 def _table(
-    table: doc.Table, columns: str, heads: Sequence[str], rows: Sequence[str], *, is_first: bool
+    around: tuple[str, str], caption: Phrase, tabular: Sequence[str], *, is_first: bool
 ) -> str:
-    """A floating table with these rows, all or a part of the table's."""
-    caption = phrase(table.caption) + ("" if is_first else " (Continued.)")
-    named = [f"  \\caption{{{caption}}}"] if table.caption else []
-    return "\n".join(
-        [
-            r"\begin{table}[!htbp]",
-            r"  \centering",
-            *named,
-            rf"  \begin{{tabular}}{{{columns}}}",
-            r"    \toprule",
-            f"    {' & '.join(heads)} \\\\",
-            r"    \midrule",
-            *rows,
-            r"    \bottomrule",
-            r"  \end{tabular}",
-            r"\end{table}",
-        ]
-    )
+    """A table with its caption, all of it or a part."""
+    begin, end = around
+    words = phrase(caption) + ("" if is_first else " (Continued.)")
+    named = [f"  \\caption{{{words}}}"] if caption else []
+    return "\n".join([begin, *named, *tabular, end])
+
+
+def _tabular(columns: str, heads: Sequence[str], rows: Sequence[str]) -> list[str]:
+    """The lines of a table without its float; no row of headings where all are empty."""
+    headed = [f"    {' & '.join(heads)} \\\\", r"    \midrule"] if any(heads) else []
+    return [
+        rf"  \begin{{tabular}}{{{columns}}}",
+        r"    \toprule",
+        *headed,
+        *rows,
+        r"    \bottomrule",
+        r"  \end{tabular}",
+    ]
 
 
 def _columns(table: doc.Table) -> tuple[str, list[int]]:

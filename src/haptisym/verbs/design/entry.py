@@ -100,6 +100,7 @@ class Design(Answer):
 
     _schema: ClassVar[str] = "haptisym.design/1"
     _page: ClassVar[str] = "haptisym.pages.design:page"
+    _is_in_lines = True
     _figure: ClassVar[str] = "haptisym.figures.design:DESIGN"
 
     family: SceneFamily

@@ -508,10 +508,10 @@ class Run:
         self.to_windows(until)
         return self.lock(1)
 
-    def settling(self, tolerance: float = 1e-12) -> float:
-        """Return how long the slowest pole needs to fade to a tolerance, s; 0 where none is
-        known, as in loops with delays."""
-        return -log(tolerance) / self._slowest if self._slowest else 0.0
+    def settling(self) -> float:
+        """Return how long the slowest pole needs to fade to 1e-12, s; 0 where none is known, as in
+        loops with delays."""
+        return -log(1e-12) / self._slowest if self._slowest else 0.0
 
     def _falling(self, period: float) -> float:
         """Return the factor by which the slowest pole fades in a period; 0 where none is known."""

@@ -335,9 +335,6 @@ def _powers(
     return x
 
 
-ExactValues: TypeAlias = Mapping[str, Exact]
-
-
 class Port(NamedTuple):
     """A port between two elements: force ``F`` and displacement ``X``."""
 

@@ -1,0 +1,198 @@
+"""The figure of a comparison: the ratios of all devices, one chart for each criterion, a colour and
+a stroke for each device, its name at its curve."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+
+from haptisym.figures import pen
+from haptisym.figures.curves import (
+    broken,
+    columns,
+    evenly,
+    in_window,
+    limit_of,
+    name_of,
+    refined,
+    sampled,
+    top_of,
+)
+from haptisym.figures.files import Drawings, sheet
+from haptisym.figures.layers import (
+    DrawnAxis,
+    Layer,
+    Limit,
+    Mark,
+    On,
+    Panel,
+    Polyline,
+    Room,
+    frequency,
+)
+from haptisym.judge.crossings import Criterion
+from haptisym.judge.evaluation import Evaluation
+from haptisym.model.jnd import Part
+from haptisym.programs.values import Array
+from haptisym.verbs.compare.entry import Comparison, Device
+from haptisym.writing.characters import printable
+
+_COLORS = (pen.INK, "#d0701f", pen.BLUE, "#3a9aa5", "#8f5a9e", pen.RED)
+_STROKES: tuple[Any, ...] = (
+    pen.SOLID,
+    pen.DASHED,
+    pen.DOTTED,
+    (0, (6, 1.5, 1, 1.5)),
+    (0, (1, 1)),
+    (0, (8, 2)),
+)
+"""Colours and strokes of the devices in their order: in grey the strokes alone tell them apart."""
+_PLACES = 12
+"""Places of a curve at which its name is tried."""
+
+
+@dataclass(frozen=True)
+class _Sampled:
+    """The curve, or the points, of one device under one criterion."""
+
+    name: str
+    omega: Array
+    ratio: Array
+    color: str
+    stroke: Any
+    measured: bool = False
+
+
+@dataclass(frozen=True)
+class _Names(Layer):
+    """The name of each device at its curve, where it meets nothing else."""
+
+    curves: Sequence[_Sampled] = field(default=())
+    limits: Sequence[float] = ()
+    top: float = 1.0
+
+    def draw(self, on: On) -> list[Artist]:
+        room = Room(on.ax)
+        # Every curve takes its place first: no name lies on the curve of another device.
+        for x in self.curves:
+            if x.measured:
+                for place in zip(on.x.of(x.omega), x.ratio, strict=True):
+                    room.take_point(*place)
+            else:
+                room.take_line(on.x.of(x.omega), np.minimum(x.ratio, 2 * self.top))
+        for limit in self.limits:
+            room.take_line(on.ax.get_xlim(), [limit, limit])
+        made: list[Artist] = []
+        for x in self.curves:
+            seen = np.flatnonzero(np.isfinite(x.ratio) & (x.ratio <= self.top))
+            if not len(seen):
+                continue
+            # A name may stand at any of some places of its curve, from its high end down: there
+            # curves are farthest apart.
+            low, high = x.omega[seen[0]], x.omega[seen[-1]]
+            wanted = np.linspace(high, low, _PLACES)
+            at = seen[np.abs(x.omega[seen][None, :] - wanted[:, None]).argmin(axis=1)]
+            places = [(float(on.x.of(x.omega[i])), float(x.ratio[i])) for i in at]
+            which, offset = room.along(places, printable(x.name), pen.SMALL)
+            made.append(
+                on.ax.annotate(
+                    printable(x.name),
+                    xy=places[which],
+                    xytext=offset,
+                    textcoords="offset points",
+                    fontsize=pen.SMALL,
+                    color=x.color,
+                )
+            )
+        return made
+
+
+def ratios(found: Comparison, which: int = 0) -> Panel:
+    """One criterion of all devices over their bands, with its thresholds and the frequencies at
+    which each meets it."""
+    names = _criteria(found)
+    name = names[which]
+    layers, curves, limits, top = list[Layer](), list[_Sampled](), dict[float, None](), 0.0
+    label = ""
+    for i, device in enumerate(found):
+        color, stroke = _COLORS[i % len(_COLORS)], _STROKES[i % len(_STROKES)]
+        if not isinstance(device.answer, Evaluation):
+            curves += _points(device, name, color, stroke)
+            continue
+        criterion = next((x for x in device.answer.criteria if x.name == name), None)
+        if criterion is None:
+            continue
+        label, limit = name_of(criterion), limit_of(criterion)
+        limits[limit] = None
+        omega, ratio, highest = _curve(device.answer, criterion)
+        top = max(top, highest, 2 * limit)
+        curves.append(_Sampled(device.name, omega, ratio, color, stroke))
+        crossed = [float(x.omega) for x in device.answer.crossings if x.criterion == criterion]
+        look = {"clip_on": False, "markeredgewidth": 0.8}
+        layers.append(Mark(crossed, [limit] * len(crossed), color, look=look))
+    drawn: list[Layer] = [
+        Mark(x.omega, x.ratio, x.color, size=2.4)
+        if x.measured
+        else Polyline(x.omega, x.ratio, x.color, x.stroke)
+        for x in curves
+    ]
+    # One legend for all charts, which is that of the first.
+    words = "" if which else "threshold"
+    thresholds = [Limit(x, label=words, shared=True) for x in limits]
+    finite = [x.ratio[np.isfinite(x.ratio)] for x in curves if x.measured]
+    top = top or max((float(x.max(initial=0.0)) for x in finite), default=1.0)
+    ends = [(float(x.omega.min()), float(x.omega.max())) for x in curves]
+    low, high = min(x for x, _ in ends), max(x for _, x in ends)
+    axis = frequency(found[0].scene.frequency, (low, high))
+    return Panel(
+        [*drawn, *thresholds, *layers, _Names(curves=curves, limits=list(limits), top=top)],
+        axis,
+        DrawnAxis(label or name, ends=(0, top)),
+        height=1.5,
+    )
+
+
+def _criteria(found: Comparison) -> list[str]:
+    """Return the names of all criteria; of measured devices alone those of the parts."""
+    each = [x.answer.criteria for x in found if isinstance(x.answer, Evaluation)]
+    names = dict.fromkeys(y.name for x in each for y in x)
+    return list(names) or [part.value for part in Part]
+
+
+def _curve(e: Evaluation, criterion: Criterion) -> tuple[Array, Array, float]:
+    """Return frequencies, rad/s, what is judged there, and the height of the axis that shows it."""
+    f = e.distortion.compile()
+
+    def judged(omega: Array) -> Array:
+        return columns([criterion], f(omega), omega)
+
+    grid = sampled(e)
+    top = top_of(judged(grid), judged(evenly(e)), limit_of(criterion))
+    omega = refined(lambda x: in_window(judged(x), 0, top), grid)
+    return omega, broken(judged(omega), omega, e.unbounded)[:, 0], top
+
+
+def _points(device: Device, name: str, color: str, stroke: Any) -> list[_Sampled]:
+    """Return the measured ratios of a part; nothing where a region judges both together."""
+    answer: Any = device.answer
+    parts = {Part.REAL.value: answer.lines.change.real, Part.IMAG.value: answer.lines.change.imag}
+    if name not in parts:
+        return []
+    ratio = np.abs(parts[name])
+    return [_Sampled(device.name, answer.lines.omega, ratio, color, stroke, measured=True)]
+
+
+def charts(found: Comparison) -> Figure:
+    """A chart for each criterion, one above the other."""
+    return sheet(*(ratios(found, i) for i in range(len(_criteria(found)))))
+
+
+COMPARISON = Drawings[Comparison](
+    {"real": ratios, "imag": lambda found: ratios(found, min(1, len(_criteria(found)) - 1))},
+    {"compare": charts},
+)

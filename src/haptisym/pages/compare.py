@@ -1,0 +1,222 @@
+"""The page of a comparison: which device is transparent furthest, what each is noticed as, in what
+they differ, and stability in the hands that all have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import partial
+
+from sympy import Integer
+
+from haptisym.judge.evaluation import Evaluation
+from haptisym.judge.percepts import NOT_NAMED
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, Way
+from haptisym.kernel.roots import ordered
+from haptisym.model.scene import Scene
+from haptisym.pages import words as w
+from haptisym.verbs.compare.entry import Change, Comparison, Device
+from haptisym.writing import document as doc
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+
+_VERDICTS: dict[bool | None, Phrase] = {
+    True: "stable",
+    False: (Strong("unstable"), ""),
+    None: (Strong("undecided"), ""),
+}
+
+
+def page(found: Comparison) -> Document:
+    """Return the page: the answer in three lines, what differs, the devices, the figure."""
+    blocks = (
+        doc.Facts(tuple(_answer(found)), "findings"),
+        doc.Section("Side by side", tuple(_side_by_side(found)), "side-by-side"),
+        *_differences(found),
+        doc.Notes(tuple(_notes(found))),
+    )
+    frequency = found[0].scene.frequency
+    return Document(found._about.title, (), blocks, "Comparison of haptic displays", frequency)
+
+
+def _answer(found: Comparison) -> Iterator[tuple[Phrase, Phrase]]:
+    """Yield the three lines of the answer, device by device."""
+    yield "Bandwidth", _ranked(found)
+    yield "Felt as", _in_turn((x.name, ": ", x.felt_as or "nothing noticed") for x in found)
+    yield "Stability", _in_turn(map(_prescribed, found))
+
+
+def _in_turn(phrases: Iterable[Phrase]) -> Phrase:
+    """Return phrases one after the other, with semicolons between them."""
+    return tuple(y for x in phrases for y in ("; ", x))[1:]
+
+
+def _ranked(found: Comparison) -> Phrase:
+    """Return the devices by bandwidth, the largest first; equal ones are joined by "="."""
+    if found.order is None:
+        pairs = listed(" and ".join(pair) for pair in found.undecided)
+        return Strong("order undecided"), " of ", pairs, "; ", _in_turn(map(_width, found))
+    groups: list[Phrase] = []
+    for places in found.order:
+        names = " = ".join(found[i].name for i in places)
+        name: Phrase = names if groups else Strong(names)
+        groups.append((name, ": ", _width_alone(found[places[0]])))
+    return _in_turn(groups)
+
+
+def _width(x: Device) -> Phrase:
+    return x.name, ": ", _width_alone(x)
+
+
+def _width_alone(x: Device) -> Phrase:
+    """Return a bandwidth: proven, the whole band, none, or between two measured points."""
+    if isinstance(x.answer, Evaluation):
+        if x.bandwidth is None:
+            return "none"
+        return ("the whole band, up to " if x.is_whole_band else ""), w.both(x.bandwidth)
+    if x.reach.most is None:
+        return "nothing noticed at any measured frequency"
+    if float(x.reach.least) < 0:
+        return "less than ", w.both(x.reach.most), " (measured)"
+    return "between ", w.cell(x.reach.least), " and ", w.both(x.reach.most), " (measured)"
+
+
+def _prescribed(x: Device) -> Phrase:
+    """Return whether a device is stable under prescribed motion, and passive."""
+    if not isinstance(x.answer, Evaluation):
+        return x.name, ": measured, not asked"
+    passive = {True: "passive", False: "not passive", None: "passivity undecided"}[x.is_passive]
+    return x.name, ": ", _VERDICTS[x.answer.stable], " under prescribed motion, ", passive
+
+
+def _differences(found: Comparison) -> Iterator[Block]:
+    """Yield what differs: parameters, models and band, then each device against the first one."""
+    # Of a part that not all devices have the row of its model is enough.
+    rows = [x for x in found.differences if not x.knobs or _is_shared(found, x)]
+    if rows:
+        shown = w.table(
+            rows,
+            "What is not the same in all devices.",
+            w.Field("", lambda x: x.path),
+            *(w.Field(device.name, partial(_value, i)) for i, device in enumerate(found)),
+        )
+        yield doc.Section("What differs", (shown,), "what-differs")
+    elif all(isinstance(x.answer, Evaluation) for x in found):
+        yield doc.Paragraph("All devices have the same models and the same values.")
+    lines = [_against_first(found, i) for i in range(1, len(found))]
+    yield from w.noted(lines)
+
+
+def _is_shared(found: Comparison, x: Change) -> bool:
+    """Whether all devices that are no measured ones have a parameter at that path."""
+    return all(
+        knob is not None
+        for knob, device in zip(x.knobs, found, strict=True)
+        if isinstance(device.scene, Scene)
+    )
+
+
+def _value(place: int, x: Change) -> Phrase:
+    """Return the cell of a device in the row of a difference."""
+    value, knob = x.values[place], x.knobs[place] if x.knobs else None
+    if value is None:
+        return "-"
+    if isinstance(value, tuple):
+        low, high = (w.cell(ExactNumber(end)) for end in value)
+        return low, " to ", high, "\xa0", FREQUENCY_UNIT
+    if knob is None or value.free_symbols:
+        return str(value)
+    # A row is in one unit, that of the first device: but for what turns beside what moves along.
+    first = next(y for y in x.knobs if y is not None)
+    unit = first if first.motion is knob.motion else knob
+    return w.value_of(unit, ExactNumber(value), Way.NEAREST)
+
+
+def _against_first(found: Comparison, place: int) -> Phrase:
+    """``B is noticed 2.1 rad/s later than A, as higher damping instead of lower mass.``"""
+    first, other = found[0], found[place]
+    as_what = _instead(first, other)
+    change = found.later(place)
+    if change is not None:
+        return (f"{other.name} is noticed ", _later(change, first), as_what, ".")
+    if other.is_whole_band and not first.is_whole_band:
+        return f"On its whole band {other.name} is not noticed; {first.name} is."
+    if first.is_whole_band and not other.is_whole_band:
+        return (f"{other.name} is noticed, {first.name} is not on its whole band", as_what, ".")
+    if first.is_whole_band:
+        return f"Neither {first.name} nor {other.name} is noticed on its whole band."
+    return (f"{other.name}: ", _width_alone(other), "; ", _width(first), as_what, ".")
+
+
+def _later(change: RealNumber, first: Device) -> Phrase:
+    """Return a difference of bandwidths in words, with its sign in them."""
+    sign = ordered(ExactNumber(Integer(0)), change)
+    if not sign:
+        return "at the same frequency as ", first.name
+    size = change if sign > 0 else Negative(change)
+    return w.both(size), f" {'later' if sign > 0 else 'earlier'} than ", first.name
+
+
+def _instead(first: Device, other: Device) -> str:
+    """Return as what a device is noticed first, where that is not as the first one is."""
+    # "as noticed" would say nothing: no property is named there.
+    if other.felt_as in ("", NOT_NAMED):
+        return ""
+    if first.felt_as in ("", NOT_NAMED, other.felt_as):
+        return f", as {other.felt_as}"
+    return f", as {other.felt_as} instead of {first.felt_as}"
+
+
+def _side_by_side(found: Comparison) -> Iterator[Block]:
+    """Yield a row for each device, one for each hand, and the figure."""
+
+    def limit(x: Device) -> str:
+        return ", ".join(y.name for y in x.limited_by) or "-"
+
+    yield w.table(
+        found,
+        (
+            "Each device: its bandwidth, ",
+            FREQUENCY_UNIT,
+            ", what limits it, and as what it is felt.",
+        ),
+        w.Field("device", lambda x: x.name),
+        w.number(("bandwidth (", FREQUENCY_UNIT, ")"), _cell),
+        w.Field("limited by", limit),
+        w.Field("first felt as", lambda x: x.felt_as or "-"),
+    )
+    hands = found[0].held or next((x.held for x in found if x.held), ())
+    if hands:
+        yield w.table(
+            range(len(hands)),
+            "Each hand: whether a device is stable in it.",
+            w.Field("hand", lambda i: hands[i].hand.name),
+            *(w.Field(x.name, partial(_held, x)) for x in found),
+        )
+    words = "The ratios of all devices with their thresholds; a name stands at each curve."
+    yield doc.Figure("compare", words, found.figure)
+
+
+def _cell(x: Device) -> Phrase:
+    """Return the bandwidth as a cell."""
+    if x.bandwidth is None:
+        return "none" if isinstance(x.answer, Evaluation) else "measured"
+    return "whole band" if x.is_whole_band else w.cell(x.bandwidth)
+
+
+def _held(x: Device, place: int) -> Phrase:
+    return _VERDICTS[x.held[place].stable] if x.held else "-"
+
+
+def _notes(found: Comparison) -> Iterator[Phrase]:
+    """Yield what is proven, and the remarks of single scenes, with their names."""
+    if found.certified:
+        yield "Proven: every bandwidth, their order, and all digits printed."
+    elif found.settled and found.order is not None:
+        yield "Proven of the formulas alone: measured devices are compared at their points."
+    for pair in found.undecided:
+        yield w.undecided(("which bandwidth is larger, that of ", " or of ".join(pair)))
+    for x in found:
+        yield from (doc.coded(f"{x.name}: {note}") for note in x.answer.asides())
+    for x in found:
+        if isinstance(x.scene, Scene):
+            yield from ((f"{x.name}: ", words) for words in w.model_words(x.scene))
+    yield "Next: ", doc.Code("haptisym evaluate SCENE")

@@ -1,0 +1,1 @@
+"""Several devices side by side: how far each is transparent, and which one is noticed first."""
