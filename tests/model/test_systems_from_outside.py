@@ -46,8 +46,8 @@ def test_a_lag_and_a_damper_written_in_s_are_felt_as_such() -> None:
 @pytest.mark.parametrize(
     ("system", "named"),
     [
-        (1 / (1 + I * w / 10), "contains I: write it in s"),
-        (100 + 3 * I * w, "contains I: write it in s"),
+        (1 / (1 + I * w / 10), "contains I: write the system in s"),
+        (100 + 3 * I * w, "contains I: write the system in s"),
         (I / (s + 1), "contains I: .* real numbers"),
         (Symbol("s", positive=True) + 1, r'declare s without assumptions: Symbol\("s"\)'),
         (s + Symbol("s", positive=True), "s is the Laplace variable: a parameter needs another name"),

@@ -71,7 +71,7 @@ class Ring(PolynomialRing):
         roots = [x for x in atoms if _is_root(x)]
         order = Rational(1, lcm(*(x.exp.q for x in roots)))
         numbers = {x.base for x in roots if x.base.is_Integer}
-        parameters = {x.base for x in roots if x.base.is_Symbol}
+        parameters = {x.base for x in roots if not x.base.is_Integer}
         bases = _independent(numbers) | parameters
         plain = {x for x in atoms if x.is_Symbol} - {s} - bases
         symbols = plain | {x**order for x in bases}
@@ -166,10 +166,9 @@ def _is_fractional(x: Expr) -> bool:
 
 
 def _is_root(x: Expr) -> bool:
-    """Whether an expression is a fractional power of a parameter or of a whole number, not
-    negative."""
-    is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
-    return bool(is_known and x.exp.is_Rational and not x.exp.is_Integer)
+    """Whether an expression is a fractional power of a constant that is not negative."""
+    is_power = x.is_Pow and x.exp.is_Rational and not x.exp.is_Integer
+    return bool(is_power and x.base.is_nonnegative and not x.base.has(s))
 
 
 def _independent(numbers: set[Integer]) -> set[Integer]:

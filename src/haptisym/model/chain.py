@@ -45,6 +45,7 @@ from sympy import (
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted, within
+from haptisym.kernel.objects import viewed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
@@ -110,11 +111,7 @@ class Chain:
     def stand_in(self) -> Symbol:
         """The symbol that stands for a threshold in the ring: c, or c_, c__ where a parameter has
         that name."""
-        taken = {x.name for entry in self.entries() for x in entry.free_symbols}
-        name = symbol_c.name
-        while name in taken:
-            name += "_"
-        return Symbol(name, positive=True)
+        return unused(symbol_c, self.parameters)
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
@@ -252,6 +249,14 @@ class Chain:
         return Chain(change(self.environment), change(self.rendered), matrices)
 
 
+def unused(symbol: Symbol, taken: Iterable[Symbol]) -> Symbol:
+    """The symbol, with as many _ after its name as it takes to be none of others by name."""
+    name, names = symbol.name, {x.name for x in taken}
+    while name in names:
+        name += "_"
+    return Symbol(name, positive=symbol.is_positive)
+
+
 @lru_cache(maxsize=8)
 def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
@@ -368,8 +373,9 @@ class Properties:
 
     real: Expr
     imag: Expr
-    frequency: Symbol = omega
-    """The symbol of omega."""
+    frequency: Expr = omega
+    """The symbol of omega, or a value."""
+    amplitude: Symbol = X
 
     @property
     def stiffness(self) -> Expr:
@@ -389,12 +395,12 @@ class Properties:
     @property
     def spring_inertia_force(self) -> Expr:
         """The force of spring and inertia together, for a motion of amplitude X: X Re H."""
-        return X * self.real
+        return self.amplitude * self.real
 
     @property
     def damping_force(self) -> Expr:
         """The force of the damper, for a motion of amplitude X: j X Im H."""
-        return I * X * self.imag
+        return I * self.amplitude * self.imag
 
 
 @dataclass(frozen=True)
@@ -411,11 +417,13 @@ class ParameterJND:
     mass: Expr
 
 
-def properties(response: Response, frequency: Symbol = omega) -> Properties:
-    """The properties of a dynamics by its response on s = j omega; ``frequency`` : the symbol for
-    omega in them."""
-    real, imag = (x.factored().xreplace({omega: frequency}) for x in (response.real, response.imag))
-    return Properties(real, imag, frequency)
+def properties(response: Response, frequency: Expr = omega, amplitude: Symbol = X) -> Properties:
+    """The properties of a dynamics by its response on s = j omega; ``frequency`` : what stands for
+    omega in them, ``amplitude`` : for the amplitude of the motion."""
+    real, imag = (
+        in_place(x.factored(), {omega: frequency}) for x in (response.real, response.imag)
+    )
+    return Properties(real, imag, frequency, amplitude)
 
 
 def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
@@ -486,6 +494,19 @@ class Changeovers(NamedTuple):
     environment: Frequencies
     perceived: Frequencies
 
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
+
+class CrossingSolutions(NamedTuple):
+    """All values at which r_r, and at which r_i, equals a threshold."""
+
+    real: tuple[Solution, ...]
+    imag: tuple[Solution, ...]
+
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
 
 class Asymptote(NamedTuple):
     """The leading terms of dH(s), of Re dH and of Im dH in omega."""
@@ -517,10 +538,6 @@ def part_named(given: Any) -> Part:
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
     """Read a threshold: a fraction > 0, as a number or in symbols of its own. ``named`` : the names
     that are taken, and what they mean. SceneError for any other."""
-    if isinstance(given, str):
-        raise SceneError(
-            f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)"
-        )
     with within("c"):
         value = quantity(given, Dimension.RATIO).value
     if (value.is_number and sign_of_number(value) <= 0) or value.is_positive is False:
@@ -542,12 +559,17 @@ def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     return RealFunction(f.ring.function(top, f.denominator * square.denominator).reduced())
 
 
-def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
+def crossings(
+    squared_ratio: RealFunction,
+    c: Expr,
+    stand_in: Symbol,
+    by: Callable[[RealFunction], tuple[Solution, ...]] = solve,
+) -> tuple[Solution, ...]:
     """The frequencies at which a ratio equals a threshold, as formulas; ``stand_in`` : the symbol
-    that the ring has for a threshold."""
+    that the ring has for a threshold, ``by`` : what solves r^2 = c^2."""
     if not c.free_symbols:
-        return solve(excess(squared_ratio, c))
-    solutions = solve(excess(squared_ratio, stand_in))
+        return by(excess(squared_ratio, c))
+    solutions = by(excess(squared_ratio, stand_in))
     # Squaring loses the sign of c: the condition c >= 0 goes along, and is left out where known.
     in_c = (replace(x, conditions=(*x.conditions, stand_in)).put({stand_in: c}) for x in solutions)
     return tuple(x for x in in_c if x is not None)
@@ -604,17 +626,17 @@ def _far(f: RealFunction) -> Expr:
 
 
 def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
-    """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays or
-    fractional powers an expression in omega. ``stand_in`` : the ring's symbol for a threshold."""
+    """The polynomial in W (W_ where that is a parameter) = omega^2 that vanishes where a ratio
+    equals a threshold; with delays or fractional powers an expression in omega. ``stand_in`` : the
+    ring's symbol for a threshold."""
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
-    polynomial = f.function.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
+    polynomial = f.expression().as_numer_denom()[0].expand().xreplace({stand_in: c})
     if not polynomial.is_polynomial(omega):
         return polynomial
     if any(n % 2 for (n,) in Poly(polynomial, omega).monoms()):
         return polynomial
-    if _SQUARE.name in {x.name for x in polynomial.free_symbols}:
-        raise SceneError(f"{_SQUARE} is reserved for omega^2: give the parameter another name")
-    return Poly(polynomial.subs(omega, sqrt(_SQUARE)), _SQUARE)
+    square = unused(_SQUARE, polynomial.free_symbols)
+    return Poly(polynomial.subs(omega, sqrt(square)), square)
 
 
 def bandwidth(

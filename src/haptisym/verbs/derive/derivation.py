@@ -718,11 +718,14 @@ def listed_name(name: str) -> str | None:
     return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
 
 
-def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = None) -> Derivation:
+def derive(
+    scene: Scene | Distortion | str | Path,
+    keep: Iterable[str | Symbol] | str | Symbol | None = None,
+) -> Derivation:
     """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a
     page of text.
 
-    ``keep`` : the names of the parameters that stay symbols; None for all of them and the
+    ``keep`` : the parameters that stay symbols, by symbol or name; None for all of them and the
     threshold, () for none. A name that the scene does not have raises SceneError, as do names
     beside a distortion, whose symbols stay.
 
@@ -743,9 +746,11 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
     kept = [
-        scene.knobs[name].felt()
+        scene.knobs[str(name)].felt()
         for name in (
-            [keep] if isinstance(keep, str) else several("keep", keep, "give names of parameters")
+            [keep]
+            if isinstance(keep, str | Symbol)
+            else several("keep", keep, "give names of parameters")
         )
     ]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
