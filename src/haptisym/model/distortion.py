@@ -526,7 +526,7 @@ class Distortion(Shown):
         >>> from haptisym.kernel.rings import symbols
         >>> lag = effects.first_order_lag(symbols("w"))
         >>> [x.omega for x in distort(environments.mass_spring_damper(k=symbols("k")), lag).crossings("real")]
-        [sqrt(c)*w*sqrt(1/(1 - c))]
+        [sqrt(c)*w/sqrt(1 - c)]
         >>> own = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
         >>> [x.digits(8) for x in own.crossings("real", 0.2)]
         ['10.000000']
@@ -730,7 +730,9 @@ class Distortion(Shown):
                 f"modules: {quoted(modules)}: give a package that is installed, as numpy, mpmath "
                 f"or math"
             ) from None
-        return (lambda *x: dict(zip(forms, function(*x), strict=True))) if steps else function
+        if not steps:
+            return function
+        return lambda *x, **y: dict(zip(forms, function(*x, **y), strict=True))
 
     @property
     def changeover_environment(self) -> Expr | None:
