@@ -200,7 +200,7 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
     argument = exponential.args[0].expand()
     rate = argument.coeff(s)
     if rate.has(s) or (argument - rate * s).expand() != 0:
-        raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
+        raise SceneError(f"{exponential} is not a delay, whose exponent is -s times a time: give a constant a symbol")
     signs = {}
     for term in Add.make_args(-rate):
         number, rest = term.as_coeff_Mul()

@@ -200,7 +200,9 @@ class Distortion(Shown):
         return hash(self._known)
 
     def _line(self) -> str:
-        return f"of H_env = {self.chain.environment}, {counted(len(self.chain.matrices), 'effect')}"
+        here = "" if self.value is None else f", at {self.frequency} = {self.value}"
+        made = counted(len(self.chain.matrices), "effect")
+        return f"of H_env = {self.chain.environment}, {made}{here}"
 
     @cached_property
     def difference(self) -> RationalFunction:

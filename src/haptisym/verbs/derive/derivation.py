@@ -46,6 +46,7 @@ from sympy import (
     symbols,
 )
 
+from haptisym import effects, environments
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
@@ -58,7 +59,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, 
 from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.distortion import Distortion, Elements, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents
@@ -761,9 +762,15 @@ def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
     """The derivation of a distortion, of which all symbols stay symbols."""
     if keep is not None:
         raise SceneError("keep: a distortion keeps its symbols: leave it out")
-    if d.elements is None:
-        raise SceneError(
-            "this distortion has no environment and effects: give one that distort() returned"
-        )
-    environment, effects, rendered = d.elements
-    return Derivation(Scene(environment, effects, rendered=rendered), ())
+    if d.value is not None:
+        raise SceneError(f"omega is {d.value}: derive the distortion without it")
+    environment, elements, rendered = d.elements or _elements(d.chain)
+    return Derivation(Scene(environment, elements, rendered=rendered), ())
+
+
+def _elements(chain: Chain) -> Elements:
+    """The dynamics of a chain as environments and two-ports: into those of which it was made values
+    have not been put."""
+    felt, rendered = map(environments.expression, (chain.environment, chain.rendered))
+    ports = tuple(effects.two_port(*matrix) for matrix in chain.matrices)
+    return felt, ports, None if chain.rendered == chain.environment else rendered
