@@ -298,7 +298,7 @@ def _through(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
 # factors. Above, Re and Im would have some square of that many terms.
 _SHORT, _FEW, _MOST = 10, 80, 300
 # Lowest terms are preferred up to this many times the operations of the other form.
-_LONGER = 1.3
+LONGER = 1.3
 _TURN = {Part.REAL: cos, Part.IMAG: sin}
 _PART = {Part.REAL: re, Part.IMAG: im}
 
@@ -323,7 +323,7 @@ def shortest(
     if terms > _FEW:
         return other, False
     reduced = lowest()
-    return (reduced, True) if count_ops(reduced) <= _LONGER * count_ops(other) else (other, False)
+    return (reduced, True) if count_ops(reduced) <= LONGER * count_ops(other) else (other, False)
 
 
 def _polar(factor: Expr) -> tuple[Expr, Expr]:

@@ -14,10 +14,18 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, im, lambdify, re, sqrt
+from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of, squared_modulus
+from haptisym.kernel.dynamics import (
+    RealFunction,
+    Response,
+    Ring,
+    on_axis,
+    over_squares,
+    ring_of,
+    squared_modulus,
+)
 from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.objects import Shown, copied, counted
 from haptisym.kernel.reals import RealNumber
@@ -32,6 +40,7 @@ from haptisym.model.catalogue import (
     with_controller,
 )
 from haptisym.model.chain import (
+    LONGER,
     Asymptote,
     Chain,
     Changeovers,
@@ -317,7 +326,7 @@ class Distortion(Shown):
             return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
 
         def lowest() -> Expr:
-            return part_of(self.difference_response, part).factored()
+            return _shorter(self.difference, part)
 
         return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
@@ -337,7 +346,7 @@ class Distortion(Shown):
         change = (self.difference / self.env).reduced()
 
         def lowest() -> Expr:
-            return part_of(self.relative_response, part).factored()
+            return _shorter(change, part)
 
         return shortest(
             change,
@@ -835,6 +844,17 @@ def _allowed(x: Symbol, value: Expr) -> Expr:
 def part_of(response: Response, part: Part) -> RealFunction:
     """The real or the imaginary part of a response."""
     return response.real if part is Part.REAL else response.imag
+
+
+def _shorter(dynamics: RationalFunction, part: Part) -> Expr:
+    """Re or Im of a dynamics with common factors cancelled: in factors, over sums of two squares,
+    or in products of its parts, where that is shorter."""
+    real = part is Part.REAL
+    factored = part_of(on_axis(dynamics), part).factored()
+    reduced = min(factored, over_squares(dynamics, real=real), key=count_ops)
+    products = over_squares(dynamics, real=real, multiplied=False)
+    # Leading powers of omega show in factors only, which a few operations are worth.
+    return reduced if count_ops(reduced) <= LONGER * count_ops(products) else products
 
 
 def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:
