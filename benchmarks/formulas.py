@@ -2,7 +2,8 @@
 
     python benchmarks/formulas.py [most]
 
-A mass, a damper and a spring behind 1, 2, ..., 12 lags, every parameter a symbol. Each way makes Re dH and Im dH; told are
+A mass, a damper and a spring behind 1, 2, ..., 12 lags, then behind compliances and shunts, every parameter a symbol. Each way
+makes Re dH and Im dH; told are
 operations of both (SymPy's ``count_ops``) and, in brackets, milliseconds of processor time; each gets ten seconds. "plain" is
 ``as_real_imag``, which from two lags on leaves re(1/(...)) and im(1/(...)) in its answer: it is no closed form there. Lcapy and
 symengine stand where they are installed; symengine has no real part of symbols, so that its number is that of the numerator times
@@ -16,7 +17,7 @@ import sys
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy
 from timing import machine
@@ -28,29 +29,54 @@ LIMIT = 10.0
 M, B, K = hs.symbols("m b k")
 
 
+def compliance(i: int) -> hs.Effect:
+    return hs.effects.compliance(*sympy.symbols(f"k_{i} b_{i}", positive=True))
+
+
+def shunt(i: int) -> hs.Effect:
+    return hs.effects.shunt(*sympy.symbols(f"m_{i} b_{i}", positive=True))
+
+
+CHAINS: dict[str, tuple[hs.Effect, ...]] = {
+    "compliance": (compliance(1),),
+    "compliance, shunt": (compliance(1), shunt(2)),
+    "two compliances": (compliance(1), compliance(2)),
+}
+Count: TypeAlias = int | str
+"""How many lags, or which of the chains."""
+
+
+def effects(count: Count) -> tuple[hs.Effect, ...]:
+    return CHAINS[count] if isinstance(count, str) else tuple(map(hs.effects.first_order_lag, lags(count)))
+
+
 def lags(count: int) -> list[sympy.Symbol]:
     return [sympy.Symbol(f"w_{i}", positive=True) for i in range(1, count + 1)]
 
 
-def change(count: int) -> sympy.Expr:
+def change(count: Count) -> sympy.Expr:
     """DH at s = j omega, as a person writes it down."""
-    G = sympy.Mul(*(w / (hs.s + w) for w in lags(count)))
-    return ((M * hs.s**2 + B * hs.s + K) * (G - 1)).subs(hs.s, sympy.I * hs.omega)
+    environment = M * hs.s**2 + B * hs.s + K
+    H = environment
+    for effect in effects(count):
+        a, b, c, d = effect.matrix
+        H = (a * H + b) / (c * H + d)
+    return (H - environment).subs(hs.s, sympy.I * hs.omega)
 
 
-def distortion(count: int) -> hs.Distortion:
-    return hs.distort(hs.environments.mass_spring_damper(M, B, K), *map(hs.effects.first_order_lag, lags(count)))
+def distortion(count: Count) -> hs.Distortion:
+    return hs.distort(hs.environments.mass_spring_damper(M, B, K), *effects(count))
 
 
-def by_plain(count: int) -> tuple[sympy.Expr, ...]:
+def by_plain(count: Count) -> tuple[sympy.Expr, ...]:
     return tuple(change(count).as_real_imag())
 
 
-def by_cancel(count: int) -> tuple[sympy.Expr, ...]:
+def by_cancel(count: Count) -> tuple[sympy.Expr, ...]:
     return tuple(map(sympy.cancel, by_plain(count)))
 
 
-def by_simplify(count: int) -> tuple[sympy.Expr, ...]:
+def by_simplify(count: Count) -> tuple[sympy.Expr, ...]:
     return tuple(map(sympy.simplify, by_plain(count)))
 
 
@@ -80,12 +106,12 @@ def by_symengine(count: int) -> tuple[sympy.Expr, ...]:
     return tuple(sympy.sympify(symengine.Add(*x) / size) for x in parts)
 
 
-def by_haptisym(count: int) -> tuple[sympy.Expr, ...]:
+def by_haptisym(count: Count) -> tuple[sympy.Expr, ...]:
     d = distortion(count)
     return d.real, d.imag
 
 
-def by_steps(count: int) -> int:
+def by_steps(count: Count) -> int:
     return distortion(count).steps().operations
 
 
@@ -96,7 +122,7 @@ WAYS: dict[str, Callable[[int], Any]] = {
 NEEDED = {"Lcapy": "lcapy", "symengine": "symengine"}
 
 
-def measured(way: str, count: int, queue: Any) -> None:
+def measured(way: str, count: Count, queue: Any) -> None:
     WAYS[way](1)  # imports are not timed
     sympy.core.cache.clear_cache()
     started = time.process_time()
@@ -105,7 +131,7 @@ def measured(way: str, count: int, queue: Any) -> None:
     queue.put((found if isinstance(found, int) else sum(int(x.count_ops()) for x in found), seconds))
 
 
-def limited(way: str, count: int) -> tuple[int, float] | None:
+def limited(way: str, count: Count) -> tuple[int, float] | None:
     """Operations and seconds; None beyond the limit."""
     queue: Any = multiprocessing.Queue()
     worker = multiprocessing.Process(target=measured, args=(way, count, queue))
@@ -122,15 +148,20 @@ def main(most: int) -> None:
     """Print one table: operations, and milliseconds in brackets."""
     print(machine())
     ways = [x for x in WAYS if x not in NEEDED or find_spec(NEEDED[x])]
-    print("\nlags" + "".join(f"{x:>20}" for x in ways))
+    print(f"\n{'lags':<18}" + "".join(f"{x:>20}" for x in ways))
     over: set[str] = set()
-    for count in range(1, most + 1):
+    counts: list[Count] = [*range(1, most + 1), *CHAINS]
+    for count in counts:
         cells = []
         for way in ways:
-            found = None if way in over else limited(way, count)
-            over |= set() if found else {way}
+            lagged = isinstance(count, int)
+            if way in (over if lagged else NEEDED):
+                cells.append("> 10 s" if lagged else "-")
+                continue
+            found = limited(way, count)
+            over |= {way} if lagged and not found else set()
             cells.append(f"{found[0]} ({1000 * found[1]:.0f})" if found else "> 10 s")
-        print(f"{count:4d}" + "".join(f"{x:>20}" for x in cells), flush=True)
+        print(f"{count:<18}" + "".join(f"{x:>20}" for x in cells), flush=True)
 
 
 if __name__ == "__main__":

@@ -20,7 +20,11 @@ from haptisym.model.catalogue import (
     hands as hands,
 )
 from haptisym.model.devices import devices as devices
-from haptisym.model.distortion import Distortion as Distortion, distort as distort
+from haptisym.model.distortion import (
+    Distortion as Distortion,
+    distort as distort,
+    solve_for as solve_for,
+)
 from haptisym.model.estimating import estimated as estimated
 from haptisym.model.jnd import Part as Part, Published as Published, Threshold as Threshold
 from haptisym.model.measured import Measurement as Measurement

@@ -19,16 +19,17 @@ from types import ModuleType
 from typing import Any, TypeAlias
 
 import numpy as np
-from sympy import Add, Expr, I, Integer, Matrix
+from sympy import Add, Expr, I, Integer, Matrix, Poly
 
 from haptisym import effects, environments
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import PolynomialRing, RationalFunction, degree_in, s
 from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.distortion import Distortion
 from haptisym.model.measured import Measurement
-from haptisym.model.quantities import Dimension, decimal, in_laplace, quantity
+from haptisym.model.quantities import constant, decimal, in_laplace
 
 System: TypeAlias = Any
 """A dynamics in some form: see ``dynamics``."""
@@ -41,7 +42,8 @@ def dynamics(system: System) -> Expr:
     ``sympy.physics.control``, ``control`` or
     ``scipy.signal`` (transfer function, zeros and poles, state space; SymPy's also in series,
     parallel or feedback); a pair of numerator and denominator, coefficients of the highest power
-    first; an Environment, or an Effect in series. Floats are read as their shortest decimals.
+    first; an Environment, an Effect in series, or a Distortion, of which it is H_perc. Floats are
+    read as their shortest decimals.
     Raises SceneError for several inputs or outputs, for discrete time, and for roots that are not
     in conjugate pairs.
 
@@ -55,6 +57,8 @@ def dynamics(system: System) -> Expr:
         return system.H
     if isinstance(system, Effect):
         return _series_gain(system)
+    if isinstance(system, Distortion):
+        return system.perceived
     if isinstance(system, Real | Decimal) and not isinstance(system, bool):
         return _number(system)
     for read in (_sympy, _control, _scipy, _pair):
@@ -90,16 +94,24 @@ def series(system: System, name: str = "") -> Effect:
     return effects.series(dynamics(system), name=name or "series")
 
 
-def to_sympy(system: System) -> Any:
+def to_sympy(system: System, of: str = "H_perc") -> Any:
     """The system as a ``sympy.physics.control.TransferFunction``, exact, common factors cancelled;
     parameters may be symbols.
 
-    ``system`` : as of ``dynamics``; units stay, SI. Raises SceneError for what is not rational in
-    s.
+    ``system`` : as of ``dynamics``; units stay, SI. ``of`` : of a Distortion "H_env", "H_perc" or
+    "dH". Raises SceneError for what is not rational in s, and for another name.
 
     >>> to_sympy(environments.maxwell(100, 5))
     TransferFunction(100*s, s + 20, s)
+    >>> from haptisym.model.distortion import distort
+    >>> to_sympy(distort(100, 20 / (s + 20)), "dH")
+    TransferFunction(-100*s, s + 20, s)
     """
+    if isinstance(system, Distortion):
+        forms = {"H_env": system.environment, "H_perc": system.perceived, "dH": system.distortion}
+        if of not in forms:
+            raise SceneError(f"of: {quoted(of)}: give H_env, H_perc or dH")
+        system = forms[of]
     above, below = _fraction(system)
     top, bottom = (Add(*(x * s**n for n, x in enumerate(reversed(row)))) for row in (above, below))
     return import_module("sympy.physics.control").TransferFunction(top, bottom, s)
@@ -161,6 +173,8 @@ def _series_gain(effect: Effect) -> Expr:
 
 def _sympy(system: System) -> Expr | None:
     """The dynamics of an expression or system of SymPy; None for anything else."""
+    if isinstance(system, Poly) and len(system.gens) == 1:
+        return in_laplace(system.as_expr(), system.gen)
     if isinstance(system, Expr):
         return in_laplace(system)
     package = sys.modules.get("sympy.physics.control.lti")
@@ -185,6 +199,16 @@ def _of_sympy(system: System, package: ModuleType) -> Expr:
         if isinstance(system, kinds):
             return reduce(operation, (_of_sympy(x, package) for x in system.args))
     if not isinstance(system, package.Feedback | package.MIMOFeedback):
+        parts = (system.num, system.den)
+        # SymPy takes systems as numerator and denominator, too.
+        if any(isinstance(x, package.LinearTimeInvariant) for x in parts):
+            above, below = (
+                _of_sympy(x, package)
+                if isinstance(x, package.LinearTimeInvariant)
+                else in_laplace(x, system.var)
+                for x in parts
+            )
+            return above / below
         return in_laplace(system.to_expr(), system.var)
     forward, back = (_of_sympy(x, package) for x in (system.sys1, system.sys2))
     # Where 1 - sign G1 G2 is 0 the loop has no solution, whatever enters it.
@@ -299,7 +323,7 @@ def _number(given: Any) -> Expr:
         if given.imag != 0:
             raise SceneError(f"{given} is complex: give real coefficients")
         given = given.real
-    return quantity(given, Dimension.ANY).value
+    return constant(given)
 
 
 # Out.

@@ -279,6 +279,7 @@ def answers(path: Path) -> list[str]:
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
     d: hs.Distortion = hs.distort(hs.environments.mass_spring_damper(*hs.symbols("m b k")), hs.effects.delay("5 ms"))
+    mass: object = hs.solve_for(d, "changeover", "m").environment
     f = d.compile(hs.Accuracy.FAST)
     written: list[str] = [hs.latex(e), hs.latex(d), hs.mathml(d), e.to_json(), code, str(together), str(hs.omega + hs.s)]
     try:
@@ -286,7 +287,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, doing, design, both, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted]
+    shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted, mass]
     return [*written, *map(str, shown), str(path)]
 '''
 

@@ -3,13 +3,40 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
+from random import Random
 from typing import Any
 
+import mpmath
+import numpy as np
 import pytest
-from sympy import Expr, Float, I, Matrix, Rational, Symbol, asin, cbrt, exp, sqrt
+from sympy import (
+    Abs,
+    Eq,
+    Expr,
+    Float,
+    I,
+    Integer,
+    Matrix,
+    Poly,
+    Rational,
+    Symbol,
+    acos,
+    asin,
+    cbrt,
+    cos,
+    exp,
+    log,
+    nan,
+    oo,
+    pi,
+    sin,
+    sqrt,
+    symbols,
+)
 from sympy.physics.control import (
     Feedback,
     MIMOSeries,
@@ -18,7 +45,9 @@ from sympy.physics.control import (
     StateSpace,
     TransferFunction,
     TransferFunctionMatrix,
+    lti,
 )
+from sympy.physics.control.tests import test_lti
 
 import haptisym as hs
 from haptisym.kernel.rings import c, omega
@@ -46,8 +75,8 @@ def test_a_lag_and_a_damper_written_in_s_are_felt_as_such() -> None:
 @pytest.mark.parametrize(
     ("system", "named"),
     [
-        (1 / (1 + I * w / 10), "contains I: write it in s"),
-        (100 + 3 * I * w, "contains I: write it in s"),
+        (1 / (1 + I * w / 10), "contains I: write the system in s"),
+        (100 + 3 * I * w, "contains I: write the system in s"),
         (I / (s + 1), "contains I: .* real numbers"),
         (Symbol("s", positive=True) + 1, r'declare s without assumptions: Symbol\("s"\)'),
         (s + Symbol("s", positive=True), "s is the Laplace variable: a parameter needs another name"),
@@ -301,3 +330,483 @@ def test_leading_terms_in_1_over_omega_are_exact_and_0_is_no_crossing() -> None:
     assert not at_rest.imag.has(Float)
     touching = hs.distort(1 + s, 1 + Rational(1, 10) + s**2)
     assert all(float(x) > 0 for x in touching.crossings("real", Rational(1, 10)))
+
+
+# By every door the same.
+
+
+p, S = symbols("p S")
+LAG = 1 / (1 + T * s)
+DIGITS = 60
+FORMS = ("real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag")
+
+
+# Values.
+
+
+@pytest.mark.parametrize(
+    ("value", "exact"),
+    [
+        (3, 3), (0.1, Rational(1, 10)), (np.float64(0.1), Rational(1, 10)), (np.int64(3), 3), (Fraction(1, 3), Rational(1, 3)),
+        (Decimal("0.1"), Rational(1, 10)), ("0.1", Rational(1, 10)), ("2 N/mm", 2000), (Rational(2, 7), Rational(2, 7)),
+        (Float("0.1", 30), Rational(1, 10)), (pi, pi), (sqrt(2), sqrt(2)), (2 * b, 2 * b), (sqrt(b * m), sqrt(b * m)),
+        (mpmath.mpf(3), 3),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_value_is_put_in_exactly_in_every_way_of_writing_it(value: Any, exact: Any) -> None:
+    expected = (k + b * s).subs(k, exact)
+    plain = Symbol("k")
+    for found in (
+        LAGGED.at({k: value}),
+        LAGGED.at({"k": value}),
+        LAGGED.at({plain: value}),
+        LAGGED.subs(k, value),
+        LAGGED.subs("k", value),
+        LAGGED.subs({k: value}),
+        LAGGED.subs([(k, value)]),
+    ):
+        assert (found.environment - expected).expand() == 0
+        assert found == LAGGED.at({k: value})
+    assert LAGGED.at({k: b, b: k}).environment == b + k * s  # all at once
+
+
+@pytest.mark.parametrize(
+    ("put", "told"),
+    [
+        (lambda: LAGGED.at({"kk": 1}), 'unknown parameter "kk": did you mean "k"'), (lambda: LAGGED.at({"s": 1}), 'unknown parameter "s"'),
+        (lambda: LAGGED.at([(k, 1)]), "values"), (lambda: LAGGED.at({k: 1j}), "k: "), (lambda: LAGGED.at({k: float("nan")}), "k: "),
+        (lambda: LAGGED.at({k: oo}), "k: .*finite"), (lambda: LAGGED.at({k: None}), "k: "), (lambda: LAGGED.at({k: True}), "k: "),
+        (lambda: LAGGED.at({k: np.array([1, 2])}), "k: "), (lambda: LAGGED.at({k: -3}), "k: .*>= 0"), (lambda: LAGGED.at({k: s}), "k: .*s"),
+        (lambda: LAGGED.at({k: omega}), "k: .*omega"), (lambda: LAGGED.at({k: I}), "k: .*I"), (lambda: LAGGED.at({k: "100 foo"}), "k: "),
+        (lambda: LAGGED.subs(k), "subs"), (lambda: LAGGED.subs(1, 2, 3), "subs"), (lambda: LAGGED.at({"omega": -1}), "omega"),
+        (lambda: LAGGED.at({"omega": "1 m"}), "omega: "), (lambda: LAGGED.at({T: Symbol("b")}), "two different symbols"),
+        (lambda: hs.distort(100, 1 / (s**2 + 9)).at({"omega": 3}).real, "divided by zero"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_put_in_is_told(put: Callable[[], object], told: str) -> None:
+    with pytest.raises(hs.SceneError, match=told):
+        put()
+
+
+def test_a_frequency_that_is_put_in_goes_into_all_closed_forms() -> None:
+    known = {k: 100, b: 3, T: Rational(1, 50)}
+    for key, value in (("omega", 8), (Symbol("omega"), 8), (omega, Integer(8)), ("omega", "8 rad/s"), (omega, 8.0)):
+        here = LAGGED.subs(key, value)
+        for name in (*FORMS, "modulus"):
+            assert getattr(here, name) == getattr(LAGGED, name).subs(omega, 8)
+        assert here.at(known).real == LAGGED.real.subs(omega, 8).subs(known)
+        assert here.at(known) == LAGGED.at({**known, omega: 8}) != LAGGED.at(known)
+    assert LAGGED.at({"omega": "1 Hz"}).imag == LAGGED.imag.subs(omega, 2 * pi)
+    here = hs.distort(k + b * s, LAG, omega=w).subs(w, 8)
+    assert here.environment_properties.stiffness == k
+    assert here.environment_properties.damping == b
+    steps = here.steps("real")
+    value = steps.at({k: Rational(2), b: Rational(3), T: Rational(5)})["real"]
+    assert value == here.real.subs({k: 2, b: 3, T: 5})
+    assert hs.verify(here, 2).worst["closed form"] < 1e-9
+    assert here.crossings("real", 0.1)[0].equation.has(w)  # the frequency of a crossing is another one
+
+
+@pytest.mark.parametrize(
+    "level", [0.1, "0.1", "10 %", Fraction(1, 10), Decimal("0.1"), Rational(1, 10), np.float64(0.1), Float(0.1)]
+)
+def test_a_threshold_is_read_as_it_is_written(level: Any) -> None:
+    known = LAGGED.at({k: 100, b: 1, T: 0.02})
+    assert known.bandwidth(level).digits(15) == "5.03154589262463"
+    assert [x.digits(12) for x in known.crossings("real", level)] == ["25.4990211049", "484.519616508"]
+    assert known.crossings("real", level, band=("0 Hz", "10 Hz"))[0].digits(12) == "25.4990211049"
+    assert LAGGED.threshold_polynomial("real", level) == LAGGED.threshold_polynomial("real", 0.1)
+
+
+def test_parameters_to_keep_and_closed_forms_are_named_by_symbols_too() -> None:
+    expected = hs.derive("fu2019", keep=["zeta", "k"])
+    zeta = Symbol("zeta")
+    assert (
+        hs.derive("fu2019", keep=[zeta, k])["Re dH"]
+        == hs.derive("fu2019", keep=(zeta, "k"))["Re dH"]
+        == expected["Re dH"]
+    )
+    assert hs.derive("fu2019", keep=k)["H_env"] == Rational(9, 5) * s**2 + 15 * s + k
+    for wrong in (
+        lambda: hs.derive("fu2019", keep=3),
+        lambda: hs.derive("fu2019", keep=["omegan"]),
+        lambda: LAGGED.compile(of=3),
+        lambda: LAGGED.lambdify("real", "numpyy"),
+        lambda: LAGGED.lambdify("rael"),
+        lambda: LAGGED.lambdify("modulus", steps=True),
+        lambda: hs.verify(LAGGED, 0),
+    ):
+        with pytest.raises(hs.SceneError):
+            wrong()
+
+
+# Doors.
+
+
+def systems(count: int, seed: int = 57) -> Iterator[tuple[list[Expr], list[Expr]]]:
+    """Rows of coefficients, highest power first, of random systems with numbers, parameters and roots."""
+    draw = Random(seed)
+    pieces = [Integer(2), Rational(3, 7), Rational(1, 10), k, b, m * T, sqrt(k * m), sqrt(2), sqrt(k + m), k / b]
+
+    def row(length: int) -> list[Expr]:
+        return [draw.choice(pieces) + draw.choice([0, *pieces]) for _ in range(length)]
+
+    for _ in range(count):
+        yield row(draw.randint(1, 3)), row(draw.randint(2, 3))
+
+
+def valued(form: Any, at: dict[Any, Any]) -> Any:
+    """A value of an expression in complex arithmetic of 60 digits."""
+    return mpmath.mpmathify(Expr.subs(form, at).evalf(DIGITS)) if isinstance(form, Expr) else form
+
+
+def in_powers(row: list[Expr], x: Expr) -> Expr:
+    return sum((a * x**n for n, a in enumerate(reversed(row))), Integer(0))
+
+
+@pytest.mark.parametrize("coefficients", [*systems(12)], ids=str)
+def test_a_system_is_the_same_behind_every_door(coefficients: tuple[list[Expr], list[Expr]]) -> None:
+    """Written in s, in another letter, in j omega, as a transfer function, and as rows of coefficients; against 60 digits."""
+    above, below = coefficients
+    G, H = (lambda x: in_powers(above, x) / in_powers(below, x)), (lambda x: k + b * x + m * x**2)
+    d = hs.distort(H(s), G(s))
+    jw = I * w
+    others = [
+        hs.distort(H(p), G(p), laplace=p),
+        hs.distort(TransferFunction(H(s), 1, s), TransferFunction(in_powers(above, S), in_powers(below, S), S)),
+        hs.distort(
+            Poly(H(s), s), TransferFunctionMatrix([[TransferFunction(in_powers(above, s), in_powers(below, s), s)]])
+        ),
+        hs.distort(([m, b, k], [1]), (above, below)),
+        hs.distort(hs.environments.mass_spring_damper(m, b, k), hs.effects.series(G(s))),
+    ]
+    for other in others:
+        assert other == d
+        assert hash(other) == hash(d)
+    in_omega = hs.distort(H(jw), G(jw), omega=w)
+    assert in_omega == hs.distort(H(s), G(s), omega=w)
+    assert in_omega.real == d.real.subs(omega, w)
+    known = {k: Rational(7, 3), b: Rational(5, 11), m: Rational(13, 9), T: Rational(17, 5), omega: Rational(31, 7)}
+    with mpmath.workdps(DIGITS):
+        env = valued(H(I * omega), known)
+        change = valued(H(I * omega) * (G(I * omega) - 1), known)
+        expected = (
+            change.real,
+            change.imag,
+            abs(change.real) / abs(env),
+            abs(change.imag) / abs(env),
+            (change / env).real,
+            (change / env).imag,
+        )
+        for name, value in zip(FORMS, expected, strict=True):
+            assert abs(valued(getattr(d, name), known) - value) <= mpmath.mpf(10) ** -45 * (1 + abs(change))
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        (k + I * w * b, k + b * s), (k - m * w**2 + I * w * b, k + b * s + m * s**2), (exp(-I * w * tau), exp(-s * tau)),
+        (w / (w - I / T), T * s / (T * s + 1)), (b * sqrt(I * w), b * sqrt(s)), (b * (I * w) ** z, b * s**z),
+        ((1 - exp(-I * w * T)) / (I * w * T), (1 - exp(-s * T)) / (s * T)), (cos(w * T), (exp(s * T) + exp(-s * T)) / 2),
+        (sin(w * T) / w, (exp(s * T) - exp(-s * T)) / (2 * s)), (1 / (1 + 2 * z * I * w / k - (w / k) ** 2), 1 / (1 + 2 * z * s / k + (s / k) ** 2)),
+        (k + I * Symbol("w") * b, k + b * s), (k + I * omega * b, k + b * s),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_written_in_j_omega_is_rewritten_in_s(written: Expr, meant: Expr) -> None:
+    assert hs.distort(k, written, omega=w) == hs.distort(k, meant, omega=w)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [k + w * b, k * (1 + I * b), 1 / sqrt(1 + w**2 * T**2), Abs(I * w + k), sqrt(w) * b, k + b * s + w, (I * w) ** I, 2**w, I * k],
+    ids=str,
+)  # fmt: skip
+def test_what_is_not_real_in_j_omega_is_refused(written: Expr) -> None:
+    with pytest.raises(hs.SceneError, match="effects"):
+        hs.distort(k, written, omega=w)
+
+
+def test_another_letter_is_asked_about_and_never_silently_a_parameter() -> None:
+    for letter in (p, S):
+        with pytest.raises(hs.SceneError, match=f"is {letter} the Laplace variable.*laplace={letter}"):
+            hs.distort(k + b * letter, 1 / (1 + T * letter))
+        with pytest.raises(hs.SceneError, match="is . the Laplace"):
+            hs.distort(k + b * s, 1 / (1 + T * letter))
+        own = Symbol(letter.name, positive=True)
+        assert hs.distort(k + own * s, LAG).free_symbols == {k, own, T}
+        assert hs.distort(k, own).perceived == k * own
+    with pytest.raises(hs.SceneError, match="Laplace"):
+        hs.distort(k + s, 1 / (1 + T * p), laplace=p)
+    with pytest.raises(hs.SceneError, match="laplace"):
+        hs.distort(k, LAG, laplace="p")
+
+
+@pytest.mark.parametrize(
+    "name", ["c", "W", "self", "X", "E", "M", "F", "I", "pi", "lambda", "x0", "real", "c_", "values", "omega_0"]
+)
+def test_a_parameter_may_have_any_name_but_that_of_s_and_omega(name: str) -> None:
+    own = Symbol(name, positive=True)
+    d, other = (hs.distort(k + x * s, LAG) for x in (own, b))
+    there, back = {b: own}, {own: b}
+    assert d.real.xreplace(back).equals(other.real)
+    assert (
+        d.threshold_polynomial("real", 0.1)
+        .as_expr()
+        .subs(d.threshold_polynomial("real", 0.1).gen, 4)
+        .xreplace(back)
+        .equals(other.threshold_polynomial("real", 0.1).as_expr().subs(Symbol("W", positive=True), 4))
+    )
+    equations = [[x.equation for x in each.crossings("imag", 0.1)] for each in (d, other)]
+    assert equations[0][0].xreplace(back).equals(equations[1][0])
+    assert d.crossings("imag")[0].equation.free_symbols > {own, k, T}
+    at = {"k": 2.0, "T": 3.0, name: 5.0}
+    assert float(d.compile(of=["imag"])(0.5, **at).imag) == pytest.approx(
+        float(other.imag.subs({omega: 0.5, k: 2, T: 3, b: 5}))
+    )
+    names = sorted(d.free_symbols, key=str)
+    assert d.lambdify("imag", "math")(0.5, *(at[x.name] for x in names)) == pytest.approx(
+        float(d.imag.subs({omega: 0.5, **{x: at[x.name] for x in names}}))
+    )
+    assert d.environment_properties.spring_inertia_force.free_symbols > {k}
+    assert len({x.name for x in d.environment_properties.damping_force.free_symbols}) == 3
+    assert hs.verify(d, 2).worst["named steps"] < 1e-9
+    assert there
+    assert str(hs.derive(d))
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        (log(2) + s, "symbol of its own"), (exp(-k), "delay"), (nan * k, "finite"), (oo, "finite"), (Eq(k, 1), "not a system"), (Matrix([[k]]), "not a system"),
+        (1j, "give one of"), ("100", "give one of"), (True, "give one of"), ([1, 2], "give one of"), (sqrt(Symbol("q")) + s, "positive"),
+        (Symbol("j") * s + k, "I"), (k + s * Symbol("s", positive=True), "Laplace"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_what_is_no_system_is_refused_with_the_way(given: Any, told: str) -> None:
+    with pytest.raises(hs.SceneError, match=told):
+        hs.distort(given, LAG)
+
+
+def test_roots_of_constants_are_constants() -> None:
+    """The poles of a Butterworth filter of order 4 are exp(j pi (2 i + 1)/8 ...): |G|^2 = 1/(1 + omega^8), by hand."""
+    fourth = 1 / ((1 + 2 * cos(pi / 8) * s + s**2) * (1 + 2 * sin(pi / 8) * s + s**2))
+    d = hs.distort(k, fourth)
+    square = d.perceived_properties.real**2 + d.perceived_properties.imag**2
+    for frequency in (Rational(1, 3), Rational(7, 5)):
+        assert abs(square.subs({omega: frequency, k: 1}).evalf(50) - 1 / (1 + frequency**8)) < Float("1e-45", 50)
+    assert hs.verify(d, 5).worst["closed form"] < 1e-9
+    assert hs.distort(k + sqrt(k + m) * s, (sqrt(k + m) ** 2 - m) / k).perceived == k + sqrt(k + m) * s
+    assert hs.verify(hs.distort(k + sqrt(k + m) * s, LAG), 5).worst["named steps"] < 1e-9
+
+
+SLOW = {
+    "MIMOFeedback_construction",
+    "conversion",
+    "StateSpace_dsolve",
+    "StateSpace_series",
+    "Feedback_functions",
+    "issue_26161",
+}
+
+
+@pytest.fixture(scope="module")
+def of_sympy() -> list[Any]:
+    """All systems with one input and one output that SymPy's own tests of physics.control make."""
+    made: dict[Any, None] = {}
+    kinds = [
+        "TransferFunction",
+        "Series",
+        "Parallel",
+        "Feedback",
+        "StateSpace",
+        "TransferFunctionMatrix",
+        "MIMOSeries",
+        "PIDController",
+    ]
+
+    def recording(kind: Any) -> Callable[..., Any]:
+        make = kind.__new__
+
+        def new(cls: Any, *args: Any, **more: Any) -> Any:
+            system = make(cls, *args, **more)
+            made.setdefault(system)
+            return system
+
+        return new
+
+    with pytest.MonkeyPatch.context() as patch:
+        for kind in (getattr(lti, name) for name in kinds):
+            patch.setattr(kind, "__new__", recording(kind))
+        for name, test in vars(test_lti).items():
+            if name.startswith("test_") and name.removeprefix("test_") not in SLOW:
+                test()
+    return [x for x in made if isinstance(x, lti.LinearTimeInvariant) and (x.num_inputs, x.num_outputs) == (1, 1)]
+
+
+def by_numbers(system: Any, at: dict[Any, Any]) -> Any:
+    """A system's value at a point of s, from its parts."""
+    if isinstance(system, lti.StateSpace):
+        A, B, C, D = (x.subs(at).evalf(40) for x in (system.A, system.B, system.C, system.D))
+        return (C * (at[hs.s] * Matrix.eye(A.rows) - A).inv() * B + D)[0, 0] if A.rows else D[0, 0]
+    if isinstance(system, lti.TransferFunctionMatrix):
+        return by_numbers(system.args[0][0][0], at)
+    parts = [by_numbers(x, at) if isinstance(x, lti.LinearTimeInvariant) else x for x in system.args]
+    if isinstance(system, lti.Series | lti.MIMOSeries):
+        return parts[0] * by_numbers(type(system)(*system.args[1:]), at) if len(parts) > 1 else parts[0]
+    if isinstance(system, lti.Parallel | lti.MIMOParallel):
+        return sum(parts)
+    if isinstance(system, lti.Feedback):
+        return parts[0] / (1 - system.sign * parts[0] * parts[1])
+    above, below = (x if isinstance(x, lti.LinearTimeInvariant) else x.subs(at) for x in (system.num, system.den))
+    return above / below
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_systems_of_sympy_s_own_tests_are_taken_or_refused_by_name(of_sympy: list[Any]) -> None:
+    taken, refused = 0, list[str]()
+    for system in of_sympy:
+        try:
+            found = hs.interop.dynamics(system)
+        except hs.SceneError as error:
+            refused.append(str(error))
+            continue
+        taken += 1
+        if any(isinstance(x, lti.LinearTimeInvariant) for x in system.args) and isinstance(
+            system, lti.TransferFunction
+        ):
+            continue
+        free = sorted(found.free_symbols | system.free_symbols, key=str)
+        at = {x: Rational(3 + 2 * n, 7 + n) for n, x in enumerate(free)}
+        letter = getattr(system, "var", None)
+        at |= {x: Rational(11, 13) for x in (letter, hs.s) if x is not None}
+        try:
+            expected = complex(by_numbers(system, at))
+        except (ZeroDivisionError, ValueError, TypeError):
+            continue
+        assert complex(found.subs(at)) == pytest.approx(expected, rel=1e-9, abs=1e-9), system
+    assert taken > 400
+    expected = "parameter needs another name|contains|take one of each"
+    assert [x for x in refused if not re.search(expected, x)] == []
+
+
+# Answers.
+
+
+def test_equal_systems_give_equal_formulas() -> None:
+    one, both = hs.distort(k + m * s**2, exp(-s * (T + tau))), hs.distort(k + m * s**2, exp(-s * tau), exp(-s * T))
+    assert one == both
+    for name in FORMS:
+        assert getattr(one, name) == getattr(both, name)
+    assert (both.real - (k - m * omega**2) * (cos(omega * (T + tau)) - 1)).expand() == 0
+    assert both.threshold_polynomial("imag") == one.threshold_polynomial("imag")
+    assert [x.omega for x in both.crossings("imag", c)][:2] == [asin(c) / (T + tau), (pi - asin(c)) / (T + tau)]
+    assert [x.omega for x in hs.distort(k, LAG).crossings("real", c)] == [sqrt(c) / (T * sqrt(1 - c))]
+    first, last = (x.omega for x in hs.distort(k, LAG).crossings("imag", c))
+    assert [((first - x) * (last - x)).equals(0) for x in ((1 - sqrt(1 - 4 * c**2)) / (2 * T * c),)] == [True]
+
+
+@pytest.mark.parametrize(
+    ("order", "by"),
+    [(Rational(1, 2), sqrt(2) / 2), (Rational(1, 3), sqrt(3) / 2), (Rational(3, 4), sin(pi / 8)), (z, cos(pi * z / 2))],
+)
+def test_a_spring_pot_is_crossed_at_a_formula(order: Expr, by: Expr) -> None:
+    """Re (j omega)^a = omega^a cos(a pi/2), so that b omega^a cos(a pi/2) = c k."""
+    d = hs.distort(k, rendered=k + b * s**order)
+    values = {k: 100, b: 2, c: Rational(1, 10), z: Rational(2, 5)}
+    found = [x for x in (y.put(values) for y in d.crossings("real", c)) if x is not None]
+    [crossing] = [x.omega for x in found if x.omega is not None and not x.conditions]
+    expected = (c * k / (b * by)) ** (1 / order)
+    assert crossing.evalf(30) == pytest.approx(expected.subs(values).evalf(30))
+    assert "tan" not in str(d.threshold_polynomial("real"))
+    assert d.steps("real").operations < 12
+    assert hs.verify(d, 3).worst["named steps"] < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("d", "parameter", "values"),
+    [
+        (hs.distort(k, LAG), T, {}), (LAGGED, b, {k: 100, T: Rational(1, 10)}), (LAGGED, "k", {b: 3, T: Rational(1, 10)}),
+        (hs.distort(k, exp(-s * tau)), tau, {}), (hs.distort(m * s**2 + 2 * z * sqrt(k * m) * s + k, LAG), z, {k: 100, m: 2, T: Rational(1, 30)}),
+        (hs.distort(k, rendered=k + sqrt(b) * s), b, {k: 100}), (LAGGED, c, {k: 100, b: 3, T: Rational(1, 50)}),
+    ],
+)  # fmt: skip
+def test_a_crossing_is_solved_for_a_parameter(d: hs.Distortion, parameter: Any, values: Any) -> None:
+    """Put in again, each value makes 5 rad/s a crossing: r^2 = c^2, to 40 digits."""
+    x, at = Symbol(str(parameter), positive=True), {**values, omega: Integer(5)}
+    solved = hs.solve_for(d, "crossing", parameter, c)
+    count = 0
+    for name, found in solved._asdict().items():
+        for solution in found:
+            known = {**at, **({} if x == c else {c: Rational(1, 10)})}
+            put = solution.put(known)
+            if put is None or put.omega is None or put.conditions:
+                continue
+            count += 1
+            ratio = getattr(d, f"ratio_{name}").subs(values | {omega: 5})
+            assert abs((ratio - c).subs({x: put.omega} | known).evalf(50)) < Float("1e-40", 50)
+            assert (solution.parameter, put.parameter) == (x, x)
+    assert count
+
+
+def test_changeovers_are_solved_for_a_parameter_and_a_frequency_may_be_a_number() -> None:
+    d = hs.distort(k + b * s + m * s**2, LAG)
+    [solution] = hs.solve_for(d, "changeover", m).environment
+    assert solution.omega == k / omega**2
+    assert [x.omega for x in hs.solve_for(hs.distort(k, LAG).subs(omega, 5), "crossing", T, 0.1).real] == [
+        Rational(1, 15)
+    ]
+    [first, _] = hs.solve_for(hs.distort(k, exp(-s * tau)), "crossing", tau, c).real
+    assert first.omega == acos(1 - c) / omega
+    for wrong in ((d, "crossings", m), (d, "crossing", "mm"), (d, "changeover", c), (d, "crossing", m, -1)):
+        with pytest.raises(hs.SceneError):
+            hs.solve_for(*wrong)
+
+
+def test_answers_are_formulas_to_a_notebook() -> None:
+    solution = hs.distort(k, LAG).crossings("real")[0]
+    found = {
+        "solution": solution,
+        "changeovers": hs.distort(k + m * s**2, LAG).changeovers,
+        "numbers": hs.distort(100 + s**2, 1 / (1 + s)).changeovers,
+        "steps": LAGGED.steps(),
+        "derivation": hs.derive(LAGGED),
+        "solved": hs.solve_for(hs.distort(k, LAG), "crossing", T),
+    }
+    for name, x in found.items():
+        shown = x._repr_latex_()
+        assert shown.startswith("$"), name
+        assert hs.latex(x), name
+        assert pickle.loads(pickle.dumps(x)) == x, name
+    assert hs.latex(solution) == r"\omega = \frac{\sqrt{\frac{c}{1 - c}}}{T},\quad 1 - c \ge 0"
+
+
+def test_a_distortion_goes_back_to_sympy() -> None:
+    for of, form in (("H_env", LAGGED.environment), ("H_perc", LAGGED.perceived), ("dH", LAGGED.distortion)):
+        assert (hs.interop.to_sympy(LAGGED, of).to_expr() - form).together().expand() == 0
+    assert hs.distort(hs.interop.to_sympy(LAGGED, "H_env"), hs.interop.to_sympy(LAG)) == LAGGED
+    assert hs.interop.to_sympy(LAGGED) == hs.interop.to_sympy(LAGGED, "H_perc")
+    state = StateSpace(Matrix([[-1 / T]]), Matrix([[1]]), Matrix([[1 / T]]), Matrix([[0]]))
+    assert hs.distort(k + b * s, state) == LAGGED
+    with pytest.raises(hs.SceneError, match="H_env, H_perc or dH"):
+        hs.interop.to_sympy(LAGGED, "Re dH")
+    with pytest.raises(hs.SceneError, match="not rational"):
+        hs.interop.to_sympy(hs.distort(k, exp(-s * tau)))
+
+
+def test_steps_are_a_function_of_each_step_and_the_result() -> None:
+    d = hs.distort(k + b * s + m * s**2, LAG, exp(-s * tau))
+    at = {k: 100.0, b: 3.0, m: 2.0, T: 0.02, tau: 0.01}
+    arguments = [at[x] for x in sorted(at, key=str)]
+    grid = np.array([1.0, 7.0, 30.0])
+    for name in FORMS:
+        found = d.lambdify(name, steps=True)(grid, *arguments)
+        assert [*found] == [x.name for x, _ in d.steps(name).definitions] + [name]
+        assert found[name] == pytest.approx(d.lambdify(name)(grid, *arguments))
+        assert found[name] == pytest.approx(
+            getattr(d.compile(of=[name])(grid, **{x.name: v for x, v in at.items()}), name)
+        )
+    exact = d.steps("real").at({**{x: Rational(v) for x, v in at.items()}, omega: Rational(7)})["real"]
+    assert d.lambdify("real", "mpmath", steps=True)(mpmath.mpf(7), *arguments)["real"] == pytest.approx(float(exact))

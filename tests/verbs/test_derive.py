@@ -576,7 +576,7 @@ def test_a_plain_function_has_the_values_of_the_closed_form(modules: str) -> Non
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
-        (lambda d: d.crossings("reel"), "part"), (lambda d: d.crossings("real", -1), "c: "), (lambda d: d.crossings("real", "0.1"), "c: "),
+        (lambda d: d.crossings("reel"), "part"), (lambda d: d.crossings("real", -1), "c: "), (lambda d: d.crossings("real", "0.1 m"), "c: "),
         (lambda d: d.bandwidth(0.1), "needs values for"), (lambda d: d.asymptote(1), "at: "), (lambda d: d.lambdify("rael"), 'did you mean "real"'),
         (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1), "give a band"), (lambda d: hs.distort(100 + s, exp(-s)).asymptote(oo), "delay"),
         (lambda d: hs.distort(100 + s, exp(-s)).crossings("real", 0.1, band=(3, 2)), "band"),
@@ -743,9 +743,15 @@ def test_names_that_meet_are_kept_apart_or_refused() -> None:
         with pytest.raises(hs.SceneError, match="omega"):
             hs.distort(spring, 1 / (1 + T * laplace), omega=wrong)
     with pytest.raises(hs.SceneError, match="c is a parameter"):
-        hs.distort(spring, 1 / (1 + c * laplace)).crossings("real")
-    with pytest.raises(hs.SceneError, match="W is reserved"):
-        hs.distort(spring, 1 / (1 + W * laplace)).threshold_polynomial("real", 0.1)
+        hs.distort(spring, 1 / (1 + c * laplace)).crossings("real", c)
+    renamed, square = symbols("c_ W_", positive=True)
+    for called in (c, W):
+        d = hs.distort(spring, 1 / (1 + called * laplace))
+        [found] = [x.omega for x in d.crossings("real")]
+        plain_one = hs.distort(spring, 1 / (1 + T * laplace))
+        [expected] = [x.omega for x in plain_one.crossings("real")]
+        assert found == expected.xreplace({c: renamed if called == c else c, T: called})
+        assert d.threshold_polynomial("real", 0.1).gen == (square if called == W else W)
     own = Symbol("w", positive=True)
     [found, *_] = hs.distort(spring, 1 / (1 + T * laplace), omega=own).crossings("imag", q)
     assert found.equation.has(own)

@@ -15,7 +15,7 @@ from itertools import combinations
 from math import inf, lcm
 from operator import mul
 
-from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, perfect_power, sinh
+from sympy import Add, Expr, I, Integer, Mul, Rational, Symbol, cosh, exp, gcd, perfect_power, sinh
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
@@ -24,6 +24,7 @@ from haptisym.kernel.rings import (
     Polynomial,
     PolynomialRing,
     RationalFunction,
+    finite,
     monomials,
     omega,
     s,
@@ -72,7 +73,7 @@ class Ring(PolynomialRing):
         order = Rational(1, lcm(*denominators))
         radicands = {x.base for x in roots}
         numbers = {x for x in radicands if x.is_Integer}
-        parameters = {x for x in radicands if x.is_Symbol}
+        parameters = radicands - numbers
         bases = _independent(numbers) | parameters
         plain = {x for x in atoms if x.is_Symbol} - {s} - bases
         symbols = plain | {x**order for x in bases}
@@ -171,10 +172,9 @@ def _is_fractional(x: Expr) -> bool:
 
 
 def _is_root(x: Expr) -> bool:
-    """Whether an expression is a fractional power of a parameter or of a whole number, not
-    negative."""
-    is_known = x.is_Pow and (x.base.is_Symbol or x.base.is_Integer) and x.base.is_nonnegative
-    return bool(is_known and x.exp.is_Rational and not x.exp.is_Integer)
+    """Whether an expression is a fractional power of a constant that is not negative."""
+    is_power = x.is_Pow and x.exp.is_Rational and not x.exp.is_Integer
+    return bool(is_power and x.base.is_nonnegative and not x.base.has(s))
 
 
 def _independent(numbers: set[Integer]) -> set[Integer]:
@@ -206,7 +206,9 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
     argument = exponential.args[0].expand()
     rate = argument.coeff(s)
     if rate.has(s) or (argument - rate * s).expand() != 0:
-        raise SceneError(f"{exponential} is not a delay: the exponent must be -s times a time")
+        raise SceneError(
+            f"{exponential} is not a delay, whose exponent is -s times a time: give a constant a symbol"
+        )
     signs = {}
     for term in Add.make_args(-rate):
         number, rest = term.as_coeff_Mul()
@@ -292,6 +294,47 @@ def squared_modulus(dynamics: RationalFunction) -> RealFunction:
     return RealFunction(
         axis.function(times(a, a) + times(b, b), times(c, c) + times(d, d)).reduced()
     )
+
+
+def over_squares(dynamics: RationalFunction, *, real: bool, multiplied: bool = True) -> Expr:
+    """Real or imaginary part on s = j omega, over the squared modulus of the denominator as sums of
+    two squares; ``multiplied`` : whether the products above are multiplied out.
+
+    >>> over_squares(Ring().convert(1 / (s**2 + s + 4)), real=False)
+    -omega/(omega**2 + (4 - omega**2)**2)
+    """
+    axis, response = _axis(dynamics), on_axis(dynamics)
+    # With delays, or with j among the numbers, parts are not those of polynomials: the general way.
+    if axis.functions or axis.complex:
+        return (response.real if real else response.imag).factored()
+    whole = dynamics.reduced().cleared()
+    # With n = a + j b and d = c + j d on the axis, n/d = (a c + b d + j (b c - a d))/(c^2 + d^2).
+    (a, b), (c, d) = axis.parts([whole.numerator, whole.denominator])
+    above, below = (a * c + b * d if real else b * c - a * d), c * c + d * d
+    # If something cancels, c^2 + d^2 is not the denominator in lowest terms, and a sum of squares
+    # would hide that.
+    if not above.gcd(below).is_constant():
+        return axis.function(above, below).factored()
+    if multiplied:
+        return axis.factored_expression(above) / squares(whole, whole.denominator)
+    n, m, p, q = map(axis.factored_expression, (a, b, c, d))
+    return (n * p + m * q if real else m * p - n * q) / squares(whole, whole.denominator)
+
+
+def squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
+    """A polynomial's squared modulus on the axis of a function, as a product of sums of two
+    squares."""
+    axis = _axis(function)
+    unit, factors = function.ring.factors(polynomial)
+    # A single simple factor keeps its number inside, so that the polynomial is seen as it is.
+    if len(factors) == 1 and factors[0][1] == 1:
+        unit, factors = Rational(1), [(polynomial, 1)]
+    moduli = []
+    for factor, exponent in factors:
+        # |p q|^2 = |p|^2 |q|^2: each factor gives a sum of two squares of its own.
+        real, imag = map(axis.expression, axis.parts([factor])[0])
+        moduli.append(finite(real**2 + imag**2) ** exponent)
+    return Mul(unit**2, *moduli)
 
 
 def _axis(dynamics: RationalFunction) -> Axis:

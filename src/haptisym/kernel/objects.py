@@ -39,17 +39,18 @@ class Viewed:
     __slots__ = ()
 
     def _repr_latex_(self) -> str | None:
-        return self._view("latex")
+        return viewed(self, "latex")
 
     def _repr_html_(self) -> str | None:
-        return self._view("html")
+        return viewed(self, "html")
 
-    def _view(self, language: str) -> str | None:
-        """The text of the value in a language of notebooks; None where its kind has none."""
-        from pkgutil import resolve_name
 
-        found: str | None = resolve_name(f"{_NOTEBOOK}:as_{language}")(self)
-        return found
+def viewed(thing: object, language: str) -> str | None:
+    """The text of a value in a language of notebooks; None where its kind has none."""
+    from pkgutil import resolve_name
+
+    found: str | None = resolve_name(f"{_NOTEBOOK}:as_{language}")(thing)
+    return found
 
 
 class Shown(Viewed, ABC):

@@ -17,7 +17,7 @@ from operator import add, mul
 from typing import Any, TypeAlias
 
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly
-from sympy import Add, Expr, Integer, Mul, Rational, Symbol, pi
+from sympy import Add, Expr, Integer, Mul, Rational, Symbol, count_ops, pi
 
 from haptisym.kernel.budget import MOST_TERMS, afford, room
 from haptisym.kernel.errors import SceneError, need
@@ -93,7 +93,11 @@ class PolynomialRing:
     def __init__(
         self, variable: Symbol, symbols: Iterable[Symbol] = (), functions: Iterable[Expr] = ()
     ) -> None:
-        in_order = sorted(set(symbols) - {variable}, key=str)
+        # A root stands before all that is under it, by which its powers are reduced.
+        in_order = sorted(
+            set(symbols) - {variable},
+            key=lambda x: (-count_ops(x.base) if x.is_Pow and x.base.args else 0, str(x)),
+        )
         clash = conflicting([*in_order])
         if clash is not None:
             raise SceneError(
@@ -106,13 +110,16 @@ class PolynomialRing:
             tuple(f"x{i}" for i in range(len(self.meanings))), Ordering.lex
         )
         self.generators = dict(zip(self.meanings, self.context.gens(), strict=True))
-        # A root of a number, x = p^(1/q), is a variable with the relation x^q = p; a root of a
-        # parameter takes the parameter's place, and needs none.
-        self.roots = {x.base: x for x in in_order if x.is_Pow}
-        self._relations = [
-            self.generators[x] ** x.exp.q - int(p) for p, x in self.roots.items() if p.is_Integer
-        ]
         self._one = self.context.constant(1)
+        # A root of a number or of a sum, x = p^(1/q), is a variable with the relation x^q = p; a
+        # root of a parameter takes the parameter's place, and needs none.
+        self.roots = {x.base: x for x in in_order if x.is_Pow}
+        self._relations: list[Polynomial] = []
+        for p, x in reversed(self.roots.items()):
+            if not p.is_Symbol:
+                under = self.convert(p)
+                power = self.generators[x] ** x.exp.q
+                self._relations.insert(0, power * under.denominator - under.numerator)
 
     @property
     def size(self) -> int:
@@ -138,16 +145,17 @@ class PolynomialRing:
         return RationalFunction(self, self.short(numerator), below)
 
     def short(self, polynomial: Polynomial) -> Polynomial:
-        """A polynomial reduced by the relations of roots of numbers. It represents 0 exactly where
-        the result is the zero polynomial, as the roots are independent."""
+        """A polynomial reduced by the relations of roots. It represents 0 where the result is the
+        zero polynomial; and only there, if all are roots of numbers, which are independent."""
         for relation in self._relations:
             polynomial = divmod(polynomial, relation)[1]
         return polynomial
 
     def root_in(self, *polynomials: Polynomial) -> Expr | None:
-        """A root of a number that occurs in some polynomials, None if none does. With one, factors
-        that are irreducible over Q may have multiple zeros, as x^2 - 2 sqrt(2) x + 2."""
-        roots = (x for p, x in self.roots.items() if p.is_Integer)
+        """A root of a number or of a sum that occurs in some polynomials, None if none does. With
+        one, factors that are irreducible over Q may have multiple zeros, as x^2 - 2 sqrt(2) x + 2.
+        """
+        roots = (x for p, x in self.roots.items() if not p.is_Symbol)
         return next((x for x in roots if degree_in(polynomials, self.meanings.index(x))), None)
 
     @property
@@ -193,6 +201,11 @@ class PolynomialRing:
         raise SceneError(
             f"{expression} is not made of {self.meanings[0]} and exact numbers by + - * / "
             f"and whole powers"
+            + (
+                ": give it a symbol of its own, and put it into the closed forms afterwards"
+                if not expression.has(self.meanings[0])
+                else ""
+            )
         )
 
     def expression(self, polynomial: Polynomial) -> Expr:

@@ -41,7 +41,7 @@ from sympy import (
 )
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
@@ -51,8 +51,8 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
 class Solution(Shown):
     """A zero of a real function as a formula in its parameters.
 
-    ``omega``: the frequency, rad/s; None for a factor with no readable inverse, whose zeros are
-    those of ``equation``.
+    ``omega``: the frequency, rad/s, or what ``parameter`` is where one was solved for; None for a
+    factor with no readable inverse, whose zeros are those of ``equation``.
     ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single
     zero. ``order``: of the zero. ``conditions``: what must not be negative; where all of them hold
     ``omega`` is real and not negative. Of one function the formulas whose conditions hold are all
@@ -65,9 +65,11 @@ class Solution(Shown):
     period: Expr = S.Zero
     order: int = 1
     conditions: tuple[Expr, ...] = ()
+    parameter: Symbol = omega
 
     def _line(self) -> str:
-        return f"omega = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
+        name = self.parameter.name
+        return f"{name} = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
 
     def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
         """The solution with values for some symbols; None where a condition fails for them."""
@@ -77,7 +79,9 @@ class Solution(Shown):
             for x in (self.omega, self.equation, self.period, *self.conditions)
         )
         left = left_to_ask(conditions)
-        return None if left is None else Solution(omega, equation, period, self.order, left)
+        if left is None:
+            return None
+        return Solution(omega, equation, period, self.order, left, self.parameter)
 
 
 def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, ...]:
@@ -96,6 +100,61 @@ def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, 
     factors = axis.factors(function.function.numerator)[1]
     solved = (x for f, order in factors for x in _solved(f, order, axis, readable=readable))
     return (*solved, *_half_turns(function))
+
+
+def solved_for(function: RealFunction, parameter: Symbol) -> tuple[Solution, ...]:
+    """All positive values of a parameter at which a real function vanishes, as formulas in omega
+    and the other parameters where there are readable ones.
+
+    >>> from sympy import symbols
+    >>> from haptisym.kernel.dynamics import Ring
+    >>> m, k = symbols("m k", positive=True)
+    >>> f = RealFunction(Ring([m, k]).axis.convert(k - m * omega**2))
+    >>> solved_for(f, m)
+    (<Solution m = k/omega**2>,)
+    """
+    place = Symbol("omega of the equation", positive=True)
+    # A parameter of which there are roots is solved for by its root.
+    form = function.axis.roots.get(parameter, parameter)
+    turned = exchanged(function, form, place)
+    if turned is None:
+        return (Solution(None, function.factored(), parameter=parameter),)
+    own = {omega: form, place: omega}
+    return tuple(
+        Solution(
+            x.omega
+            and x.omega.xreplace(own) ** (parameter.as_base_exp()[1] / form.as_base_exp()[1]),
+            x.equation.xreplace(own),
+            x.period.xreplace(own),
+            x.order,
+            tuple(y.xreplace(own) for y in x.conditions),
+            parameter,
+        )
+        for x in solve(turned)
+    )
+
+
+def exchanged(function: RealFunction, free: Expr, place: Symbol) -> RealFunction | None:
+    """The function of the parameter ``free``, which takes the place of omega, which is called
+    ``place``; None where it is no such function."""
+    axis = function.axis
+    # A phase is omega times its rate. As omega and the parameter change places it must still be
+    # one: the rate must be proportional to the parameter.
+    rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
+    others = [x for x in axis.symbols if x != free]
+    if axis.orders or any(x.has(*free.free_symbols) for x in (*rates, *others)):
+        return None
+    target = Ring([*others, place], rates).axis
+    names = {omega: place, free: omega}
+    where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
+    where += [target.size + i for i in range(len(axis.angles))]
+    terms = {}
+    for exponents, value in monomials(function.function.numerator):
+        own = [0] * len(target.meanings)
+        for i, n in zip(where, exponents, strict=True):
+            own[i] = int(n)
+        terms[tuple(own)] = value
+    return RealFunction(target.function(target.context.from_dict(terms)))
 
 
 def _half_turns(function: RealFunction) -> list[Solution]:
@@ -127,20 +186,11 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
         return []
     # Omega in two ways at once, as omega + tan(omega), has no inverse in known functions. With
     # roots of numbers a factor over Q may not be irreducible.
-    if has_omega + len(turning) + len(powers) > 1 or axis.root_in(polynomial):
+    ways = len(turning) + bool(has_omega or powers)
+    if ways > 1 or axis.root_in(polynomial):
         zeros = None
-    elif turning:
-        zeros = _angles(polynomial, axis, turning[0])
-    elif powers:
-        index = axis.size + len(axis.angles) + powers[0]
-        roots = _roots(_row(polynomial, axis, index))
-        zeros = _each(roots, lambda x: x ** (1 / axis.orders[powers[0]]))
-        # The sign of the root would depend on the constant angle, which stays a name here.
-        angle_degrees = zip(axis.angles, degrees[axis.size :], strict=False)
-        if any(angle.constant and n for angle, n in angle_degrees):
-            zeros = None
     else:
-        zeros = _frequencies(polynomial, axis)
+        zeros = _angles(polynomial, axis, turning[0]) if turning else _frequencies(polynomial, axis)
     if zeros is None:
         return [] if readable else [Solution(None, _equation(polynomial, axis), order=order)]
     return _told(zeros, _equation(polynomial, axis), order)
@@ -190,21 +240,50 @@ def _each(roots: list[_Root] | None, change: Callable[[Expr], Expr]) -> _Found:
 
 
 def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
-    """Zeros of a polynomial in omega alone."""
-    # Of a higher degree, not even a polynomial in omega^2 has a readable formula.
-    if polynomial.degrees()[0] > 4:
+    """Zeros of a sum of powers of omega, whole or fractional, of which two or three are x^0, x^1
+    and x^2 with x = omega^p: all others have no readable formula."""
+    # Constant angles, of powers of s, as cosines and sines, whose signs are known.
+    written = RealFunction(axis.function(polynomial)).written
+    ring = written.ring
+    powers = [omega, *(omega**order for order in axis.orders)]
+    places = [(ring.meanings.index(x), x.as_base_exp()[1]) for x in powers]
+    rows: dict[Expr, dict[tuple[int, ...], object]] = {}
+    for exponents, value in monomials(written.numerator):
+        rest = list(map(int, exponents))
+        power = Add(*(rest[i] * n for i, n in places))
+        for i, _ in places:
+            rest[i] = 0
+        rows.setdefault(power, {})[tuple(rest)] = value
+    # A symbolic order is between 0 and 1; which of two powers is higher may depend on it.
+    middle = {x: Rational(3, 7) for power in rows for x in power.free_symbols}
+    low, *others = sorted(rows, key=lambda power: power.xreplace(middle))
+    steps = [power - low for power in others]
+    if len(steps) not in (1, 2) or (len(steps) == 2 and steps[1] != 2 * steps[0]):
         return None
-    row = _row(polynomial, axis, 0)
-    is_even = not any(row[1::2])
-    roots = _roots(row[::2] if is_even else row)
-    return _each(roots, sqrt if is_even else lambda x: x)
+    row = [ring.expression(ring.context.from_dict(rows[x])) for x in (low, *others)]
+    zeros = _each(_roots(row), lambda x: _inverted(x ** (1 / steps[0])))
+    if zeros is None or len(row) < 3 or steps[0] != 2:
+        return zeros
+    # A polynomial p(omega) p(-omega) has shorter formulas, if no others come with them.
+    halves = [f for f, _ in axis.factors(polynomial, in_square=False)[1]]
+    others = [z for f in halves if len(halves) > 1 for z in _frequencies(f, axis) or ()]
+    told, shorter = (_told(x, Integer(0), 1) for x in (zeros, others))
+    return others if 0 < len(shorter) <= len(told) else zeros
+
+
+def _inverted(x: Expr) -> Expr:
+    """1/sqrt(y) in place of sqrt(1/y): the same where it is real."""
+    return x.replace(
+        lambda y: y.is_Pow and y.base.is_Pow and y.base.exp.is_negative,
+        lambda y: y.base.base ** (y.base.exp * y.exp),
+    )
 
 
 def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1
     + t^2)."""
     rate = axis.angles[index].rate
-    row = _row(polynomial, axis, axis.size + index)
+    row = _plain_row(polynomial, axis, axis.size + index)
     # Even in t, it holds t^2 = (1 - cos)/(1 + cos) alone; c (1 + t^2) + b t is c + (b/2) sin over
     # cos^2(omega tau/2). These two give shorter formulas than the arctangent.
     if not any(row[1::2]):
@@ -245,23 +324,6 @@ def _by_tangent(tangents: list[_Root] | None) -> _Found:
     # A tangent 0 is the angle 2 pi only, since omega = 0 is no positive zero.
     zeros = [_Zero(2 * atan(x.value), x.needs()) for x in tangents if x.value != 0]
     return zeros + [_Zero(2 * atan(x.value) + 2 * pi, x.needs(-1)) for x in tangents]
-
-
-def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
-    """Coefficients in one variable of the ring, ascending; of omega (index 0) with constant angles
-    as cosines and sines."""
-    if index and any(angle.constant for angle in axis.angles):
-        return _plain_row(polynomial, axis, index)
-    written = (
-        axis.trigonometric(axis.function(polynomial))
-        if index == 0 and axis.angles
-        else axis.function(polynomial)
-    )
-    return (
-        written.ring.coefficients(written.numerator)
-        if index == 0
-        else _plain_row(polynomial, axis, index)
-    )
 
 
 def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:

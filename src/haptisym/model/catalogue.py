@@ -441,8 +441,9 @@ def is_system(given: object) -> bool:
     if isinstance(given, Expr | Real | Decimal) and not isinstance(given, bool):
         return True
     if isinstance(given, tuple | list):
+        # A row is a sequence or an array of NumPy, which need not be loaded.
         return len(given) == 2 and all(
-            isinstance(x, Sequence) and not isinstance(x, str) for x in given
+            hasattr(x, "__len__") and not isinstance(x, str) for x in given
         )
     return type(given).__module__.partition(".")[0] in ("sympy", "control", "scipy")
 
@@ -452,16 +453,17 @@ def _formula(key: str, given: Any, parameters: Sequence[Parameter]) -> Expr:
     powers of anything but s, and for a second 2 pi."""
     form = _read(key, given, parameters)
     # s^alpha has a ring of its own; a root of a polynomial in s has none. Of SymPy expressions the
-    # root of one symbol or number >= 0 is real and is allowed, as sqrt(k) in a critical damping.
+    # root of a constant >= 0 is real and is allowed, as sqrt(k) in a critical damping.
     for x in form.atoms(Pow):
-        is_root = (
-            not isinstance(given, str)
-            and (x.base.is_Symbol or x.base.is_Integer)
-            and x.base.is_nonnegative
-        )
+        is_constant = not isinstance(given, str) and not x.base.has(s)
+        is_root = is_constant and x.base.is_nonnegative
         if x.exp.is_Rational and not x.exp.is_Integer and x.base != s and not is_root:
             base = str(x.base).replace("**", "^")
-            rule = "only s has fractional powers, as in 0.17*s^0.5"
+            rule = (
+                "fractional powers need what is under them declared positive"
+                if is_constant
+                else "only s has fractional powers, as in 0.17*s^0.5"
+            )
             raise SceneError(f"{key}: ({base})^({x.exp}): {rule}")
     # A frequency in Hz has its 2 pi in its value already: with pi in the formula too, somebody has
     # most likely converted it twice.

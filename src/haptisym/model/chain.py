@@ -64,6 +64,7 @@ from sympy import (
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted, within
+from haptisym.kernel.objects import viewed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
 from haptisym.kernel.rings import c as symbol_c
@@ -98,7 +99,7 @@ _MOST_COMPARED = 80
 """Up to here lowest terms are compared with the form in magnitudes and angles."""
 _MOST_LOWEST = 300
 """Up to here lowest terms are taken where the effects are not in series."""
-_LOWEST_MAY_EXCEED = 1.3
+LOWEST_MAY_EXCEED = 1.3
 """Lowest terms are preferred up to this many times the operations of the other form."""
 
 _SAME_FREQUENCY = 1e-9
@@ -162,11 +163,7 @@ class Chain:
     def stand_in(self) -> Symbol:
         """The symbol that stands for a threshold in the ring: c, or c_, c__ where a parameter has
         that name."""
-        taken = {x.name for entry in self.entries() for x in entry.free_symbols}
-        name = symbol_c.name
-        while name in taken:
-            name += "_"
-        return Symbol(name, positive=True)
+        return unused(symbol_c, self.parameters)
 
     def entries(self) -> tuple[Expr, ...]:
         """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
@@ -312,6 +309,14 @@ class Chain:
         return Chain(change(self.environment), change(self.rendered), tuple(matrices))
 
 
+def unused(symbol: Symbol, taken: Iterable[Symbol]) -> Symbol:
+    """The symbol, with as many _ after its name as it takes to be none of others by name."""
+    name, names = symbol.name, {x.name for x in taken}
+    while name in names:
+        name += "_"
+    return Symbol(name, positive=symbol.is_positive)
+
+
 @lru_cache(maxsize=8)
 def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
@@ -378,7 +383,7 @@ def shortest(
     if terms > _MOST_COMPARED:
         return other, False
     reduced = lowest()
-    is_lowest = count_ops(reduced) <= _LOWEST_MAY_EXCEED * count_ops(other)
+    is_lowest = count_ops(reduced) <= LOWEST_MAY_EXCEED * count_ops(other)
     return (reduced, True) if is_lowest else (other, False)
 
 
@@ -444,8 +449,9 @@ class Properties:
 
     real: Expr
     imag: Expr
-    frequency: Symbol = omega
-    """The symbol of omega."""
+    frequency: Expr = omega
+    """The symbol of omega, or a value."""
+    amplitude: Symbol = X
 
     @property
     def stiffness(self) -> Expr:
@@ -465,12 +471,12 @@ class Properties:
     @property
     def spring_inertia_force(self) -> Expr:
         """The force of spring and inertia together, for a motion of amplitude X: X Re H."""
-        return X * self.real
+        return self.amplitude * self.real
 
     @property
     def damping_force(self) -> Expr:
         """The force of the damper, for a motion of amplitude X: j X Im H."""
-        return I * X * self.imag
+        return I * self.amplitude * self.imag
 
 
 @dataclass(frozen=True)
@@ -487,13 +493,13 @@ class ParameterJND:
     mass: Expr
 
 
-def properties(response: Response, frequency: Symbol = omega) -> Properties:
-    """The properties of a dynamics by its response on s = j omega; ``frequency`` : the symbol for
-    omega in them."""
+def properties(response: Response, frequency: Expr = omega, amplitude: Symbol = X) -> Properties:
+    """The properties of a dynamics by its response on s = j omega; ``frequency`` : what stands for
+    omega in them, ``amplitude`` : for the amplitude of the motion."""
     named = {omega: frequency}
-    real = response.real.factored().xreplace(named)
-    imag = response.imag.factored().xreplace(named)
-    return Properties(real, imag, frequency)
+    real = in_place(response.real.factored(), named)
+    imag = in_place(response.imag.factored(), named)
+    return Properties(real, imag, frequency, amplitude)
 
 
 def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
@@ -567,6 +573,19 @@ class Changeovers(NamedTuple):
     environment: Frequencies
     perceived: Frequencies
 
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
+
+class CrossingSolutions(NamedTuple):
+    """All values at which r_r, and at which r_i, equals a threshold."""
+
+    real: tuple[Solution, ...]
+    imag: tuple[Solution, ...]
+
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
 
 class Asymptote(NamedTuple):
     """The leading terms of dH(s), of Re dH and of Im dH in omega."""
@@ -598,10 +617,6 @@ def part_named(given: Any) -> Part:
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
     """Read a threshold c: a fraction > 0, as a number or in symbols of its own. ``named`` : the
     names that are taken, and what they mean. SceneError for any other."""
-    if isinstance(given, str):
-        raise SceneError(
-            f"c: {quoted(given)}: give a number or a symbol, as 0.1 or Rational(1, 10)"
-        )
     with within("c"):
         value = quantity(given, Dimension.RATIO).value
     if (value.is_number and sign_of_number(value) <= 0) or value.is_positive is False:
@@ -624,12 +639,18 @@ def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     return RealFunction(f.ring.function(numerator, denominator).reduced())
 
 
-def crossings(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> tuple[Solution, ...]:
+def crossings(
+    squared_ratio: RealFunction,
+    c: Expr,
+    stand_in: Symbol,
+    by: Callable[[RealFunction], tuple[Solution, ...]] = solve,
+) -> tuple[Solution, ...]:
     """The frequencies at which a ratio equals a threshold, as formulas with the conditions under
-    which they are in force; ``stand_in`` : the symbol that the ring has for a threshold."""
+    which they are in force; ``stand_in`` : the symbol that the ring has for a threshold, ``by`` :
+    what solves r^2 = c^2."""
     if not c.free_symbols:
-        return solve(excess(squared_ratio, c))
-    solutions = solve(excess(squared_ratio, stand_in))
+        return by(excess(squared_ratio, c))
+    solutions = by(excess(squared_ratio, stand_in))
     # Squaring loses the sign of c: the condition c >= 0 goes along, and is left out where known.
     in_c = []
     for x in solutions:
@@ -695,20 +716,18 @@ def _above_all_zeros(f: RealFunction) -> Expr:
 
 
 def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
-    """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays or
-    fractional powers an expression in omega. ``stand_in`` : the ring's symbol for a threshold."""
+    """The polynomial in W (W_ where that is a parameter) = omega^2 that vanishes where a ratio
+    equals a threshold; with delays or fractional powers an expression in omega. ``stand_in`` : the
+    ring's symbol for a threshold."""
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
-    numerator = f.function.expression().as_numer_denom()[0]
+    numerator = f.expression().as_numer_denom()[0]
     polynomial = numerator.expand().xreplace({stand_in: c})
     if not polynomial.is_polynomial(omega):
         return polynomial
     if any(n % 2 for (n,) in Poly(polynomial, omega).monoms()):
         return polynomial
-    if _OMEGA_SQUARED.name in {x.name for x in polynomial.free_symbols}:
-        raise SceneError(
-            f"{_OMEGA_SQUARED} is reserved for omega^2: give the parameter another name"
-        )
-    return Poly(polynomial.subs(omega, sqrt(_OMEGA_SQUARED)), _OMEGA_SQUARED)
+    square = unused(_OMEGA_SQUARED, polynomial.free_symbols)
+    return Poly(polynomial.subs(omega, sqrt(square)), square)
 
 
 def bandwidth(

@@ -14,16 +14,24 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, im, lambdify, re, sqrt
+from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, re, sqrt
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of, squared_modulus
+from haptisym.kernel.dynamics import (
+    RealFunction,
+    Response,
+    Ring,
+    on_axis,
+    over_squares,
+    ring_of,
+    squared_modulus,
+)
 from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.objects import Shown, copied, counted
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, monomials, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
-from haptisym.kernel.solutions import Solution, solve
+from haptisym.kernel.solutions import Solution, solve, solved_for
 from haptisym.model.catalogue import (
     Effect,
     Environment,
@@ -32,9 +40,11 @@ from haptisym.model.catalogue import (
     with_controller,
 )
 from haptisym.model.chain import (
+    LOWEST_MAY_EXCEED,
     Asymptote,
     Chain,
     Changeovers,
+    CrossingSolutions,
     LowFrequency,
     ParameterJND,
     Properties,
@@ -51,10 +61,12 @@ from haptisym.model.chain import (
     threshold,
     threshold_polynomial,
     unknown,
+    unused,
     zeros,
 )
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension, Number, quantity
+from haptisym.model.parameters import in_place
+from haptisym.model.quantities import Dimension, Number, constant, in_laplace, quantity
 from haptisym.programs.accuracy import Accuracy, Backend
 
 if TYPE_CHECKING:
@@ -65,7 +77,11 @@ if TYPE_CHECKING:
 
 
 def distort(
-    environment: Any, *effects: Any, rendered: Any = None, omega: Symbol = omega
+    environment: Any,
+    *effects: Any,
+    rendered: Any = None,
+    omega: Symbol = omega,
+    laplace: Symbol | None = None,
 ) -> Distortion:
     """The distortion of an environment by effects, nearest the environment first; none at all
     without effects.
@@ -75,8 +91,10 @@ def distort(
     ``k="environment.k"``, that is the environment's k. Parameters may be numbers or symbols. Each
     may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
     function of python-control or SciPy, a pair of coefficients), an effect then one in series.
-    ``omega`` : the symbol of the frequency in closed forms, ``hs.omega`` unless given. Raises
-    SceneError where H_env is zero everywhere or H_perc is not a dynamics.
+    ``omega`` : the symbol of the frequency in closed forms, ``hs.omega`` unless given; expressions
+    may be written in I*omega, too, and are rewritten in s where that is exact. ``laplace`` : the
+    letter that expressions have for s, s unless given. Raises SceneError where H_env is zero
+    everywhere or H_perc is not a dynamics.
 
     >>> from haptisym import effects, environments
     >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
@@ -85,9 +103,22 @@ def distort(
     >>> from sympy import Symbol
     >>> distort(Symbol("s") + 100, ([20], [1, 20])).perceived
     (20*s + 2000)/(s + 20)
+    >>> w = Symbol("w", positive=True)
+    >>> distort(I * w + 100, 20 / (I * w + 20), omega=w).imag
+    -w*(w**2 + 2000)/(w**2 + 400)
     """
     need("omega", omega, Symbol, "give a symbol, as Symbol('w')")
-    elements = _elements(environment, effects, rendered)
+    need("laplace", laplace, Symbol | None, "give a symbol, as Symbol('p')")
+
+    def read(key: str, given: Any) -> Any:
+        with within(key):
+            return in_laplace(given, laplace, omega) if isinstance(given, Expr) else given
+
+    elements = _elements(
+        read("environment", environment),
+        [read(f"effects[{i}]", x) for i, x in enumerate(effects, 1)],
+        read("rendered", rendered),
+    )
     if omega.name in {s.name, *(x.name for x in _chain_of(*elements).parameters)}:
         raise SceneError(
             f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")'
@@ -123,13 +154,13 @@ def _chain_of(
     )
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Distortion(Shown):
     """The environment H_env, the perceived dynamics H_perc and their difference ``dH = H_perc -
     H_env`` (eq. 9), exact.
 
     Closed forms are SymPy expressions in ``s`` or ``omega`` (rad/s), factored, with common factors
-    cancelled.
+    cancelled. Two that have the same H_env and H_perc are equal, whatever they are made of.
     ``real``, ``imag`` : Re dH and Im dH, N/m or N m/rad. ``ratio_real``, ``ratio_imag`` : ``r_r =
     |Re dH|/|H_env|`` and
     ``r_i = |Im dH|/|H_env|`` (eq. 10), which the JND judges. ``relative_real``, ``relative_imag`` :
@@ -143,12 +174,14 @@ class Distortion(Shown):
     omega**2/(omega**2 + w**2)
     """
 
-    env: RationalFunction = field(repr=False, compare=False)
-    perc: RationalFunction = field(repr=False, compare=False)
+    env: RationalFunction = field(repr=False)
+    perc: RationalFunction = field(repr=False)
     chain: Chain
     frequency: Symbol = omega
     """The symbol of omega in closed forms."""
-    elements: Elements | None = field(default=None, repr=False, compare=False)
+    value: Expr | None = None
+    """The frequency at which closed forms are taken, rad/s; None where it stays a symbol."""
+    elements: Elements | None = field(default=None, repr=False)
     """The environment, effects and rendered environment of which the chain is made; None where it
     was given as dynamics."""
 
@@ -162,8 +195,23 @@ class Distortion(Shown):
 
     __reduce__ = copied
 
+    @cached_property
+    def _known(self) -> tuple[object, ...]:
+        """What is equal where distortions are: in lowest terms, whatever ring they are in."""
+        parts = (f.cleared() for f in (self.env, self.perc))
+        forms = (f.ring.expression(p) for f in parts for p in (f.numerator, f.denominator))
+        return (*forms, self.frequency, self.value)
+
+    def __eq__(self, other: object) -> bool:
+        return self._known == other._known if isinstance(other, Distortion) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._known)
+
     def _line(self) -> str:
-        return f"of H_env = {self.chain.environment}, {counted(len(self.chain.matrices), 'effect')}"
+        here = "" if self.value is None else f", at {self.frequency} = {self.value}"
+        made = counted(len(self.chain.matrices), "effect")
+        return f"of H_env = {self.chain.environment}, {made}{here}"
 
     @cached_property
     def difference(self) -> RationalFunction:
@@ -214,8 +262,13 @@ class Distortion(Shown):
     # Closed forms for people.
 
     def _told(self, form: Expr) -> Expr:
-        """The form with omega replaced by the symbol that was given for the frequency."""
-        return form if self.frequency == omega else form.xreplace({omega: self.frequency})
+        """The form with omega replaced by what was given for it."""
+        return form if self.here == omega else in_place(form, {omega: self.here})
+
+    @property
+    def here(self) -> Expr:
+        """What stands for omega in closed forms: a symbol, or a value."""
+        return self.frequency if self.value is None else self.value
 
     @property
     def environment(self) -> Expr:
@@ -266,12 +319,14 @@ class Distortion(Shown):
     def form(self, part: Part) -> tuple[Expr, bool]:
         """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in
         lowest terms."""
+        if self.with_one_delay is not self:
+            return self.with_one_delay.form(part)
 
         def others() -> Expr:
             return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
 
         def lowest() -> Expr:
-            return part_of(self.difference_response, part).factored()
+            return _shorter(self.difference, part)
 
         return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
@@ -286,10 +341,12 @@ class Distortion(Shown):
     def relative_form(self, part: Part) -> tuple[Expr, bool]:
         """Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether that is
         in lowest terms."""
+        if self.with_one_delay is not self:
+            return self.with_one_delay.relative_form(part)
         change = (self.difference / self.env).reduced()
 
         def lowest() -> Expr:
-            return part_of(self.relative_response, part).factored()
+            return _shorter(change, part)
 
         return shortest(
             change,
@@ -320,11 +377,11 @@ class Distortion(Shown):
                 f"{', '.join(known)}"
             )
         steps = self.chain.steps.only(names)
-        if self.frequency == omega:
+        if self.here == omega:
             return steps
         # A step may have the very name that the user gave the frequency: it is renamed.
         taken = {x for x, _ in steps.definitions if x.name == self.frequency.name}
-        put = {omega: self.frequency, **{x: Symbol(f"{x.name}x") for x in taken}}
+        put = {omega: self.here, **{x: Symbol(f"{x.name}x") for x in taken}}
         pairs = tuple((put.get(name, name), x.xreplace(put)) for name, x in steps.definitions)
         return replace(
             steps,
@@ -340,12 +397,12 @@ class Distortion(Shown):
     @cached_property
     def environment_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of the environment."""
-        return properties(self.env_response, self.frequency)
+        return properties(self.env_response, self.here, unused(X, self.chain.parameters))
 
     @cached_property
     def perceived_properties(self) -> Properties:
         """Stiffness, mass, damping and force phasors of what is felt."""
-        return properties(self.perc_response, self.frequency)
+        return properties(self.perc_response, self.here, unused(X, self.chain.parameters))
 
     def compile(
         self,
@@ -392,29 +449,52 @@ class Distortion(Shown):
         """The distortion with values for some parameters, by symbol or name; the others stay
         symbols.
 
-        A value is a number, read exactly (a float as its decimal), or a string with or without a
-        unit. SceneError for a name that is none of the parameters, and for a value with a sign that
-        its symbol is declared not to have.
+        A value is a number, read exactly (a float as its decimal), a string with or without a unit,
+        or an expression in parameters. A value for omega is put into all closed forms. SceneError
+        for a name that is none of the parameters, and for a value with a sign that its symbol is
+        declared not to have.
 
         >>> from haptisym import effects, environments, symbols
         >>> d = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w")))
         >>> d.at({"k": 0.1}).real, d.at({"k": 100, "w": "20 rad/s"}).bandwidth(0.1).digits(5)
         (-omega**2/(10*omega**2 + 10*w**2), '2.0204')
+        >>> d.at({"omega": 8, "w": 6}).ratio_real
+        16/25
         """
         need("values", values, Mapping, 'give names and values, as {"k": 100}')
         by_name = {x.name: x for x in self.chain.parameters}
+        frequencies = dict.fromkeys((omega.name, self.frequency.name), omega)
         known = {}
         for key, given in values.items():
-            name = str(key)
-            if name not in by_name:
-                valid = f"valid are {', '.join(by_name)}" if by_name else "there is none"
-                raise SceneError(f"unknown parameter {quoted(name)}: {meant(name, by_name)}{valid}")
+            x = {**frequencies, **by_name}.get(name := str(key))
+            if x is None:
+                valid = ", ".join([*by_name, self.frequency.name])
+                raise SceneError(
+                    f"unknown parameter {quoted(name)}: {meant(name, by_name)}valid are {valid}"
+                )
             with within(name):
-                known[by_name[name]] = _allowed(by_name[name], quantity(given, Dimension.ANY).value)
-        # Without values the object itself, with all that it has computed so far.
-        if not known:
-            return self
-        return replace(Distortion.of(self.chain.at(known)), frequency=self.frequency)
+                is_text = x == omega and not isinstance(given, Expr)
+                known[x] = _allowed(
+                    x, quantity(given, Dimension.FREQUENCY).value if is_text else constant(given)
+                )
+        here = known.pop(omega, self.value)
+        # Without values of parameters the object itself, with all that it has computed so far.
+        found = Distortion.of(self.chain.at(known)) if known else self
+        return replace(found, frequency=self.frequency, value=here)
+
+    def subs(self, *given: Any) -> Distortion:
+        """The same as ``at``, written as in SymPy: ``subs(k, 100)``, ``subs({k: 100})`` or
+        ``subs([(k, 100), (T, 0.02)])``; all at once.
+
+        >>> from sympy.abc import k, s, T
+        >>> distort(k, 1 / (1 + T * s)).subs(T, "20 ms").perceived
+        50*k/(s + 50)
+        """
+        try:
+            values = dict([given]) if len(given) == 2 else dict(*given)
+        except (TypeError, ValueError):
+            raise SceneError("subs: give a symbol and its value, or a mapping of them") from None
+        return self.at(values)
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
         """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the
@@ -437,15 +517,16 @@ class Distortion(Shown):
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """The JNDs of stiffness, damping and mass for a threshold c."""
-        least, w = c * self.modulus, self.frequency
+        least, w = c * self.modulus, self.here
         return ParameterJND(least, least / w, least / w**2)
 
     def crossings(
-        self, part: Part | str, c: Any = symbol_c, *, band: tuple[Any, Any] | None = None
+        self, part: Part | str, c: Any = None, *, band: tuple[Any, Any] | None = None
     ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
         """All frequencies at which a ratio equals a threshold c: the positive zeros of r^2 - c^2.
 
-        ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0. With symbols each is a
+        ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0; a symbol c (c_ where that
+        is a parameter) unless given. With symbols each is a
         ``Solution``: a closed form
         ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation``
         where none is readable; a delay's come again with ``period``. With numbers alone they are
@@ -456,7 +537,7 @@ class Distortion(Shown):
         >>> from haptisym.kernel.rings import symbols
         >>> lag = effects.first_order_lag(symbols("w"))
         >>> [x.omega for x in distort(environments.mass_spring_damper(k=symbols("k")), lag).crossings("real")]
-        [sqrt(c)*w*sqrt(1/(1 - c))]
+        [sqrt(c)*w/sqrt(1 - c)]
         >>> own = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
         >>> [x.digits(8) for x in own.crossings("real", 0.2)]
         ['10.000000']
@@ -476,7 +557,10 @@ class Distortion(Shown):
         return zeros(excess(self.squared_ratios[part_named(part)], level), band)
 
     def _threshold(self, c: Any) -> Expr:
-        """Read a threshold; SceneError where a symbol in it is a frequency, a parameter or s."""
+        """Read a threshold, a symbol unless given; SceneError where a symbol in it is a frequency,
+        a parameter or s."""
+        if c is None:
+            return unused(symbol_c, [*self.chain.parameters, self.frequency])
         taken = {x.name: "a parameter" for x in self.free_symbols}
         frequencies = {x.name: "the frequency" for x in (omega, self.frequency)}
         return threshold(c, {**taken, **frequencies, s.name: "the Laplace variable"})
@@ -518,7 +602,8 @@ class Distortion(Shown):
 
     def _in_own_frequency(self, solutions: Iterable[Solution]) -> tuple[Solution, ...]:
         """The solutions with their equations in the symbol that was given for the frequency."""
-        return tuple(replace(x, equation=self._told(x.equation)) for x in solutions)
+        own = {omega: self.frequency}
+        return tuple(replace(x, equation=x.equation.xreplace(own)) for x in solutions)
 
     @property
     def changeovers(self) -> Changeovers:
@@ -556,7 +641,7 @@ class Distortion(Shown):
             return None
         return lowest(self._sign_changes(system), values)
 
-    def threshold_polynomial(self, part: Part | str, c: Any = symbol_c) -> Poly | Expr:
+    def threshold_polynomial(self, part: Part | str, c: Any = None) -> Poly | Expr:
         """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays
         an expression in omega.
 
@@ -564,9 +649,10 @@ class Distortion(Shown):
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
         [-c**2, 1 - 2*c**2, -c**2]
         """
-        squared = self.squared_ratios[part_named(part)]
+        squared = self.with_one_delay.squared_ratios[part_named(part)]
         polynomial = threshold_polynomial(squared, self._threshold(c), self.chain.stand_in)
-        return polynomial if isinstance(polynomial, Poly) else self._told(polynomial)
+        own = {omega: self.frequency}
+        return polynomial if isinstance(polynomial, Poly) else polynomial.xreplace(own)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
         """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c;
@@ -601,29 +687,34 @@ class Distortion(Shown):
         """
         return low_frequency(self.perc)
 
-    def lambdify(self, quantity: str = "ratio_real", modules: Any = "numpy") -> Callable[..., Any]:
+    def lambdify(
+        self, quantity: str = "ratio_real", modules: Any = "numpy", *, steps: bool = False
+    ) -> Callable[..., Any]:
         """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for
         NumPy, mpmath, JAX or math.
 
         ``quantity`` : any closed form here, by name. A parameter with the name of a function is
-        followed by _ (``sqrt_``).
+        followed by _ (``sqrt_``). With ``steps`` it computes the quantity by ``steps(quantity)``,
+        and returns each step and the result by their names.
         ``compile`` is more accurate, and knows the limits at zeros of H_env.
 
         >>> from haptisym import effects, environments
-        >>> distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20)).lambdify("real", "math")(20.0)
-        -50.0
+        >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
+        >>> d.lambdify("real", "math")(20.0), d.lambdify("real", "math", steps=True)(20.0)
+        (-50.0, {'M': 800.0, 'E': -40000.0, 'real': -50.0})
         """
         if quantity not in _QUANTITIES:
             hint = meant(str(quantity), _QUANTITIES)
             raise SceneError(
                 f"unknown quantity {quoted(quantity)}: {hint}valid are {', '.join(_QUANTITIES)}"
             )
-        form, names = getattr(self, quantity), sorted(self.free_symbols, key=str)
+        named = self.steps(quantity).named if steps else {quantity: getattr(self, quantity)}
+        names = sorted(self.free_symbols, key=str)
         # H_env(s), H_perc(s) and dH(s) are functions of s, all others of omega.
-        variable = s if form.has(s) else self.frequency
+        variable = s if any(x.has(s) for x in named.values()) else self.frequency
         # A form that is left as Re or Im of H_perc(j omega) has complex numbers inside, for which
         # math has no functions.
-        if modules == "math" and form.has(re, im):
+        if modules == "math" and any(x.has(re, im) for x in named.values()):
             modules = [
                 {
                     "re": lambda z: complex(z).real,
@@ -633,10 +724,26 @@ class Distortion(Shown):
                 "math",
             ]
         spelt = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}
-        function: Callable[..., Any] = lambdify(
-            [variable, *(spelt.get(x, x) for x in names)], form.xreplace(spelt), modules, cse=True
-        )
-        return function
+        forms = {name: x.xreplace(spelt) for name, x in named.items()}
+        *before, result = forms.items()
+        # The named steps stand in for the common subexpressions that SymPy would look for.
+        pairs = [(Symbol(name, real=True), x) for name, x in before]
+        results = [*(name for name, _ in pairs), result[1]]
+        try:
+            function: Callable[..., Any] = lambdify(
+                [variable, *(spelt.get(x, x) for x in names)],
+                results if steps else result[1],
+                modules,
+                cse=(lambda _: (pairs, results)) if steps else True,
+            )
+        except (NameError, ImportError):
+            raise SceneError(
+                f"modules: {quoted(modules)}: give a package that is installed, as numpy, mpmath "
+                f"or math"
+            ) from None
+        if not steps:
+            return function
+        return lambda *x, **y: dict(zip(forms, function(*x, **y), strict=True))
 
     @property
     def changeover_environment(self) -> Expr | None:
@@ -658,6 +765,51 @@ class Distortion(Shown):
         """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has
         no such form."""
         return self.changeover("perc")
+
+
+def solve_for(
+    d: Distortion, what: str, parameter: Symbol | str, c: Any = None
+) -> CrossingSolutions | Changeovers:
+    """The values of a parameter at which omega is a frequency of a distortion: the designer's way
+    round.
+
+    ``what`` : "crossing", where r_r or r_i equals the threshold ``c`` (a symbol unless given), or
+    "changeover", where Re H_env or Re H_perc changes its sign. ``parameter`` : by symbol or name.
+    Each is a ``Solution`` whose ``omega`` is the formula of its ``parameter``, in the frequency and
+    all other symbols, positive, or None where none is readable. ``d.at({"omega": 5})`` asks about 5
+    rad/s. SceneError for another name.
+
+    >>> from haptisym import effects, environments, symbols
+    >>> k, w = symbols("k w")
+    >>> d = distort(environments.mass_spring_damper(k=k), effects.first_order_lag(w))
+    >>> solve_for(d, "crossing", w).real
+    (<Solution w = omega*sqrt(1 - c)/sqrt(c)>,)
+    >>> [x.omega for x in solve_for(d.at({"omega": 5}), "crossing", "w", 0.1).real]
+    [15]
+    """
+    if what not in ("crossing", "changeover"):
+        raise SceneError(f"what: {quoted(what)}: give crossing or changeover")
+    level, by_name = d._threshold(c), {x.name: x for x in d.chain.parameters}
+    # A threshold that is a symbol is one of those that can be solved for.
+    if level.is_Symbol and what == "crossing":
+        by_name[level.name] = d.chain.stand_in
+    if str(parameter) not in by_name:
+        hint = meant(str(parameter), by_name)
+        raise SceneError(
+            f"unknown parameter {quoted(parameter)}: {hint}valid are {', '.join(by_name)}"
+        )
+    free = by_name[str(parameter)]
+
+    def by(f: RealFunction) -> tuple[Solution, ...]:
+        found = solved_for(f, free)
+        return tuple(y for x in found if (y := x.put({omega: d.here})) is not None)
+
+    reduced = d.with_one_delay
+    if what == "crossing":
+        squares = (reduced.squared_ratios[part] for part in Part)
+        return CrossingSolutions(*(crossings(f, level, d.chain.stand_in, by) for f in squares))
+    stiffness = (reduced.env_response.real, reduced.perc_response.real)
+    return Changeovers(*(tuple(x for x in by(f) if x.order % 2) for f in stiffness))
 
 
 # Names in the code that ``lambdify`` writes; a parameter of such a name would hide the function.
@@ -692,6 +844,17 @@ def _allowed(x: Symbol, value: Expr) -> Expr:
 def part_of(response: Response, part: Part) -> RealFunction:
     """The real or the imaginary part of a response."""
     return response.real if part is Part.REAL else response.imag
+
+
+def _shorter(dynamics: RationalFunction, part: Part) -> Expr:
+    """Re or Im of a dynamics with common factors cancelled: in factors, over sums of two squares,
+    or in products of its parts, where that is shorter."""
+    real = part is Part.REAL
+    factored = part_of(on_axis(dynamics), part).factored()
+    reduced = min(factored, over_squares(dynamics, real=real), key=count_ops)
+    products = over_squares(dynamics, real=real, multiplied=False)
+    # Leading powers of omega show in factors only, which a few operations are worth.
+    return reduced if count_ops(reduced) <= LOWEST_MAY_EXCEED * count_ops(products) else products
 
 
 def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:

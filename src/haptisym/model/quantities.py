@@ -32,6 +32,7 @@ from typing import Any, Generic, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from sympy import (
     Add,
+    Dummy,
     Expr,
     Float,
     I,
@@ -40,18 +41,23 @@ from sympy import (
     Pow,
     Rational,
     Symbol,
+    cos,
+    cosh,
+    exp,
     expand,
     fraction,
     nan,
     oo,
     pi,
     preorder_traversal,
+    sin,
+    sinh,
     together,
     zoo,
 )
 
 from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
-from haptisym.kernel.rings import s
+from haptisym.kernel.rings import omega, s
 
 T = TypeVar("T")
 
@@ -917,42 +923,85 @@ def refuse_unreal(symbols: Iterable[Symbol]) -> None:
             raise SceneError(f"the symbol {x} is declared {declared[0]}: {way}")
 
 
-def in_laplace(given: Expr, variable: Symbol | None = None) -> Expr:
-    """A user's expression in ``variable`` (None: a symbol called s), as one in haptisym's ``s``,
-    with floats read as decimals.
+def in_laplace(given: Expr, variable: Symbol | None = None, frequency: Symbol = omega) -> Expr:
+    """A user's expression in ``variable`` (None: a symbol called s), or in I times ``frequency`` or
+    omega, as one in haptisym's ``s``, with floats read as decimals.
 
     Its other symbols are real parameters. Raises SceneError, by name, where it is no real function
-    of s: an I that does not cancel (as where j omega was put in for s), a symbol that was declared
-    not to be real, the frequency, a parameter called s.
+    of s: an I that does not cancel, a symbol that was declared not to be real, a parameter called
+    s, or another letter, p or S, that may be meant as s.
 
     >>> in_laplace(1 / (1 + Symbol("p") * 0.1), Symbol("p"))
     1/(s/10 + 1)
+    >>> in_laplace(3 * I * omega + 100 - omega**2)
+    s**2 + 3*s + 100
     >>> in_laplace(3 * I * Symbol("w") + 100)
     Traceback (most recent call last):
       ...
-    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I: write it in s, with real numbers
+    haptisym.kernel.errors.SceneError: "3*I*w + 100" contains I: write the system in s, or in I*w, as distort(..., omega=w)
     """
     # A user's own Symbol("s") is the Laplace variable where no other one is named. With an
     # assumption, as real, it was meant as a parameter, and two symbols called s are ambiguous.
-    called_s = {x for x in given.free_symbols if x.name == "s"} - {variable}
-    if called_s and (variable is not None or len(called_s) > 1):
+    known, free = (variable or s).name, given.free_symbols
+    laplace = {x for x in free if x.name == known}
+    if len(laplace) > 1 or (known != s.name and s.name in {x.name for x in free}):
         raise SceneError(
             f"{quoted(given)}: s is the Laplace variable: a parameter needs another name"
         )
-    if any(x.is_real is not None or x.is_commutative is False for x in called_s):
+    if variable is None and any(
+        x.is_real is not None or x.is_commutative is False for x in laplace
+    ):
         raise SceneError(f'{quoted(given)}: declare s without assumptions: Symbol("s")')
-    others = given.free_symbols - called_s - {variable}
-    if known := sorted({x.name for x in others} & {"omega", "j", "X"}):
-        raise SceneError(f"{quoted(given)} contains {known[0]}: write the system in s")
+    waves = {x for x in free - laplace if x.name in (omega.name, frequency.name)}
+    others = free - laplace - waves
+    # A parameter called omega beside s would be taken for the frequency.
+    if laplace and waves:
+        letter = min(x.name for x in waves)
+        raise SceneError(
+            f"{quoted(given)} contains {known} and {letter}, which is omega: write it in one of "
+            f"them, and give a parameter another name"
+        )
+    if "j" in {x.name for x in others}:
+        raise SceneError(f"{quoted(given)} contains j: write SymPy's I, or give it another name")
     refuse_unreal(others)
-    form = given.xreplace({x: s for x in {*called_s, variable} if x is not None})
-    form = with_decimals(form)
+    if given.has(nan, oo, -oo, zoo):
+        raise SceneError(f"{quoted(given)} is not finite")
+    # Nobody leaves out both s and omega in dynamics, and a parameter is seldom called p or S.
+    asked = {x.name for x in others if x.is_real is None} & {"p", "S"}
+    if asked and variable is None and not laplace and not waves:
+        name = min(asked)
+        raise SceneError(
+            f"{quoted(given)}: is {name} the Laplace variable? Write s, or distort(..., "
+            f'laplace={name}); a parameter is Symbol("{name}", positive=True)'
+        )
+    form = with_decimals(_turned(given, waves).xreplace(dict.fromkeys(laplace, s)))
     if (degree := _degree(form)) > HIGHEST_DEGREE:
         most = HIGHEST_DEGREE
         raise SceneError(
             f"{quoted(given)} has the degree {degree} in s; at most {most} is possible"
         )
-    return _without_i(form, given) if form.has(I) else form
+    return _without_i(form, given, waves) if form.has(I) else form
+
+
+_ANALYTIC = Add | Mul | Pow | exp | cos | sin | cosh | sinh
+
+
+def _turned(given: Expr, waves: set[Symbol]) -> Expr:
+    """An expression with s/j in place of frequencies; SceneError where that is not exact, as in
+    |omega|, which is no analytic function."""
+    for x in preorder_traversal(given) if waves else ():
+        if not x.args or not x.has(*waves):
+            continue
+        # Of all roots only those of a multiple of omega itself are what they are in s, too.
+        root = x.is_Pow and not x.exp.is_Integer and x.base.as_independent(*waves)[1] not in waves
+        if root or not isinstance(x, _ANALYTIC):
+            raise SceneError(f"{quoted(given)}: {x} is no function of I*omega: write it in s")
+    # As a positive symbol, s leaves fractional powers of j omega in one piece.
+    laplace = Dummy(positive=True)
+    form = given.xreplace(dict.fromkeys(waves, -I * laplace))
+    # Of j^a and (-j)^a, as powers of -1, SymPy sees that they cancel.
+    units = {x: Pow(-1, x.exp / (2 * x.base / I)) for x in form.atoms(Pow) if x.base in (I, -I)}
+    return form.xreplace(units).xreplace({laplace: s})
 
 
 def _degree(x: Expr) -> int:
@@ -967,14 +1016,33 @@ def _degree(x: Expr) -> int:
     return sum(degrees) if isinstance(x, Mul) else max(degrees, default=0)
 
 
-def _without_i(expression: Expr, given: Expr) -> Expr:
+def _without_i(expression: Expr, given: Expr, waves: set[Symbol]) -> Expr:
     """The expression as a quotient of real polynomials; SceneError where an I does not cancel."""
     # Over one denominator and expanded, I^2 = -1 is put in and pairs of conjugates become real.
     above, below = (expand(x) for x in fraction(together(expression)))
     if above.has(I) or below.has(I):
-        way = "write it in s, with real numbers"
-        raise SceneError(f"{quoted(given)} contains I: {way}")
+        letter = min((x.name for x in waves), default="w")
+        contents, way = (letter, "") if waves else ("I", "write it in s, with real numbers")
+        if not given.has(s):
+            end = " with real numbers" if waves else f", as distort(..., omega={letter})"
+            way = f"write the system in s, or in I*{letter}{end}"
+        raise SceneError(f"{quoted(given)} contains {contents}: {way}")
     return above / below
+
+
+def constant(given: Number) -> Expr:
+    """A value for a parameter, exact: a number, a string of number and unit, or an expression in
+    parameters; SceneError for one in s or omega, and for anything else.
+
+    >>> constant("2 ms"), constant(2 * Symbol("b", positive=True)**0.5)
+    (1/500, 2*sqrt(b))
+    """
+    if not isinstance(given, Expr):
+        return quantity(given, Dimension.ANY).value
+    refuse_unreal(given.free_symbols)
+    if frequencies := sorted({x.name for x in given.free_symbols} & {"s", "omega", "j"}):
+        raise SceneError(f"{quoted(given)} contains {frequencies[0]}: give a constant")
+    return in_laplace(given, s)
 
 
 def _exact_expression(given: Expr) -> Expr:

@@ -408,15 +408,16 @@ def _dynamics(d: Derivation) -> doc.Section:
 
 def _in_steps(d: Derivation) -> doc.Section:
     """Return the section of the distortion in named intermediate steps."""
-    return _section(f"Intermediate steps ({d.steps.operations} operations)", _steps(d.steps))
+    return _section(f"Intermediate steps ({d.steps.operations} operations)", step_lines(d.steps))
 
 
-def _steps(steps: Steps) -> Iterator[doc.Line]:
+def step_lines(steps: Steps) -> Iterator[doc.Line]:
     """Yield the steps that the distortion needs, then the quantities in terms of these."""
-    shown = steps.only(_SHOWN.values())
+    named = {name: result for name, result in _SHOWN.items() if result in steps.results}
+    shown = steps.only(named.values())
     for symbol, value in shown.definitions:
         yield _defined(symbol, value)
-    for name, result in _SHOWN.items():
+    for name, result in named.items():
         yield _named(name, shown.results[result])
 
 
@@ -505,7 +506,7 @@ def _dimensionless(d: Derivation) -> Iterator[doc.Section]:
     )
     yield _section(title, rows, [note])
     steps = _in_x(groups, groups.chain.at(groups.values).steps)
-    yield _section((), _steps(steps))
+    yield _section((), step_lines(steps))
 
 
 def _counted(n: int, what: str) -> str:

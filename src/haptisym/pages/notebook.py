@@ -24,15 +24,19 @@ from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.solutions import Solution
 from haptisym.model.catalogue import Effect, Environment
+from haptisym.model.chain import Changeovers, CrossingSolutions
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
+from haptisym.pages.derive import step_lines
 from haptisym.pages.evaluation import VERBS, event, sense
 from haptisym.pages.scene import ClosedForms
 from haptisym.pages.words import PART_NAMES, both, ends, near, region
+from haptisym.programs.steps import Steps
+from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.boxes import Box, MatrixBox, Relation
 from haptisym.writing.document import DIGITS, Line
 from haptisym.writing.html import display, element, fragment, phrase
@@ -59,9 +63,12 @@ def latex(value: Any, *, digits: int = DIGITS) -> str:
     >>> latex(omega_n**2 / (s**2 + 2 * zeta * omega_n * s + omega_n**2))
     '\\frac{\\omega_n^{2}}{s^{2} + 2 \\zeta \\omega_n s + \\omega_n^{2}}'
     """
-    raise TypeError(
-        f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an answer"
-    )
+    shown = as_latex(value)
+    if shown is None:
+        raise TypeError(
+            f"no LaTeX for {type(value).__name__}: give an expression, a Distortion or an answer"
+        )
+    return shown.removeprefix(r"$\displaystyle ").strip("$").replace("aligned", "align*")
 
 
 @latex.register
@@ -71,7 +78,7 @@ def _(value: Basic, *, digits: int = DIGITS) -> str:
 
 @latex.register
 def _(value: Distortion, *, digits: int = DIGITS) -> str:
-    return align(ClosedForms(value).all())
+    return align(ClosedForms(value.with_one_delay).all())
 
 
 @latex.register
@@ -136,10 +143,31 @@ def _solution(x: Solution) -> str:
         return _displayed(formula(x.equation), " = 0")
     turns = rf" + {formula(x.period)} n" if x.period else ""
     return _displayed(
-        rf"\omega = {formula(x.omega)}",
+        rf"{formula(x.parameter)} = {formula(x.omega)}",
         turns,
         *(rf",\quad {formula(y)} \ge 0" for y in x.conditions),
     )
+
+
+def _solutions(x: Changeovers | CrossingSolutions) -> str:
+    """Return all formulas or numbers, a line each, with what they are of."""
+    lines = [
+        rf"&\text{{{name}:}} & & {latex(y)}"
+        for name, found in zip(x._fields, x, strict=True)
+        for y in found
+    ]
+    return _aligned(lines or [r"&\text{none}"])
+
+
+def _aligned(lines: Iterable[str]) -> str:
+    """Return lines of LaTeX as one formula."""
+    separated = " \\\\\n  ".join(lines)
+    return f"$$\\begin{{aligned}}\n  {separated}\n\\end{{aligned}}$$"
+
+
+def _steps(x: Steps) -> str:
+    """Return the steps and what they result in, a line each."""
+    return f"$${align([*step_lines(x)]).replace('align*', 'aligned')}$$"
 
 
 def _given(parameters: Iterable[Parameter]) -> str:
@@ -172,7 +200,7 @@ def _distortion(x: Distortion) -> str:
 
 def _rows(x: Distortion) -> list[Line]:
     """Dynamics, distortion and ratios, as far as they can be read."""
-    forms = ClosedForms(x)
+    forms = ClosedForms(x.with_one_delay)
     rows = [*forms.dynamics(), *forms.difference(), *forms.ratios()]
     return [row for row in rows if row.optional or not is_long(row.value)]
 
@@ -250,6 +278,10 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
     Environment: _environment,
     Effect: _effect,
     Distortion: _distortion,
+    Derivation: lambda x: _distortion(x.distortion),
+    Steps: _steps,
+    Changeovers: _solutions,
+    CrossingSolutions: _solutions,
     Threshold: _threshold,
     RealNumber: _number,
     Solution: _solution,

@@ -22,12 +22,12 @@ from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi, sqrt
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel import dynamics as response
-from haptisym.kernel.dynamics import RealFunction, Ring
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, X, finite, omega, s
+from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, X, omega, s
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
-from haptisym.model.distortion import Distortion, magnitude, part_of
+from haptisym.model.distortion import Distortion, magnitude
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import spread, values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
@@ -193,19 +193,7 @@ def on_axis(function: RationalFunction, part: Part) -> Expr:
     >>> on_axis(Ring().convert(1 / (s**2 + s + 4)), Part.REAL)
     (4 - omega**2)/(omega**2 + (4 - omega**2)**2)
     """
-    axis = _ring(function).axis
-    # With delays, or with j among the numbers, parts are not those of polynomials: the general way.
-    if axis.functions or axis.complex:
-        return part_of(response.on_axis(function), part).factored()
-    whole = function.reduced().cleared()
-    # With n = a + j b and d = c + j d on the axis, n/d = (a c + b d + j (b c - a d))/(c^2 + d^2).
-    (a, b), (c, d) = axis.parts([whole.numerator, whole.denominator])
-    above, below = (a * c + b * d if part is Part.REAL else b * c - a * d), c * c + d * d
-    # If something cancels, c^2 + d^2 is not the denominator in lowest terms, and a sum of squares
-    # would hide that.
-    if not above.gcd(below).is_constant():
-        return axis.function(above, below).factored()
-    return axis.factored_expression(above) / _squares(whole, whole.denominator)
+    return response.over_squares(function, real=part is Part.REAL)
 
 
 def squared_modulus(function: RationalFunction) -> Expr:
@@ -216,34 +204,12 @@ def squared_modulus(function: RationalFunction) -> Expr:
     >>> squared_modulus(Ring().convert(s**2 + s + 4))
     omega**2 + (4 - omega**2)**2
     """
-    if _ring(function).axis.functions or _ring(function).axis.complex:
+    if response.ring_of(function).axis.functions or response.ring_of(function).axis.complex:
         return response.squared_modulus(function).factored()
     reduced = function.reduced()
     # Fractions among the coefficients are cleared, unless the denominator is a mere number.
     whole = reduced if reduced.denominator.is_constant() else reduced.cleared()
-    return _squares(whole, whole.numerator) / _squares(whole, whole.denominator)
-
-
-def _squares(function: RationalFunction, polynomial: Polynomial) -> Expr:
-    """Return a polynomial's squared modulus on the axis, as a product of sums of two squares."""
-    axis = _ring(function).axis
-    unit, factors = function.ring.factors(polynomial)
-    # A single simple factor keeps its number inside, so that the polynomial is seen as it is.
-    if len(factors) == 1 and factors[0][1] == 1:
-        unit, factors = S.One, [(polynomial, 1)]
-    moduli = []
-    for factor, exponent in factors:
-        # |p q|^2 = |p|^2 |q|^2: each factor gives a sum of two squares of its own.
-        real, imag = map(axis.expression, axis.parts([factor])[0])
-        moduli.append(finite(real**2 + imag**2) ** exponent)
-    return Mul(unit**2, *moduli)
-
-
-def _ring(function: RationalFunction) -> Ring:
-    """Return the ring of a function, which has an imaginary axis."""
-    ring = function.ring
-    assert isinstance(ring, Ring)
-    return ring
+    return response.squares(whole, whole.numerator) / response.squares(whole, whole.denominator)
 
 
 # The scene.

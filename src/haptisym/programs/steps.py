@@ -18,13 +18,16 @@ from typing import Any, Generic, TypeVar
 from sympy import (
     Abs,
     Expr,
+    Function,
     Pow,
     Rational,
     Symbol,
+    acos,
     cos,
     count_ops,
     default_sort_key,
     factor_terms,
+    pi,
     sin,
     sqrt,
 )
@@ -69,8 +72,13 @@ class Steps(Shown):
             uses.update(value.free_symbols if uses[name] else ())
         return Steps(tuple(reversed(needed.items())), results)
 
+    @property
+    def named(self) -> dict[str, Expr]:
+        """All steps and results by their names, in order."""
+        return {**{x.name: value for x, value in self.definitions}, **self.results}
+
     def _values(self) -> list[Expr]:
-        return [*(value for _, value in self.definitions), *self.results.values()]
+        return [*self.named.values()]
 
     @property
     def free_symbols(self) -> frozenset[Symbol]:
@@ -139,12 +147,19 @@ def page_steps(program: Program) -> Steps:
     """
     reader = _PageReader(program, {"c", *(x.name for x in program.inputs)})
     results = reader.results()
+
+    def plain(value: Expr) -> Expr:
+        return value.xreplace({x: x.args[0] for x in value.atoms(_HELD)})
+
     return Steps(
-        tuple((Symbol(name, real=True), value) for name, value in reader.definitions), results
+        tuple((Symbol(name, real=True), plain(value)) for name, value in reader.definitions),
+        {name: plain(value) for name, value in results.items()},
     )
 
 
 _FRACTION = Symbol("fraction")
+_HELD = Function("held")
+"""Keeps an angle that is a number from being put into cosines and sines."""
 V = TypeVar("V")
 
 
@@ -240,7 +255,15 @@ class _PageReader(Reader[Expr]):
         return symbol
 
     def constant(self, value: Any) -> Expr:
-        return value if isinstance(value, Expr) else Rational(int(value.p), int(value.q))
+        if not isinstance(value, Expr):
+            return Rational(int(value.p), int(value.q))
+        # cos(pi/8) or sin(pi/8), of a power of s, is a nest of roots as a number: it stays what it
+        # is until double angles have been looked for.
+        angle = acos(value)
+        if value.is_Rational or not (angle / pi).is_Rational:
+            return value
+        wave, half = (cos, angle) if 4 * angle <= pi else (sin, pi / 2 - angle)
+        return wave(_HELD(half))
 
     def made(self, operation: str, *arguments: Expr) -> Expr:
         return _MADE[operation](*arguments)
@@ -255,7 +278,7 @@ class _PageReader(Reader[Expr]):
         return _whole_angles(value)
 
     def is_worth(self, value: Expr) -> bool:
-        return bool(count_ops(value) > _SHORT)
+        return bool(value.free_symbols and count_ops(value) > _SHORT)
 
 
 _SHORT = 6  # operations that stand on a page twice, without a name
@@ -298,9 +321,14 @@ def _whole_angles(value: Expr) -> Expr:
     joined = value.expand()
     for angle in angles:
         both, wave = cos(angle) * sin(angle), cos(2 * angle)
+        squares = {cos(angle): (1 + wave) / 2, sin(angle): (1 - wave) / 2}
         joined = joined.replace(
+            lambda x, squares=squares: x.is_Pow and x.base in squares and x.exp.is_Integer,
+            lambda x, squares=squares: squares[x.base] ** (x.exp // 2) * x.base ** (x.exp % 2),
+        ).replace(
             lambda x, both=both: x.is_Mul and {*both.args} <= {*x.args},
             lambda x, both=both, angle=angle: x / both * sin(2 * angle) / 2,
-        ).xreplace({cos(angle) ** 2: (1 + wave) / 2, sin(angle) ** 2: (1 - wave) / 2})
+        )
     others = map(factor_terms, (joined, joined.expand()))
-    return min(value, *(x.func(*x.args) if x.args else x for x in others), key=count_ops)
+    shortest = min(value, *(x.func(*x.args) if x.args else x for x in others), key=count_ops)
+    return value if shortest == value else _whole_angles(shortest)

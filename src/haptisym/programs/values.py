@@ -20,7 +20,7 @@ from math import prod
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from haptisym.kernel.arrays import np
-from haptisym.kernel.errors import SceneError
+from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import rounded, whole
 from haptisym.programs.accuracy import Accuracy, Backend
@@ -75,7 +75,7 @@ def chosen(of: Sequence[str] | str | None) -> tuple[str, ...]:
     """
     if of is None:
         return Values._fields
-    names = (of,) if isinstance(of, str) else tuple(of)
+    names = (of,) if isinstance(of, str) else several("of", of, "give names of closed forms")
     wrong = [name for name in names if name not in Values._fields or names.count(name) > 1]
     if wrong or not names:
         raise SceneError(

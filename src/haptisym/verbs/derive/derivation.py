@@ -55,6 +55,7 @@ from sympy import (
     together,
 )
 
+from haptisym import effects, environments
 from haptisym.judge.answers import Answer
 from haptisym.judge.crossings import Criterion, noticed, opened
 from haptisym.judge.evaluation import Evaluation, evaluate
@@ -67,7 +68,7 @@ from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, 
 from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
-from haptisym.model.distortion import Distortion, part_of
+from haptisym.model.distortion import Distortion, Elements, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents
@@ -815,12 +816,15 @@ def listed_name(name: str) -> str | None:
     return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
 
 
-def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = None) -> Derivation:
+def derive(
+    scene: Scene | Distortion | str | Path,
+    keep: Iterable[str | Symbol] | str | Symbol | None = None,
+) -> Derivation:
     """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a
     page of text.
 
     ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
-    ``keep`` : the names of the parameters that stay symbols; None for all of them and the
+    ``keep`` : the parameters that stay symbols, by symbol or name; None for all of them and the
     threshold, () for none. A name that the scene does not have raises SceneError, as do names
     beside a distortion, whose symbols stay.
 
@@ -840,9 +844,9 @@ def derive(scene: Scene | Distortion | str | Path, keep: Iterable[str] | None = 
     scene = as_scene(scene)
     if keep is None:
         return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    listed = [keep] if isinstance(keep, str) else keep
+    listed = [keep] if isinstance(keep, str | Symbol) else keep
     names = several("keep", listed, "give names of parameters")
-    kept = [scene.knobs[name].felt() for name in names]
+    kept = [scene.knobs[str(name)].felt() for name in names]
     thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
     return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
 
@@ -851,9 +855,15 @@ def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
     """The derivation of a distortion, of which all symbols stay symbols."""
     if keep is not None:
         raise SceneError("keep: a distortion keeps its symbols: leave it out")
-    if d.elements is None:
-        raise SceneError(
-            "this distortion has no environment and effects: give one that distort() returned"
-        )
-    environment, effects, rendered = d.elements
-    return Derivation(Scene(environment, effects, rendered=rendered), ())
+    if d.value is not None:
+        raise SceneError(f"omega is {d.value}: derive the distortion without it")
+    environment, elements, rendered = d.elements or _elements(d.chain)
+    return Derivation(Scene(environment, elements, rendered=rendered), ())
+
+
+def _elements(chain: Chain) -> Elements:
+    """The dynamics of a chain as environments and two-ports: into those of which it was made values
+    have not been put."""
+    felt, rendered = map(environments.expression, (chain.environment, chain.rendered))
+    ports = tuple(effects.two_port(*matrix) for matrix in chain.matrices)
+    return felt, ports, None if chain.rendered == chain.environment else rendered

@@ -10,7 +10,7 @@ in units in the last place of a double.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf, isfinite, isnan, log10, ulp
 from pathlib import Path
@@ -111,6 +111,7 @@ def verify(
     (True, True, True)
     """
     d = given if isinstance(given, Distortion) else as_scene(given).distortion()
+    d = replace(d, value=None)
     draw, ways = Random(seed), _Ways(d)
     worst: dict[tuple[str, str], Disagreement] = {}
     defined, count = 0, whole("points", points)

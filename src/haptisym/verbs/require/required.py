@@ -23,15 +23,14 @@ from haptisym.judge.bindings import IN_HANDS, Binding, Kind, stable_in
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import PASSIVE, Criterion, noticed, opened
 from haptisym.kernel.arrays import has_arrays
-from haptisym.kernel.axis import Axis
 from haptisym.kernel.budget import SECONDS, Told, limited
-from haptisym.kernel.dynamics import RealFunction, Ring
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import LimitError, SceneError, UndecidedError, meant
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, Sliver, whole
-from haptisym.kernel.rings import Polynomial, c, monomials, omega
+from haptisym.kernel.rings import c, monomials, omega
 from haptisym.kernel.sets import STOPPED, Domain, Piece, SingleValue, ValueSet, combined
-from haptisym.kernel.solutions import Solution
+from haptisym.kernel.solutions import Solution, exchanged
 from haptisym.kernel.solutions import solve as formulas_of
 from haptisym.model.catalogue import Hand
 from haptisym.model.jnd import Part
@@ -60,8 +59,8 @@ def closed_form(
     what all of them are worth; ``value``: decimal digits of the one solution that is meant, at
     least 60.
     """
-    turned = _turned(condition, free, place)
-    if turned is None:
+    turned = exchanged(condition, free, place)
+    if turned is None or len(turned.function.numerator) > _MOST_TERMS:
         return None
     # Several branches solve the condition: the one meant is the one with the digits of the end.
     for solution in _solved(_Posed.of(turned)):
@@ -102,39 +101,6 @@ def _is(number: Expr, value: str) -> bool:
         found.is_real
         and Abs(found - Float(value, _DIGITS)) <= Abs(found) * Float(10) ** (8 - _DIGITS)
     )
-
-
-def _turned(condition: RealFunction, free: Symbol, place: Symbol) -> RealFunction | None:
-    """The condition as a function of the parameter, which takes the place of omega; None where it
-    is no such function."""
-    axis, numerator = condition.axis, condition.function.numerator
-    # A phase is omega times its rate. As omega and the parameter change places it must still be
-    # one: the rate must be proportional to the parameter.
-    rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
-    if (
-        axis.orders
-        or any(rate.has(free) for rate in rates)
-        or len(numerator.to_dict()) > _MOST_TERMS
-    ):
-        return None
-    target = Ring([*(x for x in axis.symbols if x != free), place], rates).axis
-    return RealFunction(target.function(_exchanged(numerator, axis, target, free, place)))
-
-
-def _exchanged(
-    polynomial: Polynomial, axis: Axis, target: Axis, free: Symbol, place: Symbol
-) -> Polynomial:
-    """The polynomial with omega called ``place`` and the parameter called omega."""
-    names = {omega: place, free: omega}
-    where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
-    where += [target.size + i for i in range(len(axis.angles))]
-    terms = {}
-    for exponents, value in monomials(polynomial):
-        own = [0] * len(target.meanings)
-        for i, n in zip(where, exponents, strict=True):
-            own[i] = int(n)
-        terms[tuple(own)] = value
-    return target.context.from_dict(terms)
 
 
 TRANSPARENT, SUITS_ALL = "transparent", "passive"

@@ -2,8 +2,8 @@
 once?
 
 A *set* is one value for each swept parameter; arrays have one entry for each set, or one for each
-zero with the index of its set. A function that is not 0 everywhere is known by its sign at the low end and the frequencies at which
-it changes (``SignChanges``). From these follow, by sorting:
+zero with the index of its set. A function that is not 0 everywhere is known by its sign at the low
+end and the frequencies at which it changes (``SignChanges``). From these follow, by sorting:
 
 - the sign changes of a *lattice*, the maximum over terms of the minimum of several functions, each
   a product of factors (``lattice_changes``). Its sign is a function of the signs of the factors
