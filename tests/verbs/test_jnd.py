@@ -311,8 +311,8 @@ def test_a_table_may_come_through_a_pipe() -> None:
 
 
 BAD = {
-    "nothing": ("", "no column holds the levels: there are none"),
-    "only a header": ("level,k,n\n", "there are no answers"),
+    "nothing": ("", "there are no lines of numbers"),
+    "only a header": ("level,k,n\n", "there are no lines of numbers"),
     "one level": ("level,k,n\n5,3,10\n5,4,10\n", "all answers are at one level, 5"),
     "no k": ("level,n\n5,10\n", "no column holds how many answers counted"),
     "no level": ("force,k,n\n5,1,10\n", "no column holds the levels: there are force, k, n"),
@@ -323,7 +323,7 @@ BAD = {
     "infinite": ("level,k,n\ninf,1,10\n", 'line 2: level: "inf" is not a finite number'),
     "a word": ("level,k,n\n5,1,10\nabc,2,10\n", 'line 3: level: "abc" is not a number'),
     "an answer that is none": ("level,response\n5,1\n6,left\n", 'line 3: answer: "left" must be 1 or 0'),
-    "no header": ("4.4,5,40\n4.7,11,40\n", "the first line has numbers"),
+    "no header": ("4.4,5,40\n4.7,11,40\n", "line 1 has numbers"),
     "never": ("level,k,n\n5,0,10\n6,0,10\n", "no answer counts"),
     "always": ("level,k,n\n5,10,10\n6,10,10\n", "every answer counts"),
     "a jump": ("level,k,n\n5,0,10\n6,0,10\n7,10,10\n8,10,10\n", "change from one kind to the other between 6 and 7"),
@@ -354,7 +354,7 @@ def test_what_is_no_table_is_called_what_it_is(file: Callable[..., Path], tmp_pa
         (b"\x80\x04\x95", "a.csv", "a pickle, which would run"),
         (b"level,k,n", "a.psydat", "a pickle, which would run"),
         (b"PK\x03\x04", "a.xlsx", "save its sheet as CSV"),
-        (b"MATLAB 5.0", "a.mat", "a MATLAB file"),
+        (b"MATLAB 5.0", "a.mat", "not a readable file of MATLAB"),
         ("level,k,n\n5,1,10\n".encode("utf-16"), "a.csv", "not text in UTF-8"),
     ):
         with pytest.raises(hs.SceneError, match=told):
@@ -690,7 +690,7 @@ def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: 
         (("x,k,n\n1,3,2\n2,1,2\n", {}), "line 2: k = 3 is more than n = 2"), (("x,k,n\n1,1,2\n2,1,1.5\n", {}), 'line 3: n: "1.5" is no count of responses'),
         (("x,k,n\n1,-1,2\n2,1,2\n", {}), 'k: "-1" is no count'), (("x,k,n\n1,1,1e13\n2,1,2\n", {}), 'n: "1e13" is no count'),
         (("x,response\n1,\n,1\n", {}), "no line has both a level and a response"), (("x,response\n1,maybe\n2,1\n", {}), 'line 2: answer: "maybe" must be 1 or 0'),
-        (("1,2,3\n4,5,6\n", {}), "the first line has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
+        (("1,2,3\n4,5,6\n", {}), "line 1 has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
         (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "JSON has no columns"),
         (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "JSON has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
         (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), "must be three numbers, level, k and n"), (('[[1, 0.5, 2], [2, 1, 2]]', {}), "k and n must be whole numbers, and k at most n"),
