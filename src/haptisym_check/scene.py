@@ -481,7 +481,13 @@ class SceneFile:
         """Mass, damping and stiffness in the file."""
         named = [x for x in self.hands if x.get("name", "hand") == name]
         need(len(named) == 1 and "model" not in named[0], f"the scene has not one hand {name!r}")
-        return {key: x for key, x in named[0].items() if key not in ("name", "source")}
+        # On a lever each number is its square times as large, about the axis.
+        lever = quantity(named[0].get("lever", 1))
+        return {
+            key: units("*", units("*", quantity(x), lever), lever)
+            for key, x in named[0].items()
+            if key not in ("name", "source", "lever")
+        }
 
     def at(self, point: ChainPoint) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s

@@ -179,7 +179,8 @@ def _measurement(
     if (layout.quantity or "stiffness") != "stiffness":
         response, left = _converted(response, str(layout.quantity), place)
         notes += [str(layout.quantity).replace("-", " "), left]
-    return replace(response, understood=given.understood(*notes))
+    in_hertz = given.scales["frequency"].unit.endswith("Hz")
+    return replace(response, understood=given.understood(*notes), in_hertz=in_hertz)
 
 
 _MOST_DECIBELS = 300
@@ -285,7 +286,8 @@ def read_record(
             **settings,
         )
     turned = "sign turned round" if stated.sign < 0 else ""
-    return replace(response, path=path, understood=given.understood(note, turned))
+    understood = given.understood(note, turned)
+    return replace(response, path=path, understood=understood, in_hertz=True)
 
 
 def _rate(given: Given) -> tuple[float, str]:

@@ -761,7 +761,8 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
                 seen.setdefault(parameter.motion, f"{place}.{parameter.key}")
     if len(seen) > 1:
         units = ", ".join(f"{where} is {motion.value}" for motion, where in seen.items())
-        raise SceneError(f"translation and rotation cannot be mixed: {units}")
+        way = "; a hand on a lever: --lever, or lever in [hand]" if "hand" in units else ""
+        raise SceneError(f"translation and rotation cannot be mixed: {units}{way}")
 
 
 def caveats(scene: Scene) -> tuple[str, ...]:

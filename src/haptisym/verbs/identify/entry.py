@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cached_property
 from math import erfc, floor, log10, sqrt
 from pathlib import Path
@@ -160,16 +160,27 @@ def _limit(c: Threshold, part: Part) -> Any:
     )
 
 
-def band_value(low: float, high: float) -> list[str]:
-    """Return the band of a scene file that ends at floats: in Hz where that has fewer digits, as in
-    the file of the points.
+_BAND = 4
+"""Digits of the ends of a band that is written, at the most."""
 
-    Twelve digits are enough: ``Measurement.on_band`` allows for files that round more.
+
+def band_value(low: float, high: float, *, in_hertz: bool = False) -> list[str]:
+    """Return the band of a scene file that holds floats from ``low`` to ``high``, rounded outward:
+    in Hz where that has fewer digits, or where the file of the points is ``in_hertz``.
+
+    >>> band_value(1, 20), band_value(1, 20, in_hertz=True)
+    (['1 rad/s', '20 rad/s'], ['0.1591 Hz', '3.184 Hz'])
     """
-    return [
-        min(f"{x:.12g} rad/s", f"{x / (2 * np.pi):.12g} Hz", key=lambda text: len(text.split()[0]))
-        for x in (low, high)
-    ]
+    texts = []
+    for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING)):
+        # Twelve digits first: of 0.2 Hz in rad/s a float gives 0.19999999999999998 Hz back.
+        turns, radians = (
+            f"{Context(_BAND, way).create_decimal(f'{float(y):.12g}').normalize():f}"
+            for y in (x / (2 * np.pi), x)
+        )
+        is_turns = in_hertz or len(turns) < len(radians)
+        texts.append(f"{turns} Hz" if is_turns else f"{radians} rad/s")
+    return texts
 
 
 _EXACT = 1e-9  # of the largest response
@@ -267,10 +278,32 @@ class Estimate:
     def written(self) -> float:
         """The value to a hundredth of its error, and to three digits at least: a file gives no
         digits that are not known."""
-        if self.parameter.rule is Rule.FRACTION or not (self.value and 0 < self.error < np.inf):
-            return self.value
-        last = min(floor(log10(self.error)), floor(log10(abs(self.value))))
-        return round(self.value, 2 - last)
+        return self._to_known(self.value)
+
+    def _to_known(self, value: float, size: float = 1.0) -> float:
+        """Round a value in a unit of this size, in SI."""
+        error = self.error / size
+        if self.parameter.rule is Rule.FRACTION or not (value and 0 < error < np.inf):
+            return value
+        return round(value, 2 - min(floor(log10(error)), floor(log10(abs(value)))))
+
+    def in_unit(self, size: float) -> tuple[str, str, str]:
+        """The low end of the box, the value and the high end in a unit of this size, in SI, as a
+        scene file has them: ends outward, to two digits of their distance."""
+        low, value, high = (x / size for x in (self.least, self.value, self.most))
+        # What is above 0 is not rounded to it, nor a share to 1; and no more than six digits.
+        gaps = [high - low, *([low] if low > 0 else [])]
+        if self.parameter.rule is Rule.FRACTION:
+            gaps.append(1 - high)
+        place = min(floor(log10(x)) for x in gaps if x > 0) - 1 if high > low else -12
+        place = max(place, floor(log10(max(abs(low), abs(high), 1e-300))) - _DIGITS + 1)
+        step = Decimal(1).scaleb(place)
+        ends = (
+            Decimal(f"{x:.12g}").quantize(step, way)
+            for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING))
+        )
+        least, most = (f"{x.normalize():f}" for x in ends)
+        return least, f"{self._to_known(value, size):.12g}", most
 
     @property
     def told(self) -> bool:
@@ -422,7 +455,9 @@ class Identification(Answer):
 
         lines, model = self.fit.lines, self.wanted
         evaluation = {
-            "band": band_value(float(lines.omega[0]), float(lines.omega[-1])),
+            "band": band_value(
+                float(lines.omega[0]), float(lines.omega[-1]), in_hertz=lines.in_hertz
+            ),
             "jnd": threshold_value(self.threshold),
             "confidence": self.fit.lines.confidence,
         }
@@ -475,12 +510,13 @@ class Identification(Answer):
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
             motion is None and len(set(dimension.value)) > 1
         )
-        unit = "" if plain else f" {dimension.unit(motion)}"
-        return (
-            [f"{end!r}{unit}" for end in (x.least, x.written, x.most)]
-            if self.has_ranges
-            else f"{x.written!r}{unit}"
-        )
+        unit, size = "" if plain else f" {dimension.unit(motion)}", 1.0
+        if dimension is Dimension.FREQUENCY and self.measurement.in_hertz:
+            unit, size = " Hz", 2 * np.pi
+        if dimension is Dimension.TIME and x.value < 1:
+            unit, size = " ms", 1e-3
+        texts = [f"{text}{unit}" for text in x.in_unit(size)]
+        return texts if self.has_ranges else texts[1]
 
     def moved(self, other: Any) -> str:
         """Return what differs in another answer with the same response: paths, values and units."""

@@ -149,6 +149,7 @@ ALIASES = {
         "stimulusintensity",
         "stimulusintensities",
         "allintensities",
+        "historystim",
         "comparison",
     ),
     "count": (
@@ -171,6 +172,7 @@ ALIASES = {
         "response",
         "responses",
         "allresponses",
+        "historyresp",
         "corr",
         "resp",
         "answer",
@@ -184,7 +186,8 @@ ALIASES = {
 """Names of each column, in small letters with nothing in between; a name with a point is known by
 its end (key_resp.corr).
 
-k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response,
+k, n: quickpsy. StimLevels, NumPos, OutOfNum, PM.x, PM.response: Palamedes. trialData.stim,
+trialData.outcome, history_stim, history_resp: QUEST+. trials.intensity, trials.response,
 key_resp.corr: PsychoPy.
 """
 TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "hand")
