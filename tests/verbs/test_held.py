@@ -672,6 +672,10 @@ def test_a_hand_on_a_lever_has_the_square_of_its_length_times_mass_damping_and_s
     text = '[environment]\nmodel = "kelvin-voigt"\nk = "8 Nm/rad"\nb = "0.4 Nms/rad"\n[hand]\nlever = "15 cm"\n'
     own = hs.parse_scene(text + 'm = "0.5 kg"\nb = ["4 N*s/m", "6 N*s/m"]\n[evaluation]\nband = [0, 9]').hands[0]
     assert (own.name, own.m.value, own.b.interval) == ("hand", share / 2, (4 * share, 6 * share))
-    for length, why in (("15 deg", "must be a length"), ("0 m", "must be a length > 0"), ("1 kg", "not a displacement")):
+    for length, why in (
+        ("15 deg", "must be a length"),
+        ("0 m", "must be a length > 0"),
+        ("1 kg", "not a displacement"),
+    ):
         assert why in refusal(arm.on_lever, length)
     assert "rotational already" in refusal(levered.on_lever, "1 m")

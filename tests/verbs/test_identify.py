@@ -945,10 +945,7 @@ def test_a_scene_is_written_in_the_units_of_the_file_with_the_digits_that_are_kn
     found = hs.identify(tmp_path / "a.csv", "mass-spring-damper:k", ["first-order-lag", "delay"])
     table = tomllib.loads(found.text)
     assert table["evaluation"]["band"] == ["0.2 Hz", "4 Hz"]
-    for written, unit, true in (
-        (table["effects"][0]["omega_c"], "Hz", 9),
-        (table["effects"][1]["tau"], "ms", 4),
-    ):
+    for written, unit, true in ((table["effects"][0]["omega_c"], "Hz", 9), (table["effects"][1]["tau"], "ms", 4)):
         assert {x.split()[1] for x in written} == {unit}
         low, _, high = (float(x.split()[0]) for x in written)
         assert low < true < high

@@ -20,6 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from marks import required
 from refusals import refusal
+from scipy.io import savemat
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, norm
@@ -232,6 +233,65 @@ SAME = {
 @pytest.mark.parametrize("text", SAME.values(), ids=SAME)
 def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..., Path]) -> None:
     assert read_answers(file(text), {}, {}).rows == ROWS
+
+
+# Answers about 40 to 130 against a standard of 85: JND 8.74437609, mean 84.0601925 (SciPy, by maximum likelihood).
+STIFFER = {
+    40: (0, 8),
+    50: (0, 8),
+    60: (0, 8),
+    70: (1, 8),
+    80: (4, 8),
+    90: (6, 8),
+    100: (6, 8),
+    110: (8, 8),
+    120: (8, 8),
+    130: (8, 8),
+}
+SINGLE = [(x, i < k) for x, (k, n) in STIFFER.items() for i in range(n)]
+
+
+def singles(header: str, more: str, less: str, separator: str = ",") -> str:
+    rows = "".join(f"{x}{separator}{more if is_more else less}\n" for x, is_more in SINGLE)
+    return f"{header}\n{rows}"
+
+
+FILES: dict[str, tuple[str, dict[str, Any]]] = {
+    "words of the reference": (singles("level,Answer", "Comp", "Ref"), {}),
+    "other words": (singles("Level [N/m];Answer", "links", "rechts", ";"), {"more": "links"}),
+    "1 and 2": (singles("level,outcome", "2", "1"), {}),
+    "1 and -1": (singles("level,response", "1", "-1"), {}),
+    "1 and 0": (singles("level\tresponse", "1", "0", "\t"), {}),
+    "true and false": (singles("stimulus,correct", "TRUE", "FALSE"), {}),
+    "a preamble": ("Subject,7\nMethod,constant stimuli\n" + singles("level,answer", "yes", "no"), {}),
+    "two intervals": ("k1,k2,answer\n" + "".join(f"85,{x},{1 + a}\n" for x, a in SINGLE), {}),
+    "counts": ("level,k,n\n" + "".join(f"{x},{k},{n}\n" for x, (k, n) in STIFFER.items()), {}),
+    "per cent": ("level,n,percent\n" + "".join(f"{x},{n},{100 * k / n:.2f}\n" for x, (k, n) in STIFFER.items()), {}),
+    "rows": ("\n".join(",".join(map(str, x)) for x in (
+        ("level", *STIFFER), ("k", *(k for k, _ in STIFFER.values())), ("n", *(n for _, n in STIFFER.values())))), {}),
+}  # fmt: skip
+LEVEL, MORE = np.array([x for x, _ in SINGLE], float), np.array([int(a) for _, a in SINGLE])
+TRIAL = [("stim", "O"), ("outcome", "O")]
+VARIABLES: dict[str, dict[str, Any]] = {
+    "Palamedes, adaptive, with the next level": {"PM": {"x": np.append(LEVEL, 84.0), "response": MORE, "stop": 1.0}},
+    "Palamedes": {"StimLevels": np.array([*STIFFER]), "NumPos": np.array([k for k, _ in STIFFER.values()]), "OutOfNum": np.array([n for _, n in STIFFER.values()])},
+    "QUEST+": {"questData": {"nOutcomes": 2, "trialData": np.array([(x, 1 + a) for x, a in zip(LEVEL, MORE, strict=True)], TRIAL)}},
+    "QUEST+, vectors": {"QP": {"history_stim": LEVEL, "history_resp": MORE, "stimDomain": np.arange(40.0, 130)}},
+    "words": {"level": LEVEL, "answer": np.array([("Ref", "Comp")[a] for a in MORE], object)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*FILES, *VARIABLES])
+def test_answers_that_say_the_same_have_the_same_jnd(name: str, file: Callable[..., Path], tmp_path: Path) -> None:
+    options: dict[str, Any] = {}
+    if name in FILES:
+        text, options = FILES[name]
+        path = file(text)
+    else:
+        path = tmp_path / "a.mat"
+        savemat(path, VARIABLES[name])
+    found = hs.jnd(path, reference=85, **options)
+    assert (found.jnd.value, found.middle.value) == pytest.approx((8.74437609, 84.0601925), rel=1e-8)
 
 
 def test_of_two_intervals_the_one_that_is_no_standard_is_the_level_and_a_word_means_more(

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, meant, quoted, within
 from haptisym.kernel.objects import counted
 from haptisym.model.columns import (
     QUANTITIES,
@@ -402,7 +402,8 @@ def read_file(
     if not (unloaded := settings.get("minus")):
         return response
     same = {key: x for key, x in settings.items() if key != "minus"}
-    return _without_rig(response, read_file(Path(unloaded), averages, confidence, same))
+    with within("minus"):
+        return _without_rig(response, read_file(Path(unloaded), averages, confidence, same))
 
 
 def _stated_response(
@@ -444,12 +445,12 @@ def _without_rig(loaded: Measurement, unloaded: Measurement) -> Measurement:
     is_same = len(loaded) == len(unloaded) and np.allclose(loaded.omega, unloaded.omega, 1e-6, 0)
     names = f"{loaded.name} and {unloaded.name}"
     if not is_same:
-        raise SceneError(f"minus: {names} have other frequencies: measure both at the same")
+        raise SceneError(f"{names} have other frequencies: measure both at the same")
     radii = [x for x in (loaded.discs, unloaded.discs) if x is not None]
     if len(radii) == 1:
-        raise SceneError(f"minus: of {names} one has no discs: give coherence or radius in both")
+        raise SceneError(f"of {names} one has no discs: give coherence or radius in both")
     if len({loaded.motion, unloaded.motion} - {None}) > 1:
-        raise SceneError(f"minus: {names}: translation and rotation cannot be mixed")
+        raise SceneError(f"{names}: translation and rotation cannot be mixed")
     return replace(
         loaded,
         H=loaded.H - unloaded.H,
