@@ -88,22 +88,23 @@ def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
         without_header=_without_header(path, layout),
         is_counted=any(isinstance(x, int) for x in layout.columns.values()),
     )
-    table = table.with_units(min(roles.values()))
     columns, used = table.columns, sorted(set(roles.values()))
     scales = scales_of(columns, roles, layout)
-    numbers, left_out = table.numbers(used, roles.get("H"))
-    rows = {role: numbers[:, used.index(i)] for role, i in roles.items()}
+    numbers = table.numbers(used, roles.get("H"))
+    rows = {role: numbers.columns[used.index(i)] for role, i in roles.items()}
     # A column called H with real numbers alone is most likely a magnitude; 799+0j says it is not.
     if "H" in rows and not rows["H"].imag.any() and not table.is_written_complex():
         raise SceneError(
             f"{columns[roles['H']].text}: has no complex numbers, as 799+30j: add a column of the "
             f"phase"
         )
-    in_si = {
-        role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()
-    }
-    notes = (*table.notes, *left_out)
-    return Given(path, columns, roles, scales, in_si, lambda i: table.place(i, used), notes)
+    in_si = {role: row * scales[role].factor for role, row in rows.items()}
+    notes = (*table.notes, *numbers.notes)
+
+    def place(row: int) -> str:
+        return f"{table.line} {numbers.places[row]}"
+
+    return Given(path, columns, roles, scales, in_si, place, notes)
 
 
 def _without_header(path: Path, layout: Layout) -> list[str]:

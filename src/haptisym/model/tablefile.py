@@ -18,13 +18,14 @@ from __future__ import annotations
 import cmath
 import csv
 import re
+from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from math import radians
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, NoReturn, TypeVar
 
 import numpy as np
 
@@ -166,6 +167,15 @@ class Head(NamedTuple):
     line: int
 
 
+class Numbers(NamedTuple):
+    """The numbers of columns, the place of each row from 1, and notes on rows that were left
+    out."""
+
+    columns: list[Any]
+    places: Sequence[int]
+    notes: list[str]
+
+
 @dataclass(frozen=True, eq=False)
 class TextTable:
     """A table of text below its header."""
@@ -179,151 +189,92 @@ class TextTable:
         return self.head.columns
 
     @property
-    def notes(self) -> list[str]:
-        """Words on how it was read: with decimal commas."""
-        first = _with_complex(self.head.first, self.head.separator)
-        return ["decimal commas"] if self.has_commas and "," in first else []
-
-    def with_units(self, first_used: int) -> TextTable:
-        """The table with the units of the row below the header, where that row has no number in
-        the first column in use; else the table as it is."""
-        head = self.head
-        units = _cells(head.first, head.separator)
-        cell = units[first_used] if first_used < len(units) else ""
-        if not cell or _is_number(cell) or _has_comma(cell):
-            return self
-        if any(x.unit for x in head.columns if x.text.endswith(("]", ")"))):
-            raise SceneError(
-                f"units are in the header and in {self.text.line} {head.line}: leave out one of "
-                f"them"
-            )
-        if len(units) != len(head.columns):
-            raise SceneError(
-                f"line {head.line} has {len(units)} units, the header {len(head.columns)} columns"
-            )
-        columns = tuple(
-            x._replace(unit=agreed(x.text, x.unit or unit, unit))
-            for x, unit in zip(head.columns, units, strict=True)
-        )
-        number, line = next(self.text.numbered(head.line + 1), (0, ""))
-        if not line:
-            raise SceneError("there are no lines of numbers")
-        separator = _separator(line, head.first)
-        return replace(self, head=Head(columns, separator, line, number))
-
-    def place(self, row: int, used: Sequence[int]) -> str:
-        """The line of a row of numbers: read again, as only an error asks for it."""
-        number, _ = next(islice(self._rows(used, [], []), row, None))
-        return f"{self.text.line} {number}"
-
-    def _rows(
-        self, used: Sequence[int], blank: list[int], partial: list[int]
-    ) -> Iterator[tuple[int, str]]:
-        """The lines that have a cell in each column in use; the numbers of the others go to
-        ``blank`` and ``partial``."""
-        head = self.head
-        mark = None if head.separator is None else re.escape(head.separator)
-        hole = mark and re.compile(rf'(?:^|{mark})[ "]*(?:{mark}|[\r\n]*$)')
-        for number, text in self.text.numbered(head.line, blank):
-            if hole and hole.search(text):
-                cells = _cells(text, head.separator)
-                if len(cells) == len(head.columns) and not all(cells[i] for i in used):
-                    partial.append(number)
-                    continue
-            yield number, text
+    def line(self) -> str:
+        """What a row is called."""
+        return self.text.line
 
     @property
     def has_commas(self) -> bool:
         """Whether a comma in a number stands before its decimals."""
         return self.head.separator != ","
 
-    def numbers(self, used: Sequence[int], complex_one: int | None) -> tuple[Any, list[str]]:
-        """The numbers of columns, a row for each line, and notes on lines that were left out.
-        SceneError, with line and column, for what is no number. ``complex_one`` : the column that
-        may be complex."""
-        is_complex = complex_one is not None
-        head, width = self.head, len(self.head.columns)
-        blank: list[int] = []
-        partial: list[int] = []
+    @property
+    def notes(self) -> list[str]:
+        """Words on how it was read: with decimal commas."""
+        first = _with_complex(self.head.first, self.head.separator)
+        return ["decimal commas"] if self.has_commas and "," in first else []
+
+    def cells(self, _: Sequence[int], blank: list[int]) -> Iterator[tuple[int, list[str]]]:
+        """The cells of each line, with its number; the numbers of those that hold separators alone
+        go to ``blank``."""
+        at = [0]
 
         def lines() -> Iterator[str]:
-            """The lines of numbers as NumPy reads them."""
-            for number, text in self._rows(used, blank, partial):
-                plain = _as_python(text, head.separator, is_complex=is_complex)
-                # NumPy counts only the columns that it uses: where some are left out, a line of
-                # another length is found here.
-                is_counted = len(used) == width or '"' in text
-                if not is_counted and len(plain.split(head.separator)) != width:
-                    self._refuse_line(number, _cells(text, head.separator), used)
-                yield plain
+            for at[0], line in self.text.numbered(self.head.line, blank):
+                yield line
 
+        # A quoted cell may go on in the next line.
+        rows: Iterable[list[str]] = map(str.split, lines())
+        if self.head.separator is not None:
+            rows = csv.reader(lines(), delimiter=self.head.separator, skipinitialspace=True)
         try:
-            kind: Any = complex if is_complex else float
-            table: Any = np.loadtxt(
-                lines(),
-                kind,
-                delimiter=head.separator,
-                ndmin=2,
-                comments=None,
-                quotechar='"',
-                usecols=None if len(used) == width else used,
-            )
-            is_whole = table.shape[1] == len(used)
-        except SceneError:
-            raise
-        except ValueError:
-            is_whole = False
-        # NumPy is fast and its messages are about arrays: the file is read again, slowly, to name
-        # line and column of what is wrong.
-        if not is_whole:
-            for number, text in self._rows(used, [], []):
-                self._refuse_line(number, _cells(text, head.separator), used)
-            raise SceneError("not a table of numbers")
-        if not len(table):
-            raise SceneError("there are no lines of numbers")
-        notes = [f"{counted(len(blank), 'blank row')} left out"] if blank else []
-        notes += [f"{counted(len(partial), 'incomplete row')} left out"] if partial else []
-        return table, notes
-
-    def _refuse_line(self, number: int, cells: Sequence[str], used: Sequence[int]) -> None:
-        """SceneError if a line has too few or too many cells, or a cell in use that is no
-        number."""
-        columns, separator = self.head.columns, self.head.separator
-        if len(cells) != len(columns):
-            # Twice as many cells as columns: each number with a decimal comma was cut in two.
-            hint = ""
-            if separator == "," and len(cells) == 2 * len(columns):
-                hint = (
-                    "; if these are decimal commas, separate columns by semicolons, or write "
-                    "decimals with a point"
-                )
-            raise SceneError(
-                f"line {number} has {len(cells)} cells, the header {len(columns)} columns{hint}"
-            )
-        for i in used:
-            where = f"{self.text.line} {number}: {columns[i].text}: {quoted(cells[i])}"
-            if separator == "," and _has_comma(cells[i]):
-                right = cells[i].replace(",", ".")
-                raise SceneError(f"{where}: decimals are written with a point, as in {right}")
-            if not _is_number(cells[i]):
-                raise SceneError(f"{where} is not a number")
-
-    def cells(self, _: Sequence[int]) -> Iterator[tuple[int, list[str]]]:
-        """The cells of each line, with its number; as many as there are columns."""
-        head = self.head
-        lines: Iterable[str] = self.text.lines(head.line)
-        if head.separator is None:
-            rows = ((i, line.split()) for i, line in enumerate(lines, head.line))
-        else:
-            # A quoted cell may go on in the next line: the reader counts.
-            reader = csv.reader(lines, delimiter=head.separator)
-            rows = ((head.line - 1 + reader.line_num, row) for row in reader)
-        try:
-            for number, row in rows:
-                if row and not row[0].lstrip().startswith("#"):
-                    yield number, [x.strip() for x in row] + [""] * (len(head.columns) - len(row))
+            for row in rows:
+                yield at[0], row
         except csv.Error as error:
             raise SceneError(f"not a table: {error}") from None
+
+    def numbers(self, used: Sequence[int], complex_one: int | None) -> Numbers:
+        """The numbers of columns; lines without one in each are left out and counted.
+        ``complex_one`` : the column that may be complex. SceneError, with line and column, for what
+        is no number."""
+        separator, width = self.head.separator, len(self.columns)
+        # Arrays of floats, as lists of Python's floats take four times the memory.
+        kept: list[Any] = [[] if i == complex_one else array("d") for i in used]
+        places, blank, partial = array("q"), list[int](), 0
+        for number, cells in self.cells(used, blank):
+            if len(cells) != width:
+                self._refuse_length(number, len(cells))
+            if not all(cells[i].strip() for i in used):
+                partial += 1
+                continue
+            for i, column in zip(used, kept, strict=True):
+                plain = cells[i]
+                if i == complex_one:
+                    plain = _as_python(plain, separator)
+                elif separator != ",":
+                    # Where another separator stands, a comma can only stand before decimals.
+                    plain = plain.replace(",", ".")
+                try:
+                    # Python reads 1_000 as a number: no file means that.
+                    column.append((complex if i == complex_one else float)(plain.replace("_", "x")))
+                except ValueError:
+                    self._refuse_cell(number, i, cells[i].strip())
+            places.append(number)
+        if not places:
+            raise SceneError("there are no lines of numbers")
+        notes = [f"{counted(len(blank), 'blank row')} left out"] if blank else []
+        notes += [f"{counted(partial, 'incomplete row')} left out"] if partial else []
+        return Numbers([np.array(x) for x in kept], places, notes)
+
+    def _refuse_length(self, number: int, length: int) -> NoReturn:
+        """SceneError for a line with too few or too many cells."""
+        width = len(self.columns)
+        # Twice as many cells as columns: each number with a decimal comma was cut in two.
+        hint = ""
+        if self.head.separator == "," and length == 2 * width:
+            hint = (
+                "; if these are decimal commas, separate columns by semicolons, or write decimals "
+                "with a point"
+            )
+        raise SceneError(f"line {number} has {length} cells, the header {width} columns{hint}")
+
+    def _refuse_cell(self, number: int, column: int, cell: str) -> NoReturn:
+        """SceneError for a cell that is no number."""
+        where = f"{self.line} {number}: {self.columns[column].text}: {quoted(cell)}"
+        if _has_comma(cell):
+            right = cell.replace(",", ".")
+            raise SceneError(f"{where}: decimals are written with a point, as in {right}")
+        raise SceneError(f"{where} is not a number")
 
     def is_written_complex(self) -> bool:
         """Whether the first line has a complex number, as 799+0j."""
@@ -346,99 +297,104 @@ def text_table(
     the rows have names. The error is that of the last line that could be the header.
     ``example`` : a header for the message where there is none. ``without_header`` : the names of
     columns where numbers begin at once; ``is_counted`` : whether numbers from 1 will do as names.
-    ``least`` : how many numbers one of the two lines below the header has.
+    ``least`` : how many numbers a line has at least.
     """
-    try:
-        head = _top(text, example, without_header, is_counted=is_counted, least=least)
-        return TextTable(text, head), find(head.columns)
-    except SceneError as refused:
-        error = refused
-    for source, head in chain(_further_down(text, least), _of_named_rows(text)):
+    error: SceneError | None = None
+    heads = ((text, x) for x in _heads(text, without_header, is_counted=is_counted, least=least))
+    for source, head in chain(heads, _of_named_rows(text)):
         try:
             return TextTable(source, head), find(head.columns)
         except SceneError as refused:
             # Of rows that might have names nothing is said: that they had was only a try.
             error = refused if source is text else error
-    raise error
+    if error is not None:
+        raise error
+    at, first = next(text.numbered(), (1, ""))
+    if _count_of_numbers(first):
+        raise SceneError(f"line {at} has numbers: name the columns in the first line, as {example}")
+    # The message repeats nothing of the file: a scene from a stranger may name any file.
+    raise SceneError(
+        "there are no lines of numbers below names of columns"
+        + (", two or more in each" if least > 1 else "")
+    )
 
 
-def _top(
-    text: Text, example: str, without_header: Sequence[str], *, is_counted: bool, least: int
-) -> Head:
-    """The header: the first line, or a comment before a line of numbers that has as many cells."""
-    comments: list[str] = []
-    for at, line in enumerate(text.lines(), 1):
-        if not line.strip():
-            continue
-        if line.lstrip()[0] in _COMMENTS:
-            comments.append(line.strip().lstrip("#*% "))
-            continue
-        separator = _separator(line)
-        cells = _cells(line, separator)
-        # A line without a number is the header.
-        if not any(map(_is_number, cells)):
-            below = list(islice(text.numbered(at + 1), 2))
-            # The message repeats nothing of the file: a scene from a stranger may name any file.
-            if not any(_count_of_numbers(x, line) >= least for _, x in below):
-                raise SceneError(
-                    "there are no lines of numbers below names of columns"
-                    + (", two or more in each" if least > 1 else "")
-                )
-            return _head(line, *below[0])
-        # Numbers at once: a comment above, the kind of file or the scene must name the columns.
-        named = _names(comments[-1]) if comments and len(cells) > 1 else []
-        if len(named) == len(cells) and (not without_header or any(map(known_role, named))):
-            names = named
-        elif len(cells) > 1 and without_header:
-            names = list(without_header)
-        elif is_counted:
-            names = [str(i + 1) for i in range(len(cells))]
-        else:
-            raise SceneError(
-                f"line {at} has numbers: name the columns in the first line, as {example}"
-            )
-        return Head(tuple(map(column_of, names)), separator, line, at)
-    raise SceneError("there are no lines of numbers")
-
-
-def _head(header: str, number: int, first: str) -> Head:
-    """The header with the line below it."""
-    names = _names(header)
-    # The first line of numbers tells the separator, as a header may have blanks, or brackets with
-    # commas, in its names.
-    separator = _separator(first, header)
-    # LabVIEW names a column for remarks and leaves it out of the lines.
-    if names[-1] == "Comment" and len(_cells(first.rstrip(), separator)) < len(names):
-        names.pop()
-    return Head(tuple(map(column_of, names)), separator, first, number)
-
-
-def _further_down(text: Text, least: int) -> Iterator[tuple[Text, Head]]:
-    """Each line without numbers, and with as many cells as the line below it has, where that one
-    has numbers, or is a row of units above one that has."""
+def _heads(
+    text: Text, without_header: Sequence[str], *, is_counted: bool, least: int
+) -> Iterator[Head]:
+    """Each line that may be the header: one without numbers above a line that has some, or above a
+    row of units; as many cells in both, but at the top, where the line below is then refused."""
     before: list[tuple[int, str]] = []
     for number, line in islice(text.numbered(), _MOST_BEFORE):
-        if before and _count_of_numbers(line) >= least:
-            at, header, first = number, before[-1][1], line
-            units = _cells(header, _separator(header))
-            if len(before) > 1 and all(map(is_unit, units)):
-                (_, header), (at, first) = before
-            head = _head(header, at, first)
-            cells = _cells(first.rstrip(), head.separator)
-            if len(head.columns) == len(cells) and not _count_of_numbers(header):
-                yield text, head
+        if not before and _count_of_numbers(line):
+            yield from _without_names(text, number, line, without_header, is_counted=is_counted)
+        separator = _separator(line, before[-1][1] if before else "")
+        cells = _cells(line.rstrip(), separator)
+        if before and sum(map(_is_number, cells)) >= least and not _is_row_of_units(cells):
+            header, units = before[-1][1], []
+            if len(before) > 1:
+                above = _cells(header, _separator(header, before[0][1]))
+                is_second = len(_names(before[0][1])) == len(above) and not _is_number(above[0])
+                if is_second and (_is_row_of_units(above) or before[0][0] == _first(text)):
+                    header, units = before[0][1], above
+            names = _names(header)
+            # LabVIEW names a column for remarks and leaves it out of the lines.
+            if names[-1] == "Comment" and len(cells) < len(names):
+                names.pop()
+            is_header = len(names) == len(cells) or before[-1][0] == _first(text)
+            if is_header and not any(map(_is_number, names)):
+                yield Head(_with_units(names, units), separator, line, number)
         before = [*before[-1:], (number, line)]
+
+
+def _first(text: Text) -> int:
+    """The number of the first line."""
+    return next(text.numbered())[0]
+
+
+def _is_row_of_units(cells: Sequence[str]) -> bool:
+    """Whether cells are units, of which a 1 may be one, but no row of answers "m, 1, 1"."""
+    numbers = sum(map(_is_number, cells))
+    return 2 * numbers < len(cells) and not _is_number(cells[0]) and all(map(is_unit, cells))
+
+
+def _with_units(names: Sequence[str], units: Sequence[str]) -> tuple[ColumnHeader, ...]:
+    """The headers, with the units of a row of their own if there is one."""
+    columns = tuple(map(column_of, names))
+    if not units:
+        return columns
+    pairs = zip(columns, units, strict=True)
+    return tuple(x._replace(unit=agreed(x.text, x.unit or unit, unit)) for x, unit in pairs)
+
+
+def _without_names(
+    text: Text, number: int, line: str, without_header: Sequence[str], *, is_counted: bool
+) -> Iterator[Head]:
+    """The header of numbers that begin at once: a comment above, the kind of file or the scene
+    names the columns; none where nothing does."""
+    separator = _separator(line)
+    cells = _cells(line, separator)
+    above = [x.strip().lstrip("#*% ") for x in islice(text.lines(), number - 1) if x.strip()]
+    named = _names(above[-1]) if above else []
+    if len(named) == len(cells) > 1 and (not without_header or any(map(known_role, named))):
+        names = named
+    elif len(cells) > 1 and without_header:
+        names = list(without_header)
+    elif is_counted:
+        names = [str(i + 1) for i in range(len(cells))]
+    else:
+        return
+    yield Head(tuple(map(column_of, names)), separator, line, number)
 
 
 def _of_named_rows(text: Text) -> Iterator[tuple[Text, Head]]:
     """The header of a table whose rows have names, if this is one."""
     if turned := text.turned():
-        (_, header), below = islice(turned.numbered(), 2)
-        yield turned, _head(header, *below)
+        yield from ((turned, x) for x in _heads(turned, (), is_counted=False, least=1))
 
 
-def _count_of_numbers(line: str, header: str = "") -> int:
-    return sum(map(_is_number, _cells(line, _separator(line, header))))
+def _count_of_numbers(line: str) -> int:
+    return sum(map(_is_number, _cells(line, _separator(line))))
 
 
 # Cells.
@@ -539,18 +495,11 @@ class ArrayTable:
     arrays: tuple[Any, ...]
     notes: tuple[str, ...] = ()
     has_commas = False
+    line = "line"
 
-    def with_units(self, _: int) -> ArrayTable:
-        """The table itself: units stand at the arrays."""
-        return self
-
-    def place(self, row: int, _: Sequence[int]) -> str:
-        """The place of a row of numbers, from 1."""
-        return f"line {row + 1}"
-
-    def numbers(self, used: Sequence[int], complex_one: int | None) -> tuple[Any, list[str]]:
-        """The numbers of columns, a row for each place; no notes. SceneError unless each array is
-        one row or column of numbers, real but for ``complex_one``, and all are as long."""
+    def numbers(self, used: Sequence[int], complex_one: int | None) -> Numbers:
+        """The numbers of columns. SceneError unless each array is one row or column of numbers,
+        real but for ``complex_one``, and all are as long."""
         rows = []
         for i in used:
             row, key = np.asarray(self.arrays[i]), self.columns[i].text
@@ -559,14 +508,13 @@ class ArrayTable:
             if row.dtype.kind == "c" and i != complex_one:
                 raise SceneError(f"{key}: must be real")
             rows.append(row.ravel())
-        if len({len(x) for x in rows}) > 1:
-            counts = (
-                f"{self.columns[i].text} has {len(x)}" for i, x in zip(used, rows, strict=True)
-            )
-            raise SceneError(f"give as many numbers in each variable: {', '.join(counts)}")
-        return np.stack(rows, axis=1), []
+        lengths = {self.columns[i].text: len(x) for i, x in zip(used, rows, strict=True)}
+        if len({*lengths.values()}) > 1:
+            counts = ", ".join(f"{key} has {n}" for key, n in lengths.items())
+            raise SceneError(f"give as many numbers in each variable: {counts}")
+        return Numbers(rows, range(1, len(rows[0]) + 1), [])
 
-    def cells(self, used: Sequence[int]) -> Iterator[tuple[int, list[str]]]:
+    def cells(self, used: Sequence[int], _: list[int]) -> Iterator[tuple[int, list[str]]]:
         """The cells of each place, with its number; empty where an array has none, or is no row."""
         columns = [_cells_of(x) for x in self.arrays]
         for k in range(max(len(columns[i]) for i in used)):
@@ -714,7 +662,7 @@ def _universal(path: Path) -> dict[str, Any]:
     sets = UFF(str(path)).read_sets()
     functions = [x for x in (sets if isinstance(sets, list) else [sets]) if x["type"] == 58]
     if not functions:
-        raise SceneError("there is no dataset 58")
+        raise SceneError("there is no dataset 58: use CSV")
     is_time = functions[0]["abscissa_spec_data_type"] == 17
     axis = "time" if is_time else "frequency"
     content = {f"{axis} [{_label(functions[0], 'abscissa')}]": functions[0]["x"]}

@@ -383,7 +383,8 @@ def _from_table(
     kept: list[tuple[int, list[str]]] = []
     half, count = 0, 0
     # A line without level and answer is skipped; one with half of them is counted as left out.
-    for number, cells in table.cells(columns.used):
+    for number, row in table.cells(columns.used, []):
+        cells = [x.strip() for x in row] + [""] * (len(header) - len(row))
         if not any(cells) or any(cells[i] != value for i, value in wanted.items()):
             continue
         count += 1
