@@ -394,8 +394,8 @@ BAD = {
     "a null character": ("level,k,n\n5,1\0,10\n6,5,10\n", "answers.csv: "),
     "no JSON": ('{"data": [', "not valid JSON"),
     "another JSON": ('{"x": 1}', "no result of psignifit 4"),
-    "JSON of words": ('{"data": [["a", 1, 2]]}', "must be three numbers"),
-    "JSON with more": ('{"data": [[1, 3, 2]]}', "k at most n"),
+    "JSON of words": ('{"data": [["a", 1, 2]]}', 'data: level: "a" is not a number'),
+    "JSON with more": ('{"data": [[1, 3, 2]]}', "k = 3 is more than n = 2"),
     "deep JSON": ("[" * 100_000, "not valid JSON"),
 }  # fmt: skip
 
@@ -753,8 +753,8 @@ def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: 
         (("1,2,3\n4,5,6\n", {}), "line 1 has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
         (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "JSON has no columns"),
         (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "JSON has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
-        (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), "must be three numbers, level, k and n"), (('[[1, 0.5, 2], [2, 1, 2]]', {}), "k and n must be whole numbers, and k at most n"),
-        (('[[1, -1, 2], [2, 1, 2]]', {}), "k and n must be whole"), (('[[1, 1, 2.5], [2, 1, 2]]', {}), "k and n must be whole"), (('[[NaN, 1, 2], [2, 1, 2]]', {}), "must be three numbers"),
+        (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), 'data: k: "True" is not a number'), (('[[1, 0.5, 2], [2, 1, 2]]', {}), 'k: "0.5" is no count of responses'),
+        (('[[1, -1, 2], [2, 1, 2]]', {}), 'k: "-1" is no count'), (('[[1, 1, 2.5], [2, 1, 2]]', {}), 'n: "2.5" is no count'), (('[[NaN, 1, 2], [2, 1, 2]]', {}), 'level: "nan" is not a finite number'),
     ):  # fmt: skip
         assert words in read(path, bad[0], **bad[1]), bad
 

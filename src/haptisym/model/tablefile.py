@@ -51,6 +51,8 @@ _NOT_TEXT = {
 }
 _PICKLES = (".psydat", ".pkl", ".pickle")
 _COMMENTS = "#%*"
+# Rows whose texts are in memory at a time.
+_BATCH = 20_000
 # Bytes by which the encoding is known: headers, where letters of other kinds stand, are in them.
 _BEGUN = 2**16
 # Lines in which a header is looked for, and of a table whose rows have names.
@@ -122,12 +124,11 @@ class Text:
         """The lines that are not empty and no comments, without comments at their ends, each with
         its number; the numbers of those that hold separators alone go to ``blank``."""
         for number, line in enumerate(self.lines(first), first):
-            text = line.partition("#")[0]
-            if not text.strip() or text.lstrip()[0] in _COMMENTS:
-                continue
-            if text.strip(' \t,;"\r\n'):
-                yield number, text
-            elif blank is not None:
+            text = line.partition("#")[0] if "#" in line else line
+            if bare := text.strip(' \t,;"\r\n'):
+                if bare[0] not in _COMMENTS:
+                    yield number, text
+            elif blank is not None and text.strip():
                 blank.append(number)
 
     def turned(self) -> Text | None:
@@ -227,34 +228,53 @@ class TextTable:
         """The numbers of columns; lines without one in each are left out and counted.
         ``complex_one`` : the column that may be complex. SceneError, with line and column, for what
         is no number."""
-        separator, width = self.head.separator, len(self.columns)
-        # Arrays of floats, as lists of Python's floats take four times the memory.
-        kept: list[Any] = [[] if i == complex_one else array("d") for i in used]
-        places, blank, partial = array("q"), list[int](), 0
-        for number, cells in self.cells(used, blank):
-            if len(cells) != width:
-                self._refuse_length(number, len(cells))
-            if not all(cells[i].strip() for i in used):
-                partial += 1
-                continue
-            for i, column in zip(used, kept, strict=True):
-                plain = cells[i]
-                if i == complex_one:
-                    plain = _as_python(plain, separator)
-                elif separator != ",":
-                    # Where another separator stands, a comma can only stand before decimals.
-                    plain = plain.replace(",", ".")
-                try:
-                    # Python reads 1_000 as a number: no file means that.
-                    column.append((complex if i == complex_one else float)(plain.replace("_", "x")))
-                except ValueError:
-                    self._refuse_cell(number, i, cells[i].strip())
-            places.append(number)
+        places, blank, partial = array("q"), list[int](), list[int]()
+        rows = self._complete(used, places, blank, partial)
+        parts: list[list[Any]] = [[] for _ in used]
+        # In batches, as the texts of numbers take many times their memory.
+        while batch := list(islice(rows, _BATCH)):
+            first = len(places) - len(batch)
+            for i, part, cells in zip(used, parts, zip(*batch, strict=True), strict=True):
+                part.append(self._converted(i, cells, places[first:], is_complex=i == complex_one))
         if not places:
             raise SceneError("there are no lines of numbers")
         notes = [f"{counted(len(blank), 'blank row')} left out"] if blank else []
-        notes += [f"{counted(partial, 'incomplete row')} left out"] if partial else []
-        return Numbers([np.array(x) for x in kept], places, notes)
+        notes += [f"{counted(len(partial), 'incomplete row')} left out"] if partial else []
+        return Numbers([np.concatenate(x) for x in parts], places, notes)
+
+    def _complete(
+        self, used: Sequence[int], places: array[int], blank: list[int], partial: list[int]
+    ) -> Iterator[list[str]]:
+        """The cells in use of each line that has all of them; its number goes to ``places``, those
+        of others to ``blank`` and ``partial``."""
+        width = len(self.columns)
+        for number, cells in self.cells(used, blank):
+            if len(cells) != width:
+                self._refuse_length(number, len(cells))
+            chosen = [cells[i] for i in used]
+            if "" in chosen:
+                partial.append(number)
+                continue
+            places.append(number)
+            yield chosen
+
+    def _converted(
+        self, column: int, cells: Sequence[str], places: Sequence[int], *, is_complex: bool
+    ) -> Any:
+        """Cells of a column as numbers."""
+        # Python reads 1_000 as a number: no file means that.
+        text = "\n".join(cells).replace("_", "x")
+        if is_complex:
+            text = _as_python(text, self.head.separator)
+        elif self.has_commas:
+            text = text.replace(",", ".")
+        try:
+            return np.array(text.split("\n"), dtype=complex if is_complex else float)
+        except ValueError:
+            # Of a complex number in a column of real ones the first line is named.
+            are_wrong = (not _is_number(x) or ("," in x and not self.has_commas) for x in cells)
+            wrong = next((k for k, is_wrong in enumerate(are_wrong) if is_wrong), 0)
+            self._refuse_cell(places[wrong], column, cells[wrong].strip())
 
     def _refuse_length(self, number: int, length: int) -> NoReturn:
         """SceneError for a line with too few or too many cells."""
@@ -465,7 +485,7 @@ def _as_python(text: str, separator: str | None, *, is_complex: bool = True) -> 
         return plain
     # Blanks inside a number can be taken out unless they, or tabs, separate the cells.
     bare = re.sub(r"[()]" if separator in (None, "\t") else r"[() ]", "", plain)
-    return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
+    return re.sub(r"(?<=[\d.])[ \t]*\*?[iIjJ](?![A-Za-z])", "j", bare)
 
 
 def _is_number(cell: str) -> bool:

@@ -10,7 +10,7 @@ confidence, at least, is Bonferroni's (``estimates``). Read from ``identify``.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from functools import cached_property
@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 from sympy import Expr, Rational, pi
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
@@ -380,25 +380,6 @@ _LARGE = 0.1
 claim."""
 
 
-@dataclass(frozen=True)
-class MeasuredLines:
-    """The subject of an identification: measured points, which have no parameters to vary."""
-
-    title: str
-
-    def asides(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> list[str]:
-        """Nothing."""
-        return []
-
-    def aside_keys(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> dict[str, Any]:
-        """Nothing."""
-        return {}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification(Answer):
     """A model that was fitted to measured lines; estimated, never certified.
@@ -422,8 +403,8 @@ class Identification(Answer):
     verdict: FitVerdict
 
     @property
-    def _about(self) -> MeasuredLines:
-        return MeasuredLines(self.title)
+    def _about(self) -> NoScene:
+        return NoScene(self.title)
 
     def _line(self) -> str:
         verdict = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]

@@ -17,7 +17,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from haptisym.kernel.errors import SceneError, meant, need, quoted
+from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.objects import counted
 from haptisym.model.columns import ColumnHeader
 from haptisym.model.tablefile import (
@@ -109,78 +109,45 @@ def condensed(answers: Answers) -> Answers:
     if len(rows) <= MOST_LEVELS:
         return answers
     # About as many trials in each group, so that each mean level is known equally well.
-    each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
-    groups: list[list[LevelAnswers]] = [[]]
-    filled = 0
-    for row in rows:
-        if filled >= each:
-            groups.append([])
-            filled = 0
-        groups[-1].append(row)
-        filled += row.trials
-    together = tuple(
-        LevelAnswers(
-            sum(x.level * x.trials for x in group) / _trials(group),
-            sum(x.count for x in group),
-            _trials(group),
-        )
-        for group in groups
-    )
+    together = grouped(rows, -(-sum(x.trials for x in rows) // MOST_LEVELS))
     note = f"{len(rows)} levels put into {len(together)} groups of neighbours, each at its mean"
     return replace(answers, rows=together, notes=(*answers.notes, note))
 
 
-def _trials(rows: Iterable[LevelAnswers]) -> int:
-    return sum(x.trials for x in rows)
+def grouped(rows: Iterable[LevelAnswers], least: int) -> tuple[LevelAnswers, ...]:
+    """Put neighbouring levels together until each group has that many trials, at the mean of their
+    levels."""
+    groups: list[LevelAnswers] = []
+    for row in rows:
+        if groups and groups[-1].trials < least:
+            groups[-1] = _joined(groups[-1], row)
+        else:
+            groups.append(row)
+    # What is left at the end joins the last full group.
+    if len(groups) > 1 and groups[-1].trials < least:
+        last = groups.pop()
+        groups[-1] = _joined(groups[-1], last)
+    return tuple(groups)
+
+
+def _joined(one: LevelAnswers, other: LevelAnswers) -> LevelAnswers:
+    trials = one.trials + other.trials
+    level = (one.level * one.trials + other.level * other.trials) / trials
+    return LevelAnswers(level, one.count + other.count, trials)
 
 
 ALIASES = {
     "level": (
-        "level",
-        "levels",
-        "x",
-        "intensity",
-        "intensities",
-        "stimlevel",
-        "stimlevels",
-        "stimulus",
-        "stimuli",
-        "stim",
-        "stimulusintensity",
-        "stimulusintensities",
-        "allintensities",
-        "historystim",
-        "comparison",
+        "level levels x intensity intensities stimlevel stimlevels stimulus stimuli stim "
+        "stimulusintensity stimulusintensities allintensities historystim comparison"
     ),
     "count": (
-        "k",
-        "numpos",
-        "npos",
-        "positives",
-        "ncorrect",
-        "numcorrect",
-        "nright",
-        "hits",
-        "nyes",
-        "yes",
-        "count",
-        "correct",
-        "right",
+        "k numpos npos positives ncorrect numcorrect nright hits nyes yes count correct right"
     ),
-    "trials": ("n", "outofnum", "ntrials", "trials", "total", "ntotal", "numtrials"),
+    "trials": ("n outofnum ntrials trials total ntotal numtrials"),
     "answer": (
-        "response",
-        "responses",
-        "allresponses",
-        "historyresp",
-        "corr",
-        "resp",
-        "answer",
-        "correct",
-        "iscorrect",
-        "outcome",
-        "y",
-        "yes",
+        "response responses allresponses historyresp corr resp answer correct iscorrect "
+        "outcome y yes"
     ),
 }
 """Names of each column, in small letters with nothing in between; a name with a point is known by
@@ -287,7 +254,7 @@ def _known(header: Sequence[str], key: str) -> int | None:
     """Return where a column is whose name is known, the first alias first; SceneError where two
     have one alias."""
     plain = [_plain(x) for x in header]
-    for alias in ALIASES[key]:
+    for alias in ALIASES[key].split():
         places = [i for i, x in enumerate(plain) if x == alias]
         if len(places) > 1:
             both = " or ".join(quoted(header[i]) for i in places)
@@ -355,18 +322,11 @@ def read_answers(
 
 
 def _found(named: Mapping[str, str], columns: Sequence[ColumnHeader]) -> AnswerColumns:
-    """The columns of answers, by their headers as they are written or without their units."""
-    texts = [x.text for x in columns]
-    try:
-        return find_columns(texts, named)
-    except SceneError as error:
-        bare = [x.name if x.unit and x.unit != "%" else x.text for x in columns]
-        if bare == texts:
-            raise
-        try:
-            return find_columns(bare, named)
-        except SceneError:
-            raise error from None
+    """The columns of answers, by their headers without units; those that the caller names may have
+    them."""
+    bare = [x.text if x.unit == "%" else x.name for x in columns]
+    short = {x.text: name for x, name in zip(columns, bare, strict=True)}
+    return find_columns(bare, {key: short.get(x, x) for key, x in named.items()})
 
 
 def _from_table(
@@ -488,7 +448,7 @@ def _of_two_intervals(
 
 
 def _of_counts(
-    number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool
+    number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool = False
 ) -> tuple[float, int, int]:
     """Read a level, k and n, where k may be given as a percentage of n."""
     keys = "level", "k", "n"
@@ -517,7 +477,7 @@ def _number(key: str, text: str, *, has_commas: bool = False) -> float:
 
 
 _NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
-_MORE = (
+_MORE = [
     "1",
     "1.0",
     "true",
@@ -531,8 +491,8 @@ _MORE = (
     "comp",
     "comparison",
     "test",
-)
-_LESS = (
+]
+_LESS = [
     "0",
     "0.0",
     "false",
@@ -547,7 +507,7 @@ _LESS = (
     "standard",
     "-1",
     "-1.0",
-)
+]
 
 
 def _meaning(answers: Iterable[str], coding: Coding) -> tuple[Collection[str], Collection[str]]:
@@ -584,21 +544,12 @@ def _from_psignifit(name: str, text: str) -> Answers:
         raise SceneError(
             "this JSON is no result of psignifit 4: give data, a list of [level, k, n]"
         )
-    answers = Answers(name, collected(map(_block, data)))
+    rows = []
+    for row in data:
+        with within("data"):
+            rows.append(_of_counts(_number, [str(x) for x in row]))
+    answers = Answers(name, collected(rows))
     return replace(answers, **_configured(table)) if isinstance(table, dict) else answers
-
-
-def _block(row: Sequence[Any]) -> tuple[float, int, int]:
-    """Return level, k and n of a row of data; SceneError where they are impossible."""
-    for x in row:
-        # In JSON true and false are no numbers, in Python they are.
-        if not isinstance(x, int | float) or isinstance(x, bool) or not isfinite(x):
-            raise SceneError(f"data: {quoted(row)} must be three numbers, level, k and n")
-    level, count, trials = row
-    is_whole = count == int(count) and trials == int(trials)
-    if not is_whole or not 0 <= count <= trials:
-        raise SceneError(f"data: {quoted(row)}: k and n must be whole numbers, and k at most n")
-    return float(level), int(count), int(trials)
 
 
 def _configured(table: Mapping[str, Any]) -> dict[str, Any]:
