@@ -576,7 +576,7 @@ def test_what_the_scene_file_says_follows_from_whether_the_model_holds() -> None
         for x in found.estimates if ranges else ():
             low, high = ranges[x.parameter.path].interval  # type: ignore[misc]
             assert float(ranges[x.parameter.path].value) == x.written
-            wider = 0.11 * (x.most - x.least)  # rounded outward in the second digit of half of it
+            wider = 0.11 * (x.most - x.least)  # rounded outward in a digit worth a tenth of it
             assert x.least - wider < float(low) <= x.least < x.most <= float(high) < x.most + wider
             assert abs(x.written - x.value) < x.error / 100
         assert found.scene.title == "kelvin-voigt, as measured"
@@ -949,5 +949,5 @@ def test_a_scene_is_written_in_the_units_of_the_file_with_the_digits_that_are_kn
         assert {x.split()[1] for x in written} == {unit}
         low, _, high = (float(x.split()[0]) for x in written)
         assert low < true < high
-        assert max(len(written[0]), len(written[2])) <= len("8.88 Hz")
+        assert max(len(written[0]), len(written[2])) <= len("8.888 Hz")
     assert float(found.scene.knobs["tau"].interval[0]) <= 0.004  # type: ignore[index]

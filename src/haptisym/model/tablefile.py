@@ -21,7 +21,8 @@ import re
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from io import StringIO
 from itertools import chain, islice
 from math import radians
 from pathlib import Path
@@ -53,8 +54,6 @@ _PICKLES = (".psydat", ".pkl", ".pickle")
 _COMMENTS = "#%*"
 # Rows whose texts are in memory at a time.
 _BATCH = 20_000
-# Bytes by which the encoding is known: headers, where letters of other kinds stand, are in them.
-_BEGUN = 2**16
 # Lines in which a header is looked for, and of a table whose rows have names.
 _MOST_BEFORE = 1000
 _MOST_ROWS = 100
@@ -87,38 +86,32 @@ def _near(path: Path) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Text:
-    """The lines of a text: in a file, which is read anew each time, or ``kept``, of a pipe or of a
-    table that was turned round, where a ``line`` is a column."""
+    """The content of a text; a ``line`` is a column where a table was turned round."""
 
-    path: Path
-    encoding: str = "utf-8-sig"
-    kept: tuple[str, ...] | None = None
+    content: str
     line: str = "line"
 
     @classmethod
     def of(cls, path: Path, *, pipes: bool = False) -> Text:
         """The text in a file; SceneError for what is none."""
         refuse(path, pipes=pipes)
-        with path.open("rb") as raw:
-            # What comes through a pipe cannot be read twice.
-            begun = raw.read(_BEGUN if path.is_file() else LARGEST)
-        kind = next((words for mark, words in _NOT_TEXT.items() if begun.startswith(mark)), "")
+        with path.open("rb") as file:
+            data = file.read(LARGEST)
+        kind = next((words for mark, words in _NOT_TEXT.items() if data.startswith(mark)), "")
         # An old pickle begins as text does, and is known by its suffix.
         if path.suffix.lower() in _PICKLES:
             kind = _NOT_TEXT[b"\x80"]
         if kind:
             raise SceneError(f"not text in UTF-8: {kind}")
-        encoding = _encoding(begun)
-        kept = None if path.is_file() else tuple(begun.decode(encoding).splitlines(keepends=True))
-        return cls(path, encoding, kept)
+        try:
+            return cls(data.decode("utf-8-sig"))
+        except UnicodeDecodeError:
+            # Instruments write ° and µ in the encoding of Windows.
+            return cls(data.decode("cp1252"))
 
     def lines(self, first: int = 1) -> Iterator[str]:
         """The lines from a number on."""
-        if self.kept is not None:
-            yield from self.kept[first - 1 :]
-            return
-        with self.path.open(encoding=self.encoding) as file:
-            yield from islice(file, first - 1, None)
+        return islice(StringIO(self.content, newline=None), first - 1, None)
 
     def numbered(self, first: int = 1, blank: list[int] | None = None) -> Iterator[tuple[int, str]]:
         """The lines that are not empty and no comments, without comments at their ends, each with
@@ -143,19 +136,8 @@ class Text:
             rows.append([x.replace(";", ",") for x in cells])
         if not 1 < len(rows) <= _MOST_ROWS or len({len(x) for x in rows}) > 1:
             return None
-        lines = (";".join(column) + "\n" for column in zip(*rows, strict=True))
-        return replace(self, kept=tuple(lines), line="column")
-
-
-def _encoding(begun: bytes) -> str:
-    """UTF-8, or the encoding of Windows, in which instruments write ° and µ."""
-    try:
-        begun.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        # Of a long file the last character may have been cut in two.
-        if error.start < len(begun) - 4 or len(begun) < _BEGUN:
-            return "cp1252"
-    return "utf-8-sig"
+        lines = (";".join(column) for column in zip(*rows, strict=True))
+        return Text("\n".join(lines), "column")
 
 
 class Head(NamedTuple):
@@ -344,32 +326,28 @@ def _heads(
 ) -> Iterator[Head]:
     """Each line that may be the header: one without numbers above a line that has some, or above a
     row of units; as many cells in both, but at the top, where the line below is then refused."""
-    before: list[tuple[int, str]] = []
-    for number, line in islice(text.numbered(), _MOST_BEFORE):
-        if not before and _count_of_numbers(line):
-            yield from _without_names(text, number, line, without_header, is_counted=is_counted)
-        separator = _separator(line, before[-1][1] if before else "")
+    lines = list(islice(text.numbered(), _MOST_BEFORE))
+    if lines and _count_of_numbers(lines[0][1]):
+        yield from _without_names(text, *lines[0], without_header, is_counted=is_counted)
+    for k, (number, line) in enumerate(lines[1:]):
+        separator = _separator(line, lines[k][1])
         cells = _cells(line.rstrip(), separator)
-        if before and sum(map(_is_number, cells)) >= least and not _is_row_of_units(cells):
-            header, units = before[-1][1], []
-            if len(before) > 1:
-                above = _cells(header, _separator(header, before[0][1]))
-                is_second = len(_names(before[0][1])) == len(above) and not _is_number(above[0])
-                if is_second and (_is_row_of_units(above) or before[0][0] == _first(text)):
-                    header, units = before[0][1], above
-            names = _names(header)
-            # LabVIEW names a column for remarks and leaves it out of the lines.
-            if names[-1] == "Comment" and len(cells) < len(names):
-                names.pop()
-            is_header = len(names) == len(cells) or before[-1][0] == _first(text)
-            if is_header and not any(map(_is_number, names)):
-                yield Head(_with_units(names, units), separator, line, number)
-        before = [*before[-1:], (number, line)]
-
-
-def _first(text: Text) -> int:
-    """The number of the first line."""
-    return next(text.numbered())[0]
+        if sum(map(_is_number, cells)) < least or _is_row_of_units(cells):
+            continue
+        header, units = lines[k][1], _cells(lines[k][1], _separator(lines[k][1], lines[k - 1][1]))
+        is_second = (
+            k > 0 and len(_names(lines[k - 1][1])) == len(units) and not _is_number(units[0])
+        )
+        if is_second and (k == 1 or _is_row_of_units(units)):
+            header = lines[k - 1][1]
+        names = _names(header)
+        # LabVIEW names a column for remarks and leaves it out of the lines.
+        if names[-1] == "Comment" and len(cells) < len(names):
+            names.pop()
+        if (k == 0 or len(names) == len(cells)) and not any(map(_is_number, names)):
+            yield Head(
+                _with_units(names, units if header != lines[k][1] else []), separator, line, number
+            )
 
 
 def _is_row_of_units(cells: Sequence[str]) -> bool:
@@ -528,10 +506,9 @@ class ArrayTable:
             if row.dtype.kind == "c" and i != complex_one:
                 raise SceneError(f"{key}: must be real")
             rows.append(row.ravel())
-        lengths = {self.columns[i].text: len(x) for i, x in zip(used, rows, strict=True)}
-        if len({*lengths.values()}) > 1:
-            counts = ", ".join(f"{key} has {n}" for key, n in lengths.items())
-            raise SceneError(f"give as many numbers in each variable: {counts}")
+        if len({*map(len, rows)}) > 1:
+            counts = ", ".join(str(len(x)) for x in rows)
+            raise SceneError(f"give as many numbers in each variable: there are {counts}")
         return Numbers(rows, range(1, len(rows[0]) + 1), [])
 
     def cells(self, used: Sequence[int], _: list[int]) -> Iterator[tuple[int, list[str]]]:

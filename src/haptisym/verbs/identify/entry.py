@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cached_property
 from math import erfc, floor, log10, sqrt
 from pathlib import Path
@@ -171,16 +171,20 @@ def band_value(low: float, high: float, *, in_hertz: bool = False) -> list[str]:
     >>> band_value(1, 20), band_value(1, 20, in_hertz=True)
     (['1 rad/s', '20 rad/s'], ['0.1591 Hz', '3.184 Hz'])
     """
-    texts = []
-    for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING)):
-        # Twelve digits first: of 0.2 Hz in rad/s a float gives 0.19999999999999998 Hz back.
-        turns, radians = (
-            f"{Context(_BAND, way).create_decimal(f'{float(y):.12g}').normalize():f}"
-            for y in (x / (2 * np.pi), x)
-        )
-        is_turns = in_hertz or len(turns) < len(radians)
-        texts.append(f"{turns} Hz" if is_turns else f"{radians} rad/s")
-    return texts
+    turns = _outward(low / (2 * np.pi), high / (2 * np.pi), _BAND)
+    return [
+        f"{hertz} Hz" if in_hertz or len(hertz) < len(radians) else f"{radians} rad/s"
+        for hertz, radians in zip(turns, _outward(low, high, _BAND), strict=True)
+    ]
+
+
+def _outward(low: float, high: float, digits: int) -> list[str]:
+    """The ends of a range as decimals, rounded outward to so many digits."""
+    # Twelve digits first: of 0.2 Hz in rad/s a float gives 0.19999999999999998 Hz back.
+    return [
+        f"{Context(digits, way).create_decimal(f'{float(x):.12g}').normalize():f}"
+        for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING))
+    ]
 
 
 _EXACT = 1e-9  # of the largest response
@@ -289,20 +293,14 @@ class Estimate:
 
     def in_unit(self, size: float) -> tuple[str, str, str]:
         """The low end of the box, the value and the high end in a unit of this size, in SI, as a
-        scene file has them: ends outward, to two digits of their distance."""
+        scene file has them: ends outward, to a tenth of their distance at least."""
         low, value, high = (x / size for x in (self.least, self.value, self.most))
-        # What is above 0 is not rounded to it, nor a share to 1; and no more than six digits.
-        gaps = [high - low, *([low] if low > 0 else [])]
-        if self.parameter.rule is Rule.FRACTION:
-            gaps.append(1 - high)
-        place = min(floor(log10(x)) for x in gaps if x > 0) - 1 if high > low else -12
-        place = max(place, floor(log10(max(abs(low), abs(high), 1e-300))) - _DIGITS + 1)
-        step = Decimal(1).scaleb(place)
-        ends = (
-            Decimal(f"{x:.12g}").quantize(step, way)
-            for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING))
-        )
-        least, most = (f"{x.normalize():f}" for x in ends)
+        # Two digits more than the range leaves open; a share near 1 would be rounded to it.
+        spread = (high - low) / max(abs(low), abs(high), 1e-300)
+        digits = _DIGITS
+        if spread and self.parameter.rule is not Rule.FRACTION:
+            digits = min(_DIGITS, max(2, 2 - floor(log10(spread))))
+        least, most = _outward(low, high, digits)
         return least, f"{self._to_known(value, size):.12g}", most
 
     @property

@@ -315,7 +315,7 @@ def read_answers(
             return _from_table(path.name, *table, where, coding)
         if named or where or coding.more is not None:
             raise SceneError("JSON has no columns: leave their names out")
-        document = "".join(text.lines())
+        document = text.content
         if len(document) >= _MOST_CHARACTERS:
             raise SceneError(f"a document of JSON may have {_MOST_CHARACTERS} characters at most")
         return _from_psignifit(path.name, document)
