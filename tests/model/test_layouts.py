@@ -100,6 +100,7 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
                   "10 lines; dB, deg, Hz; not used: Channel 1 Magnitude (dB)"),
     "a preamble, units below": ("a.txt", table("Project: rig 3\nRecorded\t2026-01-02\nAverages\t20\n\nFreq\tReal\tImag\nHz\tN/m\tN/m\n", plain, "\t"),
                                 "", "10 lines; Hz, N/m"),
+    "a preamble as wide": ("a.csv", table("Device,Rig 3,lab\nFrequency (Hz),Real (N/m),Imag (N/m)\n", plain), "", "10 lines; Hz, N/m"),
     "a preamble": ("a.csv", table("Hammer test\nWindow,Hann\n1024,0.5\nFrequency (Hz),Real (N/m),Imag (N/m)\n", plain), "", "10 lines; Hz, N/m"),
     "LabVIEW": ("a.lvm", table("LabVIEW Measurement\t\nWriter_Version\t2\n***End_of_Header***\t\n\t\nChannels\t2\t\nX_Value\tReal\tImag\tComment\n",
                                plain, "\t"), "", "10 lines; Hz, SI"),
@@ -357,13 +358,13 @@ def test_discs_of_another_quantity_hold_what_its_own_discs_hold(tmp_path: Path, 
         ("f,H\n1,3j\n", {"columns": 3}, "columns: give a table"), ("f,H\n1,3j\n", {"unit": {"H": 3}}, "unit: H: "), ("f,H\n1,3j\n", {"quantity": "mass"}, "quantity: "),
         ("f [Hz],H\n1,3j\n", {"unit": {"frequency": "kHz"}}, 'unit: frequency: the file has "Hz"'), ("f,H\n1,3j\n", {"unit": {"frequency": "kg"}}, 'f: "1 kg" is not a frequency'), ("w,H\n1,3j\n", {"sign": 2}, "sign: "),
         ("w,H [dB],Phase [deg],radius\n1,3,0,1\n", {}, "radius: a radius in dB"), ("w,H\n1,1j\n2,0j\n", {"quantity": "receptance"}, "line 3: receptance: is 0"),
-        ("Freq.\tV(out)\n1.0\t2.0,3.0\n", {}, 'columns = { H = "V(out)" }'), ("f [Hz],mag [dB],phase [deg]\n1,798,3\n", {}, "798 dB would be 1e40 of the unit"),
+        ("[\n1,2,3\n", {}, "no column of frequencies"), ("Freq.\tV(out)\n1.0\t2.0,3.0\n", {}, 'columns = { H = "V(out)" }'), ("f [Hz],mag [dB],phase [deg]\n1,798,3\n", {}, "798 dB would be 1e40 of the unit"),
         ("w,H,x\n1,3j\n", {}, "line 2 has 2 cells"), ("w,H,x\n1,3j,1,7\n", {}, "line 2 has 4 cells"),
         ("w,H\n0,3j\n", {"quantity": "mobility"}, "no line above 0"),
         ("f,H,Phase [deg]\n1,2,3\n", {"unit": {"H": "N/m"}}, "unit: H: the columns in use are frequency, phase, magnitude"),
         ("phase_deg [rad],f,mag\n1,2,3\n", {}, 'phase_deg: the unit must be deg, not "rad"'),
     ],
-    ids=range(27),
+    ids=range(28),
 )  # fmt: skip
 def test_nothing_is_guessed_where_several_meanings_are_usual(
     tmp_path: Path, text: str, keys: dict[str, Any], told: str

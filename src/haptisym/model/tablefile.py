@@ -53,7 +53,7 @@ _NOT_TEXT = {
 _PICKLES = (".psydat", ".pkl", ".pickle")
 _COMMENTS = "#%*"
 # Rows whose texts are in memory at a time.
-_BATCH = 20_000
+_BATCH = 2_000
 # Lines in which a header is looked for, and of a table whose rows have names.
 _MOST_BEFORE = 1000
 _MOST_ROWS = 100
@@ -251,7 +251,8 @@ class TextTable:
         elif self.has_commas:
             text = text.replace(",", ".")
         try:
-            return np.array(text.split("\n"), dtype=complex if is_complex else float)
+            kind: Any = complex if is_complex else float
+            return np.fromiter(map(kind, text.split("\n")), kind)
         except ValueError:
             # Of a complex number in a column of real ones the first line is named.
             are_wrong = (not _is_number(x) or ("," in x and not self.has_commas) for x in cells)
@@ -334,20 +335,22 @@ def _heads(
         cells = _cells(line.rstrip(), separator)
         if sum(map(_is_number, cells)) < least or _is_row_of_units(cells):
             continue
-        header, units = lines[k][1], _cells(lines[k][1], _separator(lines[k][1], lines[k - 1][1]))
-        is_second = (
-            k > 0 and len(_names(lines[k - 1][1])) == len(units) and not _is_number(units[0])
-        )
-        if is_second and (k == 1 or _is_row_of_units(units)):
-            header = lines[k - 1][1]
-        names = _names(header)
-        # LabVIEW names a column for remarks and leaves it out of the lines.
-        if names[-1] == "Comment" and len(cells) < len(names):
-            names.pop()
-        if (k == 0 or len(names) == len(cells)) and not any(map(_is_number, names)):
-            yield Head(
-                _with_units(names, units if header != lines[k][1] else []), separator, line, number
-            )
+        own, above = lines[k][1], lines[k - 1][1]
+        units = _cells(own, _separator(own, above))
+        candidates: list[tuple[str, list[str]]] = [(own, [])]
+        if k > 0 and len(_names(above)) == len(units) and not _is_number(units[0]):
+            # Units that nobody knows are taken for some below the first line alone.
+            if _is_row_of_units(units):
+                candidates = [(above, units)]
+            elif k == 1:
+                candidates.insert(0, (above, units))
+        for header, row_of_units in candidates:
+            names = _names(header)
+            # LabVIEW names a column for remarks and leaves it out of the lines.
+            if names[-1:] == ["Comment"] and len(cells) < len(names):
+                names.pop()
+            if (k == 0 or len(names) == len(cells)) and not any(map(_is_number, names)):
+                yield Head(_with_units(names, row_of_units), separator, line, number)
 
 
 def _is_row_of_units(cells: Sequence[str]) -> bool:
