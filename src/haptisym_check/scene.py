@@ -11,10 +11,11 @@ is a numerator and a denominator. Begin with ``link``; ``Element`` and ``SceneFi
 
 import re
 import tomllib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache, reduce
-from itertools import chain, product
+from itertools import chain, islice, product
 from math import comb, factorial, prod
 from operator import getitem
 from pathlib import Path
@@ -195,11 +196,50 @@ def quantity(given: Any, kind: str = "") -> DimensionedNumber:
     need(is_text, "a value is neither a number nor a text")
     # What follows +- is an uncertainty: claims are about the nominal value.
     text, *deviation = re.split(r"\+/?-|±", given)
-    nominal = evaluated(text.translate(SPELLED), unit, units, spaced=True)
     allowed = CATALOGUE["dimensions"][kind] if kind else []
-    fits = not allowed or nominal.dimension in (None, *allowed)
-    need(len(deviation) < 2 and fits, f"{given[:60]!r} has the wrong dimension")
+    plain = text.translate(SPELLED)
+    try:
+        nominal = evaluated(plain, unit, units, spaced=True)
+        fits = not allowed or nominal.dimension in (None, *allowed)
+        need(len(deviation) < 2 and fits, f"{given[:60]!r} has the wrong dimension")
+    except RefusedError:
+        # Names of units that are run together mean what has the dimension that is wanted, if that
+        # is one thing.
+        readings: list[DimensionedNumber] = []
+        for spelt in run_together(plain):
+            with suppress(RefusedError):
+                nominal = evaluated(spelt, unit, units, spaced=True)
+                if nominal.dimension in allowed and nominal not in readings:
+                    readings.append(nominal)
+        if len(readings) != 1 or len(deviation) > 1:
+            raise
+        [nominal] = readings
     return nominal
+
+
+def run_together(text: str) -> Iterator[str]:
+    """A quantity as it is written, with products for what engineers write: Nms, N-m, N.m, kg.m2;
+    what stands behind a stroke is below it."""
+    number = re.match(rf"[\s+-]*{NUMBER}(?:\s*/\s*\d+)?", text)
+    size = number[0] if number else ""
+    rest = re.sub(r"/([^*/()\s]+)", r"/(\1)", text[len(size) :])
+    rest = re.sub(r"(?<=\w)[-.](?=[^\W\d_])", "*", rest)
+    rest = re.sub(r"(?<=[^\W\d_])(-?\d)", r"^(\1)", rest)
+    names = list(dict.fromkeys(re.findall(r"[^\W\d_]+", rest)))
+    for chosen in islice(product(*map(apart, names)), 200):
+        parts = dict(zip(names, chosen, strict=True))
+        yield size + "".join(str(parts.get(x, x)) for x in re.split(r"([^\W\d_]+)", rest))
+
+
+def apart(word: str) -> list[str]:
+    """A word, and the products of two or more different units that it is if it has eight letters at
+    most."""
+    ways = [word]
+    for i in range(1, len(word) if len(word) <= 8 else 0):
+        with suppress(RefusedError):
+            unit(word[:i])
+            ways += [f"{word[:i]}*{x}" for x in apart(word[i:]) if word[:i] not in x.split("*")]
+    return ways
 
 
 # What a scene file says: exact numbers, and the chain of its dynamics in Gaussian integers wherever
@@ -519,7 +559,14 @@ class SceneFile:
         named = [x for x in self.hands if x.get("name", "hand") == name]
         fits = len(named) == 1 and "model" not in named[0]
         need(fits, f"the scene has not one hand {name!r}")
-        return {key: x for key, x in named[0].items() if key not in ("name", "source")}
+        numbers = {key: x for key, x in named[0].items() if key not in ("name", "source", "lever")}
+        if "lever" not in named[0]:
+            return numbers
+        # On a lever each number is its square times as large, about the axis.
+        arm = quantity(named[0]["lever"])
+        need(arm.value > 0 and arm.dimension in (None, [0, 1, 0]), "a lever is a length")
+        square = units("*", arm, arm)
+        return {key: units("*", quantity(x, key), square) for key, x in numbers.items()}
 
     def at(self, point: ChainPoint) -> tuple[Ratio, Ratio]:
         """H_env and H_perc, each numerator and denominator; what is rendered with a clock, at the s

@@ -589,3 +589,45 @@ def test_a_formula_may_be_a_number_hold_a_power_of_pi_and_broken_powers_of_s() -
     assert [expression(x).H for x in (2, 2.0, "2", "2.0")] == [2] * 4
     for text, order in (("s^(1/3)", "1/3"), ("s^(-1/3)", "-1/3"), ("s^( 3 / 12 )", "1/4"), ("s^(6/3)", "2")):
         assert expression(f"5*{text}").dynamics == 5 * symbol ** Rational(order)
+
+
+POUND = Rational(45359237, 10**8) * Rational(980665, 10**5)  # N, by definition
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "value"),
+    [
+        ("1 lb/in", Dimension.STIFFNESS, POUND / Rational(254, 10**4)),
+        ("1 oz-in/rad", Dimension.STIFFNESS, POUND / 16 * Rational(254, 10**4)),
+        ("1 in-lb/rad", Dimension.STIFFNESS, POUND * Rational(254, 10**4)),
+        ("2 lbs", Dimension.MASS, 2 * Rational(45359237, 10**8)),
+        ("2 lbs", Dimension.FORCE, 2 * POUND),
+        ("2 gf", Dimension.FORCE, 2 * Rational(980665, 10**8)),
+        ("2 kp", Dimension.FORCE, 2 * Rational(980665, 10**5)),
+        ("5 N·s·m⁻¹", Dimension.DAMPING, 5),
+        ("3 Nm·rad⁻¹", Dimension.STIFFNESS, 3),
+        ("1 dyn/cm", Dimension.STIFFNESS, Rational(1, 1000)),
+    ],
+)
+def test_units_of_catalogues_and_of_superscripts_are_exact(text: str, dimension: Dimension, value: Any) -> None:
+    assert quantity(text, dimension).value == value
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "offered"),
+    [
+        ("1 MM", Dimension.DISPLACEMENT, 'did you mean "mm" or "Mm"?'),
+        ("1 MHZ", Dimension.FREQUENCY, 'did you mean "mHz" or "MHz"?'),
+        ("1 KHZ", Dimension.FREQUENCY, 'did you mean "kHz"?'),
+        ("1 milisec", Dimension.TIME, ""),
+        ("1 kgmm", Dimension.MASS, ""),
+        ("0.14 Nm/deg", Dimension.DAMPING, ""),
+    ],
+)
+def test_what_is_offered_has_the_size_of_what_was_written_or_both_are(
+    text: str, dimension: Dimension, offered: str
+) -> None:
+    said = refusal(quantity, text, dimension)
+    assert said
+    assert offered in said
+    assert ("did you mean" in said) == bool(offered)

@@ -14,14 +14,17 @@ import pint
 import pytest
 from certificates import CANCELLING
 from marks import often
-from sympy import pi
+from refusals import refusal
+from sympy import Rational, pi
 
-from haptisym.model.quantities import read_unit
+from haptisym.model.quantities import Dimension, read_unit
+from haptisym.model.quantities import quantity as read_quantity
 from haptisym_check import RefusedError, chart, delayterms, requirement
 from haptisym_check import scene as scenes
 from haptisym_check.delayterms import ORDER, SCALE
 from haptisym_check.polynomials import PI, OmegaFactor
 from haptisym_check.scene import CATALOGUE, FREE, PARTS, DimensionedNumber, FactoredNumber, SceneFile
+from haptisym_check.scene import quantity as checked_quantity
 from haptisym_check.values import ONE, ChainPoint, GaussianValue, Ratio, combined, degree
 
 MP = mpmath.mp.clone()
@@ -298,6 +301,9 @@ def test_bands_thresholds_and_hands_are_those_of_the_file() -> None:
 
     two = '[[hands]]\nname = "a"\nm = 1\nsource = "x"\n[[hands]]\nname = "b"\nm = 2\nk = 3\n'
     assert (hand(two, "a"), hand(two, "b")) == ({"m": 1}, {"m": 2, "k": 3})
+    levered = hand('[hand]\nm = "2 kg"\nk = 8\nlever = "50 cm"', "hand")
+    assert {key: x.value for key, x in levered.items()} == {"m": Fraction(1, 2), "k": 2}
+    assert levered["m"].dimension == [1, 2, 0]
     assert hand("[hand]\nm = 4\n", "hand") == hand("[[hands]]\nm = 4\n", "hand") == {"m": 4}
     assert hand('[hand]\nname = "own"\nm = 4\n', "own") == {"m": 4}
     for hands, name in (
@@ -1118,3 +1124,22 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         (1 / (2 * most), True),
     ):
         assert refused(delayterms.power, x, half) == too_large
+
+
+@pytest.mark.parametrize(
+    ("kind", "dimension", "words"),
+    [
+        ("k", Dimension.STIFFNESS, "Nm/rad N-m/rad N.m/rad Nm/deg mNm/deg N/mm lbf/in lbf-in/deg Nmm/rad Nms mN"),
+        ("b", Dimension.DAMPING, "Nms/rad Ns/m N-s/m Nsm-1 Nms/deg Nm/(rad/s) kNms/rad N/m"),
+        ("m", Dimension.MASS, "kgm^2 kg.m2 kgm2 kg-m^2 gcm^2 kg kgmm"),
+    ],
+)
+def test_units_that_are_run_together_mean_the_same_to_the_checker(kind: str, dimension: Dimension, words: str) -> None:
+    for text in (f"{number} {unit}" for unit in words.split() for number in ("1.5e3", "2/3")):
+        said = refusal(read_quantity, text, dimension)
+        if said:
+            with pytest.raises(RefusedError):
+                checked_quantity(text, kind)
+            continue
+        mine, other = read_quantity(text, dimension).value, checked_quantity(text, kind)
+        assert mine == Rational(other.value.numerator, other.value.denominator) * pi**other.pi, text

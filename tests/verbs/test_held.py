@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from heldloops import closed, display, drawn, number, poles_on_the_right
 from marks import FLEXIBLE
+from refusals import refusal
 from scipy.linalg import expm
 from sympy import Expr, I, Integer, Rational, Symbol, exp
 from windings import winding
@@ -24,6 +25,7 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.sets import Verdict
+from haptisym.model.quantities import MotionKind
 from haptisym.verbs.stability.held import Share, held, imposed, whole_box, zeros_of
 
 E, F = hs.environments, hs.effects
@@ -657,3 +659,34 @@ def test_what_binds_a_sampled_loop_lies_on_the_unit_circle() -> None:
     assert (span.low.digits(15), span.high.digits(15)) == ("0.107766452952012", "1.87491415916525")
     assert "unit circle" in str(found)
     assert "imaginary axis" not in str(found)
+
+
+def test_a_hand_on_a_lever_has_the_square_of_its_length_times_mass_damping_and_stiffness() -> None:
+    """By hand: 0.15^2 = 9/400 of 0.554 kg, 6.45 N s/m and 135 N/m, about the axis."""
+    share, arm = Rational(9, 400), hs.hands["postural-arm"]
+    levered = arm.on_lever("15 cm")
+    assert [p.value for p in levered.parameters] == [p.value * share for p in arm.parameters]
+    assert {p.motion for p in levered.parameters} == {MotionKind.ROTATION}
+    wheel = hs.Scene(
+        hs.environments.mass_spring_damper("0.05 kgm^2", "0.4 Nms/rad", "8 Nm/rad"),
+        [hs.effects.first_order_lag("20 Hz")],
+        ("0 Hz", "3 Hz"),
+    )
+    said = refusal(hs.stability, wheel, "postural-arm")
+    assert "cannot be mixed" in said
+    assert "--lever" in said
+    by_hand = hs.Hand("arm", "0.012465 kg*m^2", "0.145125 N*m*s/rad", "3.0375 N*m/rad")
+    answers = [hs.stability(wheel, x).to_dict()["held"][0] for x in ("postural-arm at 15 cm", by_hand)]
+    for x in answers:
+        x.pop("hand")
+    assert answers[0] == answers[1]
+    text = '[environment]\nmodel = "kelvin-voigt"\nk = "8 Nm/rad"\nb = "0.4 Nms/rad"\n[hand]\nlever = "15 cm"\n'
+    own = hs.parse_scene(text + 'm = "0.5 kg"\nb = ["4 N*s/m", "6 N*s/m"]\n[evaluation]\nband = [0, 9]').hands[0]
+    assert (own.name, own.m.value, own.b.interval) == ("hand", share / 2, (4 * share, 6 * share))
+    for length, why in (
+        ("15 deg", "must be a length"),
+        ("0 m", "must be a length > 0"),
+        ("1 kg", "not a displacement"),
+    ):
+        assert why in refusal(arm.on_lever, length)
+    assert "rotational already" in refusal(levered.on_lever, "1 m")

@@ -20,6 +20,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from marks import required
 from refusals import refusal
+from scipy.io import savemat
 from scipy.optimize import minimize, minimize_scalar
 from scipy.special import log_ndtr, ndtr
 from scipy.stats import chi2, norm
@@ -234,6 +235,65 @@ def test_tables_that_say_the_same_are_read_the_same(text: str, file: Callable[..
     assert read_answers(file(text), {}, {}).rows == ROWS
 
 
+# Answers about 40 to 130 against a standard of 85: JND 8.74437609, mean 84.0601925 (SciPy, by maximum likelihood).
+STIFFER = {
+    40: (0, 8),
+    50: (0, 8),
+    60: (0, 8),
+    70: (1, 8),
+    80: (4, 8),
+    90: (6, 8),
+    100: (6, 8),
+    110: (8, 8),
+    120: (8, 8),
+    130: (8, 8),
+}
+SINGLE = [(x, i < k) for x, (k, n) in STIFFER.items() for i in range(n)]
+
+
+def singles(header: str, more: str, less: str, separator: str = ",") -> str:
+    rows = "".join(f"{x}{separator}{more if is_more else less}\n" for x, is_more in SINGLE)
+    return f"{header}\n{rows}"
+
+
+FILES: dict[str, tuple[str, dict[str, Any]]] = {
+    "words of the reference": (singles("level,Answer", "Comp", "Ref"), {}),
+    "other words": (singles("Level [N/m];Answer", "links", "rechts", ";"), {"more": "links"}),
+    "1 and 2": (singles("level,outcome", "2", "1"), {}),
+    "1 and -1": (singles("level,response", "1", "-1"), {}),
+    "1 and 0": (singles("level\tresponse", "1", "0", "\t"), {}),
+    "true and false": (singles("stimulus,correct", "TRUE", "FALSE"), {}),
+    "a preamble": ("Subject,7\nMethod,constant stimuli\n" + singles("level,answer", "yes", "no"), {}),
+    "two intervals": ("k1,k2,answer\n" + "".join(f"85,{x},{1 + a}\n" for x, a in SINGLE), {}),
+    "counts": ("level,k,n\n" + "".join(f"{x},{k},{n}\n" for x, (k, n) in STIFFER.items()), {}),
+    "per cent": ("level,n,percent\n" + "".join(f"{x},{n},{100 * k / n:.2f}\n" for x, (k, n) in STIFFER.items()), {}),
+    "rows": ("\n".join(",".join(map(str, x)) for x in (
+        ("level", *STIFFER), ("k", *(k for k, _ in STIFFER.values())), ("n", *(n for _, n in STIFFER.values())))), {}),
+}  # fmt: skip
+LEVEL, MORE = np.array([x for x, _ in SINGLE], float), np.array([int(a) for _, a in SINGLE])
+TRIAL = [("stim", "O"), ("outcome", "O")]
+VARIABLES: dict[str, dict[str, Any]] = {
+    "Palamedes, adaptive, with the next level": {"PM": {"x": np.append(LEVEL, 84.0), "response": MORE, "stop": 1.0}},
+    "Palamedes": {"StimLevels": np.array([*STIFFER]), "NumPos": np.array([k for k, _ in STIFFER.values()]), "OutOfNum": np.array([n for _, n in STIFFER.values()])},
+    "QUEST+": {"questData": {"nOutcomes": 2, "trialData": np.array([(x, 1 + a) for x, a in zip(LEVEL, MORE, strict=True)], TRIAL)}},
+    "QUEST+, vectors": {"QP": {"history_stim": LEVEL, "history_resp": MORE, "stimDomain": np.arange(40.0, 130)}},
+    "words": {"level": LEVEL, "answer": np.array([("Ref", "Comp")[a] for a in MORE], object)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*FILES, *VARIABLES])
+def test_answers_that_say_the_same_have_the_same_jnd(name: str, file: Callable[..., Path], tmp_path: Path) -> None:
+    options: dict[str, Any] = {}
+    if name in FILES:
+        text, options = FILES[name]
+        path = file(text)
+    else:
+        path = tmp_path / "a.mat"
+        savemat(path, VARIABLES[name])
+    found = hs.jnd(path, reference=85, **options)
+    assert (found.jnd.value, found.middle.value) == pytest.approx((8.74437609, 84.0601925), rel=1e-8)
+
+
 def test_of_two_intervals_the_one_that_is_no_standard_is_the_level_and_a_word_means_more(
     file: Callable[..., Path],
 ) -> None:
@@ -311,8 +371,8 @@ def test_a_table_may_come_through_a_pipe() -> None:
 
 
 BAD = {
-    "nothing": ("", "no column holds the levels: there are none"),
-    "only a header": ("level,k,n\n", "there are no answers"),
+    "nothing": ("", "there are no lines of numbers"),
+    "only a header": ("level,k,n\n", "there are no lines of numbers"),
     "one level": ("level,k,n\n5,3,10\n5,4,10\n", "all answers are at one level, 5"),
     "no k": ("level,n\n5,10\n", "no column holds how many answers counted"),
     "no level": ("force,k,n\n5,1,10\n", "no column holds the levels: there are force, k, n"),
@@ -323,7 +383,7 @@ BAD = {
     "infinite": ("level,k,n\ninf,1,10\n", 'line 2: level: "inf" is not a finite number'),
     "a word": ("level,k,n\n5,1,10\nabc,2,10\n", 'line 3: level: "abc" is not a number'),
     "an answer that is none": ("level,response\n5,1\n6,left\n", 'line 3: answer: "left" must be 1 or 0'),
-    "no header": ("4.4,5,40\n4.7,11,40\n", "the first line has numbers"),
+    "no header": ("4.4,5,40\n4.7,11,40\n", "line 1 has numbers"),
     "never": ("level,k,n\n5,0,10\n6,0,10\n", "no answer counts"),
     "always": ("level,k,n\n5,10,10\n6,10,10\n", "every answer counts"),
     "a jump": ("level,k,n\n5,0,10\n6,0,10\n7,10,10\n8,10,10\n", "change from one kind to the other between 6 and 7"),
@@ -334,8 +394,8 @@ BAD = {
     "a null character": ("level,k,n\n5,1\0,10\n6,5,10\n", "answers.csv: "),
     "no JSON": ('{"data": [', "not valid JSON"),
     "another JSON": ('{"x": 1}', "no result of psignifit 4"),
-    "JSON of words": ('{"data": [["a", 1, 2]]}', "must be three numbers"),
-    "JSON with more": ('{"data": [[1, 3, 2]]}', "k at most n"),
+    "JSON of words": ('{"data": [["a", 1, 2]]}', 'data: level: "a" is not a number'),
+    "JSON with more": ('{"data": [[1, 3, 2]]}', "k = 3 is more than n = 2"),
     "deep JSON": ("[" * 100_000, "not valid JSON"),
 }  # fmt: skip
 
@@ -354,7 +414,7 @@ def test_what_is_no_table_is_called_what_it_is(file: Callable[..., Path], tmp_pa
         (b"\x80\x04\x95", "a.csv", "a pickle, which would run"),
         (b"level,k,n", "a.psydat", "a pickle, which would run"),
         (b"PK\x03\x04", "a.xlsx", "save its sheet as CSV"),
-        (b"MATLAB 5.0", "a.mat", "a MATLAB file"),
+        (b"MATLAB 5.0", "a.mat", "not a readable file of MATLAB"),
         ("level,k,n\n5,1,10\n".encode("utf-16"), "a.csv", "not text in UTF-8"),
     ):
         with pytest.raises(hs.SceneError, match=told):
@@ -690,11 +750,11 @@ def test_lines_of_a_table_are_counted_left_out_and_chosen_as_they_say(tmp_path: 
         (("x,k,n\n1,3,2\n2,1,2\n", {}), "line 2: k = 3 is more than n = 2"), (("x,k,n\n1,1,2\n2,1,1.5\n", {}), 'line 3: n: "1.5" is no count of responses'),
         (("x,k,n\n1,-1,2\n2,1,2\n", {}), 'k: "-1" is no count'), (("x,k,n\n1,1,1e13\n2,1,2\n", {}), 'n: "1e13" is no count'),
         (("x,response\n1,\n,1\n", {}), "no line has both a level and a response"), (("x,response\n1,maybe\n2,1\n", {}), 'line 2: answer: "maybe" must be 1 or 0'),
-        (("1,2,3\n4,5,6\n", {}), "the first line has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
+        (("1,2,3\n4,5,6\n", {}), "line 1 has numbers: name the columns"), (("x,k,n\n1;5,1,2\n2,1,2\n", {}), 'level: "1;5" is not a number'),
         (("x,k,n\n1e999,1,2\n2,1,2\n", {}), 'level: "1e999" is not a finite number'), (('{"data": [[1, 1, 2]]}', {"named": {"level": "x"}}), "JSON has no columns"),
         (('{"data": [[1, 1, 2]]}', {"where": {"x": "1"}}), "JSON has no columns"), (('{"data": [[1, 1]]}', {}), "no result of psignifit 4"), (('{"dat": []}', {}), "no result of psignifit"),
-        (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), "must be three numbers, level, k and n"), (('[[1, 0.5, 2], [2, 1, 2]]', {}), "k and n must be whole numbers, and k at most n"),
-        (('[[1, -1, 2], [2, 1, 2]]', {}), "k and n must be whole"), (('[[1, 1, 2.5], [2, 1, 2]]', {}), "k and n must be whole"), (('[[NaN, 1, 2], [2, 1, 2]]', {}), "must be three numbers"),
+        (('{"data": [[1, true, 2], [2, 1, 2]]}', {}), 'data: k: "True" is not a number'), (('[[1, 0.5, 2], [2, 1, 2]]', {}), 'k: "0.5" is no count of responses'),
+        (('[[1, -1, 2], [2, 1, 2]]', {}), 'k: "-1" is no count'), (('[[1, 1, 2.5], [2, 1, 2]]', {}), 'n: "2.5" is no count'), (('[[NaN, 1, 2], [2, 1, 2]]', {}), 'level: "nan" is not a finite number'),
     ):  # fmt: skip
         assert words in read(path, bad[0], **bad[1]), bad
 

@@ -249,7 +249,7 @@ def test_a_response_is_the_same_however_it_is_written(tmp_path: Path, table: str
         ("omega,frequency_hz,real,imag\n2,2,93,30\n", {}, ["two columns of frequencies"]),
         ("omega,real,phase_deg\n2,93,30\n", {}, ["real, imag or magnitude, phase_deg"]),
         ("omega,real\n2,93\n", {}, ["real, imag or magnitude, phase_deg"]),
-        (PLAIN + "9,,1\n", {}, ["line 4: real: the cell is empty"]),
+        (PLAIN + "9,-,1\n", {}, ['line 4: real: "-" is not a number']),
         (PLAIN + "9,x,1\n", {}, ['line 4: real: "x" is not a number']),
         ("omega,real,imag\n-1,1,1\n", {}, ["line 2: omega: -1", "0 or above"]),
         ("omega,real,imag\nHz,N/m,N/m\n2,93,30\n", {}, ['not "Hz"', "call the column frequency_hz"]),

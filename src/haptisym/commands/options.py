@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from copy import copy
-from functools import cache
+from functools import cache, partial
 from inspect import cleandoc
 from pathlib import Path
 from pkgutil import resolve_name
@@ -218,6 +218,9 @@ def verb(
     listed: list[click.Parameter] = []
     for x in options:
         listed += x if isinstance(x, tuple) else (x,)
+        if isinstance(x, click.Parameter) and x.name == "hand":
+            listed.append(_LEVER)
+            needs = [*needs, ("--lever", "--hand", "the hand of --hand")]
     # What adds to a page stands behind the options of pages, at the end of the help.
     last = [x for x in listed if x in (TABLE, FORMULAS, EVERYTHING)]
     listed = [*(x for x in listed if x not in last), *(_PAGES if pages else ()), *last]
@@ -228,6 +231,9 @@ def verb(
     elif "figures" in names and "figure" not in names:
         listed.append(_hidden(figure("the answer")))
     return lambda question: Verb(question, listed, apart, needs, each=each)
+
+
+_LEVER = option("--lever LENGTH", "Lever that the hand holds: m, b, k times its square.")
 
 
 class Verb(click.Command):
@@ -276,6 +282,10 @@ class Verb(click.Command):
         _nothing_lost(ctx)
         # A verb without pages has their options too, as None: ``hand_over`` is the same for all.
         ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)
+        if ask.__dict__.get("lever"):
+            on_lever = partial("{1} at {0}".format, ask.lever)
+            is_one = isinstance(ask.hand, str)
+            ask.hand = on_lever(ask.hand) if is_one else tuple(map(on_lever, ask.hand))
         if SCENE[0] in self.params:
             ask.scene = self._opened(ask)
         # In this order: the limit reports to the bar, and Ctrl-C stops the limit's budget.

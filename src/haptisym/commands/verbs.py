@@ -1037,6 +1037,7 @@ def _by_role(
     ),
     option("--quantity NAME", "What the response is, as impedance (stiffness if not given)."),
     option("--sign -1", "The force was measured as the reaction: turn its sign round.", type=int),
+    option("--minus FILE", "Measurement of the rig without load, which is subtracted."),
     option("--title TEXT", "Title of the scene that is written.", default=""),
     JSON,
     output("--scene FILE", "Write the fitted scene, each parameter with its range."),
@@ -1067,7 +1068,7 @@ def identify(ask: Ask) -> Answer:
     from haptisym.verbs.identify import entry
 
     # Only what was given: a scene with [perceived] has its own and refuses any of them.
-    keys = ("estimator", "segment", "columns", "unit", "quantity", "sign")
+    keys = ("estimator", "segment", "columns", "unit", "quantity", "sign", "minus")
     records = {key: x for key in keys if (x := getattr(ask, key))}
     measured = entry.opened(
         ask.file, ask.averages, ask.confidence, files=not ask.no_files, **records

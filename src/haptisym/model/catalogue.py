@@ -46,7 +46,15 @@ from haptisym.model.parameters import (
     values,
     with_values,
 )
-from haptisym.model.quantities import Dimension, MotionKind, Number, decimal, evaluate, in_laplace
+from haptisym.model.quantities import (
+    Dimension,
+    MotionKind,
+    Number,
+    decimal,
+    evaluate,
+    in_laplace,
+    number,
+)
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
 
@@ -731,10 +739,31 @@ class Hand(Shown):
         m, b, k = renamed(self.parameters, names)
         return replace(self, m=m, b=b, k=k)
 
+    def on_lever(self, length: Number) -> Hand:
+        """The hand at a distance from an axis: m l^2, b l^2 and k l^2 about it, for small angles.
+
+        ``length`` : l > 0, m or with a unit. SceneError for another, and for a hand that turns.
+
+        >>> Hand("mine", m="2 kg").on_lever("50 cm").m
+        <Parameter m_h = 1/2 kg*m^2>
+        """
+        with within("lever"):
+            arm = number(length, Dimension.DISPLACEMENT)
+            if arm.motion is MotionKind.ROTATION or not arm.value > 0:
+                raise SceneError(f"{quoted(length)} must be a length > 0")
+            if self.motion is MotionKind.ROTATION:
+                raise SceneError(f"hand {self.name} is rotational already: leave it out")
+        m, b, k = (p.on_lever(arm.value) for p in self.parameters)
+        return replace(self, name=f"{self.name}{AT}{length}", m=m, b=b, k=k)
+
+
+AT = " at "
+"""What stands between the name of a hand and the lever that it holds: ``postural-arm at 15 cm``."""
+
 
 def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
     """Read a hand from a table of a scene file. SceneError names key, value and rule."""
-    valid = (*_HAND_SLOTS, "source")
+    valid = (*_HAND_SLOTS, "source", "lever")
     for key in given:
         if key not in valid:
             raise SceneError(
@@ -743,7 +772,8 @@ def read_hand(name: str, given: Mapping[str, Any]) -> Hand:
             )
     if not isinstance(given.get("source", ""), str):
         raise SceneError(f'source: "{given["source"]}" must be a string')
-    return Hand(name, **given)
+    hand = Hand(name, **{key: x for key, x in given.items() if key != "lever"})
+    return replace(hand.on_lever(given["lever"]), name=name) if "lever" in given else hand
 
 
 def _hands() -> Mapping[str, Hand]:

@@ -142,14 +142,16 @@ class ColumnHeader(NamedTuple):
     def bare(self) -> str:
         """The name without topic, namespace and index, in lower letters: ``position`` for
         ``/joint_states/position[0]`` and ``field.position0``."""
-        last = re.split(r"[/.]", re.sub(r"[\[.]?\d+\]?$", "", self.name))[-1]
+        last = re.split(r"[/.]", re.sub(r"[\[.]?\d+\]?$", "", self.name).rstrip("."))[-1]
         return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
 
 
 def column_of(cell: str) -> ColumnHeader:
     """Name and unit of a header; SceneError where two units contradict each other."""
-    # A number in brackets is an index of an array, no unit.
-    match = re.fullmatch(r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell)
+    # A number in brackets is an index of an array, and V(out) a voltage: no unit.
+    match = not re.match(r"[VI]\(", cell) and re.fullmatch(
+        r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell
+    )
     name, unit = (
         (match[1].strip(), match[2].strip())
         if match and not match[2].strip().isdigit()
@@ -192,6 +194,7 @@ def assigned(
             if (
                 layout.columns
                 or known_role(x.text)
+                or "(" in x.name
                 or not (hint := meant(x.bare, [y for y in role_of if len(y) > 3]))
             ):
                 continue
@@ -332,8 +335,8 @@ def _frequency_scale(unit: str, column: ColumnHeader) -> Scale:
     # As MATLAB and python-control name frequencies in rad/s.
     if not unit and column.bare in ("w", "wout", "angular_frequency"):
         return Scale(1.0, "rad/s")
-    # LabVIEW writes spectra over Hz.
-    if not unit and column.bare not in ("hz", "x_value"):
+    # LabVIEW writes spectra over Hz, and LTspice names them "Freq."
+    if not unit and column.bare not in ("hz", "x_value") and column.text != "Freq.":
         raise SceneError(
             f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, '
             f'or "rad/s"'

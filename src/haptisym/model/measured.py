@@ -97,6 +97,8 @@ class Measurement(Shown):
     slope: Any = None
     understood: str = ""
     """How its file was read, for a page: ``10 lines; Hz, dB, deg; sorted``."""
+    in_hertz: bool = False
+    """Whether its frequencies were given in Hz."""
 
     def __post_init__(self) -> None:
         try:

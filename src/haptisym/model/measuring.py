@@ -39,8 +39,9 @@ def measured(
     of the estimate H1, as ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the
     truth with that ``confidence`` (0.95), instead. ``slope`` : a bound on ``|dH/domega|`` between
     the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".
-    ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role) and
-    ``quantity``, as in a scene; of records in time the ``estimator``, and ``segment``, ``overlap``,
+    ``records`` : of a file its ``columns`` (role to header or number), ``unit`` (of a role),
+    ``quantity`` and ``sign``, as in a scene, and ``minus``, the file of the rig without load; of
+    records in time the ``estimator``, and ``segment``, ``overlap``,
     ``window``, ``every`` as of
     ``estimated``, which takes arrays. Raises SceneError for what cannot be.
 

@@ -25,6 +25,7 @@ from haptisym.kernel.errors import SceneError, need, several, within
 from haptisym.model.quantities import Dimension, Number, number, quantity
 from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.responsefile import read_motion
+from haptisym.model.tablefile import reading
 from haptisym.programs.values import Array
 
 # How many derivatives of a fade-in vanish at its ends. A higher one jumps there, so that an
@@ -479,7 +480,7 @@ def recording(path: str | Path, *, lowpass: Number | None = None, order: int = 4
 
 def _read(path: str | Path) -> Recording:
     """The recording in a file, its time from 0 on; SceneError with the line of what is wrong."""
-    with within(str(path)):
+    with reading(Path(path)):
         given = read_motion(Path(path))
         time, values = given.rows["time"], given.rows["position"]
         # A spline of degree 5 has at least six coefficients.

@@ -29,6 +29,7 @@ from haptisym.model.quantities import (
     Quantity,
     Unit,
     decimal,
+    dimension_exponents,
     expected,
     fits,
     implied_motion,
@@ -317,6 +318,18 @@ class Parameter(Shown):
         if read.exponents is None:
             read = replace(read, motion=self.motion, exponents=self.exponents, written=self.written)
         return replace(read, symbol=self.symbol, tie=self.tie)
+
+    def on_lever(self, length: Expr) -> Parameter:
+        """The parameter of a motion along a line, at a distance from the axis of a rotation, m."""
+        interval = self.interval and (self.interval[0] * length**2, self.interval[1] * length**2)
+        return replace(
+            self,
+            value=self.value * length**2,
+            motion=MotionKind.ROTATION,
+            exponents=dimension_exponents(self.dimension, MotionKind.ROTATION),
+            interval=interval,
+            written=None,
+        )
 
 
 # A name with a dot, as environment.k. No quantity begins with a name, so that none is taken for it.

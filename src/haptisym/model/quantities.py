@@ -342,7 +342,12 @@ class _Reader(Generic[T]):
 
 
 _JUXTAPOSED = re.compile(r"(?<=[\w)°%])\s+(?=[^\W\d]|[(°%])")  # "N s/m" is N*s/m
-_PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "²": "^2", "³": "^3"})
+_PLAIN = str.maketrans({"·": "*", "×": "*", "⋅": "*", "¹": "^1", "²": "^2", "³": "^3", "⁻": "^-"})
+
+
+def _plain(unit: str) -> str:
+    """A unit with the operators of the grammar."""
+    return _JUXTAPOSED.sub("*", unit.translate(_PLAIN).replace("-^", "-"))
 
 
 Powers: TypeAlias = dict[str, Fraction]
@@ -362,7 +367,7 @@ def read_unit(
     >>> read_unit("Nm/rad", "", "") == read_unit("N*m/rad", "", ""), read_unit("rad/Nm", "", "") == read_unit("rad/(N*m)", "", "")
     (True, True)
     """
-    plain = _JUXTAPOSED.sub("*", unit.translate(_PLAIN))
+    plain = _plain(unit)
     if (known := _reading(plain, text, fits)) is not None:
         return known
     near = _proposal(plain, fits)
@@ -412,11 +417,12 @@ _RUN_TOGETHER = re.compile(r"[^\W\d_]+")
 # Letters of a word that is taken apart, as "kgfcmsec": the ways to do so double with each letter.
 _LONGEST_RUN = 8
 _GRAVITY = re.compile(r"\b(m?)g\b")
+_POUND = re.compile(r"\b(lb|oz)s?\b")
 
 
 def _as_engineers_write(plain: str) -> Iterator[str]:
     """Other readings of a unit: signs between names as products, names run together taken apart, g
-    as an acceleration."""
+    as an acceleration, lb and oz as forces."""
     # rad/Nm is rad/(N*m): what is run together behind a stroke stands below it as a whole.
     below = re.sub(r"/([^*/()\s]+)", r"/(\1)", plain)
     spelt = _POWER_BEHIND.sub(r"^\1", _BETWEEN.sub("*", below))
@@ -426,8 +432,8 @@ def _as_engineers_write(plain: str) -> Iterator[str]:
     for chosen in islice(product(*spellings), _MOST_READINGS):
         parts = dict(zip(words, chosen, strict=False))
         yield _respelt(spelt, parts)
-    if _GRAVITY.search(spelt):
-        yield _GRAVITY.sub(r"\1g_n", spelt)
+    yield _GRAVITY.sub(r"\1g_n", spelt)
+    yield _POUND.sub(r"\1f", spelt)
 
 
 _MOST_READINGS = 200
@@ -446,9 +452,9 @@ def _taken_apart(word: str) -> Iterator[str]:
         first, rest = word[:i], word[i:]
         if not _is_named(first):
             continue
-        if _is_named(rest):
-            yield f"{first}*{rest}"
-        yield from (f"{first}*{other}" for other in _taken_apart(rest))
+        # Nobody writes m*m as mm: in kgmm an exponent is missing.
+        others = [rest, *_taken_apart(rest)] if _is_named(rest) else _taken_apart(rest)
+        yield from (f"{first}*{other}" for other in others if first not in other.split("*"))
 
 
 def _is_named(name: str) -> bool:
@@ -466,22 +472,28 @@ def _proposal(plain: str, fits: Callable[[Powers], bool]) -> str:
 
     All else stays as it was written, so that a proposal has the size of what was meant.
     """
-    respelt = _RUN_TOGETHER.sub(lambda found: _nearest(found[0]), plain)
-    with suppress(SceneError):
-        known = None if respelt == plain else _reading(respelt, respelt, fits)
-        if known is not None and fits(known[1]):
-            return f'did you mean "{respelt}"?'
-    return ""
+    # Of several units in the same letters, as mHz and MHz, the first and the last.
+    fitting: list[str] = []
+    for k in (0, -1):
+        respelt = _RUN_TOGETHER.sub(lambda found, k=k: _nearest(found[0])[k], plain)  # type: ignore[misc]
+        with suppress(SceneError):
+            known = None if respelt in (plain, *fitting) else _reading(respelt, respelt, fits)
+            if known is not None and fits(known[1]):
+                fitting.append(respelt)
+    return f"did you mean {' or '.join(map(quoted, fitting))}?" if fitting else ""
 
 
-def _nearest(word: str) -> str:
-    """The known unit nearest to an unknown name: the same in other letters (khz), or the most
+def _nearest(word: str) -> list[str]:
+    """The known units nearest to an unknown name: the same in other letters (khz), or the most
     similar spelling; the name itself where there is none."""
     if _is_named(word):
-        return word
+        return [word]
     same = [x for x in _SPELT if x.lower() == word.lower()]
     likely = re.search('"(.*)"', meant(word, [*_units(), *_SPELT]))
-    return next(iter(same), likely[1] if likely else word)
+    # What differs in a prefix alone has another size.
+    if likely and not word.endswith(likely[1]) and not likely[1].endswith(word):
+        same = same or [likely[1]]
+    return same or [word]
 
 
 @dataclass(frozen=True, slots=True)
@@ -564,7 +576,9 @@ _DEFINED = (
     ("joule J", "1", "N*m"),
     ("force_pound lbf", "9.80665", "lb*m/s^2"),
     ("force_ounce ozf", "1/16", "lbf"),
-    ("force_kilogram kgf", "9.80665", "N"),
+    ("force_gram gf", "0.00980665", "N"),
+    ("kilopond kp", "1000", "gf"),
+    ("dyne dyn", "0.00001", "N"),
     ("slug", "1", "lbf*s^2/ft"),
     ("standard_gravity g_n G", "9.80665", "m/s^2"),
 )
@@ -833,7 +847,7 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
             f"s.{expected(dimension)}"
         )
     motion = _motion(exponents, text, dimension)
-    written = None if factor == 1 else Unit(_JUXTAPOSED.sub("*", unit.translate(_PLAIN)), factor)
+    written = None if factor == 1 else Unit(_plain(unit), factor)
     return Quantity(_sized(value * factor, text), motion, tuple(sorted(exponents.items())), written)
 
 

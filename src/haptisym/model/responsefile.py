@@ -1,5 +1,4 @@
-"""Measured responses, records and motions in files: tables of text, files of MATLAB and of NumPy,
-read into numbers in SI.
+"""Measured responses, records and motions in files of any kind (``tablefile``), in SI.
 
 With X the motion, F the force, H = F/X::
 
@@ -10,26 +9,22 @@ With X the motion, F the force, H = F/X::
 A disc of radius rho |Y| about Y becomes one about 1/Y within rho/(1 - rho) |1/Y|; for rho >= 1 it
 is unbounded.
 
-A table has separators (comma, semicolon, tab, blanks), comments (``#``, ``%``, ``*``), maybe a row
-of units below its header, and numbers, each read by NumPy to the nearest float; every error names
-file and line. Where the separator is no comma, a comma stands before decimals. A table begins where
-numbers begin: its header is the line above them, or above a row of units. FRD and ZMA files are Hz,
-magnitude (dB of 1 N/m; as it is) and degrees. SciPy reads files of MATLAB, NumPy its own archives.
+FRD and ZMA files are Hz, magnitude (dB of 1 N/m; as it is) and degrees. A rig without its load is
+subtracted in H. Begin with ``read_file``.
 """
 
 from __future__ import annotations
 
-import csv
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, islice, takewhile
+from itertools import takewhile
 from pathlib import Path
-from typing import Any, NamedTuple, TextIO
+from typing import Any
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, meant, quoted, within
 from haptisym.kernel.objects import counted
 from haptisym.model.columns import (
     QUANTITIES,
@@ -38,62 +33,14 @@ from haptisym.model.columns import (
     ColumnHeader,
     Layout,
     Scale,
-    agreed,
     assigned,
-    column_of,
-    is_unit,
     known_role,
     scales_of,
 )
 from haptisym.model.estimating import estimated
 from haptisym.model.measured import CONFIDENCE, Estimator, Measurement, check_certainty, check_lines
 from haptisym.model.quantities import Dimension, MotionKind, quantity
-
-LARGEST = 500_000_000
-"""The most bytes that a file may have."""
-# How archives, images, files of MATLAB, HDF5 or pickles, and UTF-16 begin.
-_NOT_TEXT = (b"PK", b"\x89", b"MATLAB", b"\x80", b"\xff\xfe", b"\xfe\xff")
-_COMMENTS = "#%*"
-
-
-def refuse(path: Path, *, text: bool = True) -> None:
-    """SceneError unless there is a regular file of a size that can be read, and of ``text`` if that
-    is wanted."""
-    if path.is_dir():
-        raise SceneError("this is a folder: name a file in it")
-    if not path.exists():
-        raise SceneError(f"there is no such file{_near(path)}")
-    if not path.is_file():
-        raise SceneError("this is no regular file")
-    if path.stat().st_size > LARGEST:
-        raise SceneError(f"the file has more than {LARGEST} bytes")
-    if not text:
-        return
-    with path.open("rb") as begun:
-        if begun.read(8).startswith(_NOT_TEXT):
-            raise SceneError("not text in UTF-8: export the columns as CSV in UTF-8")
-
-
-def _near(path: Path) -> str:
-    """The end of a message on a missing file: a similar name in its folder, or the folder."""
-    folder = path.parent
-    if not folder.is_dir():
-        return f", and no folder {folder}"
-    hint = meant(path.name, sorted(x.name for x in folder.iterdir() if x.is_file())).rstrip()
-    return f"; {hint}" if hint else f" in {folder.name or 'this folder'}"
-
-
-# Tables of text.
-
-
-class Head(NamedTuple):
-    """What stands before the numbers: the columns, the separator of cells (None for blanks), and
-    the first line of numbers with its line number."""
-
-    columns: tuple[ColumnHeader, ...]
-    separator: str | None
-    first: str
-    line: int
+from haptisym.model.tablefile import ARRAYS, open_table, reading
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,394 +79,42 @@ Check = Callable[[Sequence[ColumnHeader], Layout], dict[str, int]]
 """A function that finds the column of each role. SceneError where one is missing."""
 
 
-def _read_text(path: Path, layout: Layout, check: Check, example: str) -> Given:
-    """Read a table of text; ``example`` : a header for the message where there is none."""
-    try:
-        refuse(path)
-        with path.open(encoding="utf-8-sig") as file:
-            head, roles = _understood_head(file, path, layout, check, example)
-            head = _with_units(file, head, roles)
-            scales = scales_of(head.columns, roles, layout)
-            rows, blank = _rows(path, file, head, roles, scales)
-    except UnicodeDecodeError:
-        raise SceneError("not text in UTF-8: save it as CSV in UTF-8") from None
-    except SceneError:
-        raise
-    except (OSError, ValueError) as error:
-        raise SceneError(str(getattr(error, "strerror", "") or error).lower()) from None
+def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
+    """Read a table; ``example`` : a header for the message where there is none."""
+    table, roles = open_table(
+        path,
+        lambda columns: check(columns, layout),
+        example,
+        without_header=_without_header(path, layout),
+        is_counted=any(isinstance(x, int) for x in layout.columns.values()),
+    )
+    columns, used = table.columns, sorted(set(roles.values()))
+    scales = scales_of(columns, roles, layout)
+    numbers = table.numbers(used, roles.get("H"))
+    rows = {role: numbers.columns[used.index(i)] for role, i in roles.items()}
+    # A column called H with real numbers alone is most likely a magnitude; 799+0j says it is not.
+    if "H" in rows and not rows["H"].imag.any() and not table.is_written_complex():
+        raise SceneError(
+            f"{columns[roles['H']].text}: has no complex numbers, as 799+30j: add a column of the "
+            f"phase"
+        )
+    in_si = {role: row * scales[role].factor for role, row in rows.items()}
+    notes = (*table.notes, *numbers.notes)
 
     def place(row: int) -> str:
-        """The line of a row of numbers: read again, as only an error asks for it."""
-        with path.open(encoding="utf-8-sig") as again:
-            lines = _numbered(islice(again, head.line - 1, None), head.line)
-            number, _ = next(islice(lines, row, None))
-            return f"line {number}"
+        return f"{table.line} {numbers.places[row]}"
 
-    notes = ["decimal commas"] if head.separator != "," and "," in head.first else []
-    notes += [f"{counted(blank, 'blank row')} left out"] if blank else []
-    return Given(path, head.columns, roles, scales, rows, place, tuple(notes))
+    return Given(path, columns, roles, scales, in_si, place, notes)
 
 
-def _understood_head(
-    file: TextIO, path: Path, layout: Layout, check: Check, example: str
-) -> tuple[Head, dict[str, int]]:
-    """The header and its roles: at the top, or else above the first line of numbers, after what an
-    instrument writes before."""
-    # The first try is a header in the first line; its error is raised where no other line can be
-    # the header, as it says what most users must mend.
-    try:
-        head = _head(file, path, layout, example)
-        _need_numbers(path, head)
-        return head, check(head.columns, layout)
-    except SceneError:
-        file.seek(0)
-        start = _line_of_header(file)
-        if start is None:
-            raise
-    file.seek(0)
-    head = _head(file, path, layout, example, start)
-    return head, check(head.columns, layout)
-
-
-def _line_of_header(file: TextIO) -> int | None:
-    """The number of the line that names the columns, where others come before it: the last one
-    above the numbers, or the one above a row of units; None where there are no two lines above.
-
-    Numbers begin with two lines in a row that have as many cells: a preamble may hold a line of
-    numbers, too.
-    """
-    before: list[tuple[int, list[str]]] = []
-    above_numbers, width = before, 0
-    for at, line in _numbered(file, 1):
-        cells = [x for x in _cells(line, _separator(line)) if x]
-        is_numbers = len(cells) > 1 and all(map(_is_number, cells))
-        if is_numbers and len(cells) == width:
-            break
-        above_numbers, width = (before, len(cells)) if is_numbers else (above_numbers, 0)
-        before = [*before[-1:], (at, _names(line))]
-    if len(above_numbers) < 2:
-        return None
-    (above, names), (last, cells) = above_numbers
-    has_units = len(names) == len(cells) and all(map(is_unit, cells))
-    return above if has_units else last
-
-
-def _head(file: TextIO, path: Path, layout: Layout, example: str, start: int = 1) -> Head:
-    """The header: the first line from ``start`` on, or a comment before a line of numbers that has
-    as many cells."""
-    comments: list[str] = []
-    for at, line in enumerate(islice(file, start - 1, None), start):
-        if not line.strip():
-            continue
-        if line.lstrip()[0] in _COMMENTS:
-            comments.append(line.strip().lstrip("#*% "))
-            continue
-        separator = _separator(line)
-        cells = _cells(line, separator)
-        # A line without a number is the header; the first line of numbers tells the separator, as
-        # a header may have blanks, or brackets with commas, in its names.
-        if not any(map(_is_number, cells)):
-            number, first = next(_numbered(file, at + 1), (at, ""))
-            if not first:
-                break
-            names = _names(line)
-            # LabVIEW names a column for remarks and leaves it out of the lines.
-            if names[-1] == "Comment":
-                count = len(_cells(first.rstrip(), _separator(first, line)))
-                if count < len(names):
-                    names.pop()
-            return Head(tuple(map(column_of, names)), _separator(first, line), first, number)
-        # Numbers at once: the kind of file, a comment above or the scene must name the columns.
-        if len(cells) > 1 and path.suffix.lower() in (".frd", ".zma"):
-            kind = "Magnitude (dB)" if path.suffix.lower() == ".frd" else "Magnitude"
-            names = ["Frequency (Hz)", kind, "Phase (deg)"]
-        elif comments and len(cells) > 1 and len(names := _names(comments[-1])) == len(cells):
-            pass
-        elif any(isinstance(x, int) for x in layout.columns.values()):
-            names = [str(i + 1) for i in range(len(cells))]
-        else:
-            raise SceneError(
-                f"line {at} has numbers: name the columns in the first line, as {example}"
-            )
-        return Head(tuple(map(column_of, names)), separator, line, at)
-    raise SceneError("there are no lines of numbers")
-
-
-def _need_numbers(path: Path, head: Head) -> None:
-    """SceneError unless one of the two lines below the header has two numbers or more.
-
-    The message repeats nothing of the file: a scene from a stranger may name any file.
-    """
-    with path.open(encoding="utf-8-sig") as again:
-        first = [x for _, x in islice(_numbered(islice(again, head.line - 1, None), head.line), 2)]
-    if not any(sum(map(_is_number, _cells(x, _separator(x) or head.separator))) > 1 for x in first):
-        raise SceneError(
-            "there are no lines of numbers, two or more in each, below names of columns"
-        )
-
-
-def _with_units(file: TextIO, head: Head, roles: Mapping[str, int]) -> Head:
-    """The header with the units of the row below it, where that row has no number in the first
-    column in use; else the header as it is."""
-    units, first = _cells(head.first, head.separator), min(roles.values())
-    if (
-        first >= len(units)
-        or not units[first]
-        or _is_number(units[first])
-        or _has_comma(units[first])
-    ):
-        return head
-    if any(x.unit for x in head.columns if x.text.endswith(("]", ")"))):
-        raise SceneError(f"units are in the header and in line {head.line}: leave out one of them")
-    if len(units) != len(head.columns):
-        raise SceneError(
-            f"line {head.line} has {len(units)} units, the header {len(head.columns)} columns"
-        )
-    columns = tuple(
-        x._replace(unit=agreed(x.text, x.unit or unit, unit))
-        for x, unit in zip(head.columns, units, strict=True)
-    )
-    number, line = next(_numbered(file, head.line + 1), (0, ""))
-    if not line:
-        raise SceneError("there are no lines of numbers")
-    return Head(columns, _separator(line, head.first), line, number)
-
-
-def _rows(
-    path: Path, file: TextIO, head: Head, roles: Mapping[str, int], scales: Mapping[str, Scale]
-) -> tuple[dict[str, Any], int]:
-    """The numbers of each role, and how many rows without any were left out."""
-    used, width, is_complex = sorted(set(roles.values())), len(head.columns), "H" in roles
-    blank: list[int] = []
-
-    def lines() -> Iterator[str]:
-        """The lines of numbers as NumPy reads them."""
-        for number, text in _numbered(chain([head.first], file), head.line, blank):
-            # Where another separator stands, a comma can only stand before decimals.
-            plain = text if head.separator == "," else text.replace(",", ".")
-            # NumPy counts only the columns that it uses: where some are left out, a line of another
-            # length is found here.
-            if len(used) < width and '"' not in text and len(plain.split(head.separator)) != width:
-                _refuse_line(number, _cells(text, head.separator), head, used)
-            yield _without_i(plain, head.separator) if is_complex else plain
-
-    try:
-        kept = None if len(used) == width else used
-        kind: Any = complex if is_complex else float
-        table: Any = np.loadtxt(
-            lines(),
-            kind,
-            delimiter=head.separator,
-            ndmin=2,
-            comments=None,
-            quotechar='"',
-            usecols=kept,
-        )
-        is_whole = table.shape[1] == len(used)
-    except SceneError:
-        raise
-    except ValueError:
-        is_whole = False
-    # NumPy is fast and its messages are about arrays: the file is read again, slowly, to name line
-    # and column of what is wrong.
-    if not is_whole:
-        with path.open(encoding="utf-8-sig") as again:
-            for number, own in _numbered(islice(again, head.line - 1, None), head.line):
-                _refuse_line(number, _cells(own, head.separator), head, used)
-        raise SceneError("not a table of numbers")
-    rows = {role: table[:, used.index(i)] for role, i in roles.items()}
-    # A column called H with real numbers alone is most likely a magnitude; 799+0j says it is not.
-    if is_complex and not rows["H"].imag.any() and not re.search(r"\d\s*\*?[ijIJ]", head.first):
-        raise SceneError(
-            f"{head.columns[roles['H']].text}: has no complex numbers, as 799+30j: add a "
-            f"column of the phase"
-        )
-    return {
-        role: (row if role == "H" else row.real) * scales[role].factor for role, row in rows.items()
-    }, len(blank)
-
-
-def _without_i(text: str, separator: str | None) -> str:
-    """A line with complex numbers like ``(799 + 30i)`` as NumPy reads them, ``799+30j``."""
-    # Blanks inside a number can be taken out unless they, or tabs, separate the cells.
-    bare = re.sub(r"[()]" if separator in (None, "\t") else r"[() ]", "", text)
-    return re.sub(r"(?<=[\d.])\s*\*?[iIjJ](?![A-Za-z])", "j", bare)
-
-
-def _numbered(
-    lines: Iterable[str], first: int, blank: list[int] | None = None
-) -> Iterator[tuple[int, str]]:
-    """The lines that are not empty and no comments, without comments at their ends, each with its
-    line number; the line numbers of those that hold separators alone go to ``blank``."""
-    for number, line in enumerate(lines, first):
-        text = line.partition("#")[0]
-        if not text.strip() or text.lstrip()[0] in _COMMENTS:
-            continue
-        if text.strip(' \t,;"\r\n'):
-            yield number, text
-        elif blank is not None:
-            blank.append(number)
-
-
-def _refuse_line(number: int, cells: Sequence[str], head: Head, used: Sequence[int]) -> None:
-    """SceneError if a line has too few or too many cells, or a cell in use that is no number."""
-    # Twice as many cells as columns: each number with a decimal comma was cut in two.
-    hint = ""
-    if (
-        len(cells) > len(head.columns)
-        and head.separator == ","
-        and len(cells) == 2 * len(head.columns)
-    ):
-        hint = (
-            "; if these are decimal commas, separate columns by semicolons, or write decimals "
-            "with a point"
-        )
-    if len(cells) != len(head.columns):
-        raise SceneError(
-            f"line {number} has {len(cells)} cells, the header {len(head.columns)} columns{hint}"
-        )
-    for i in used:
-        cell, name = cells[i], head.columns[i].text
-        if head.separator == "," and _has_comma(cell):
-            right = cell.replace(",", ".")
-            raise SceneError(
-                f"line {number}: {name}: {quoted(cell)}: decimals are written with a point, "
-                f"as in {right}"
-            )
-        if not _is_number(cell):
-            what = f"{quoted(cell)} is not a number" if cell else "the cell is empty"
-            raise SceneError(f"line {number}: {name}: {what}")
-
-
-def _separator(line: str, header: str = "") -> str | None:
-    """The separator of the cells of a line of numbers; None for blanks."""
-    # A tab or semicolon separates whatever else is there. Then numbers between blanks: in "1,5 2,5"
-    # the commas are decimal. Only then a comma; and where the line does not tell, the header does.
-    if separator := next((x for x in "\t;" if x in line), None):
-        return separator
-    words = line.split()
-    if len(words) > 1 and all(map(_is_number, words)):
-        return None
-    if "," in line:
-        return ","
-    return max("\t;,", key=header.count) if set("\t;,") & set(header) else None
-
-
-def _names(header: str) -> list[str]:
-    """The names of a header's columns; between blanks, a unit in brackets belongs to its name."""
-    if set("\t;,") & set(header):
-        return _cells(header, max("\t;,", key=header.count))
-    return re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", header.replace('"', ""))
-
-
-def _cells(line: str, separator: str | None) -> list[str]:
-    """The cells of a line; quotes are those of CSV."""
-    if separator is None:
-        return line.split()
-    return [
-        x.strip() for x in next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
-    ]
-
-
-def _is_number(cell: str) -> bool:
-    """Whether a cell is a real or complex number, with a decimal point or comma."""
-    plain = _without_i(cell.strip().replace(",", "."), ",")
-    try:
-        complex(plain)
-    except ValueError:
-        return False
-    # Python reads 1_000 as a number, and j as one: no file means that.
-    return "_" not in plain and plain.lower() not in ("j", "+j", "-j")
-
-
-def _has_comma(cell: str) -> bool:
-    """Whether a cell is a number with a decimal comma."""
-    return re.fullmatch(r"[+-]?\d*,\d+([eE][+-]?\d+)?", cell) is not None
-
-
-# Files of MATLAB, and archives of NumPy.
-
-_ARRAYS = (".mat", ".npz")
-
-
-def _read_variables(path: Path, layout: Layout, check: Check) -> Given:
-    """Read the variables of a file of MATLAB or NumPy, or the fields of its one struct, by their
-    names."""
-    refuse(path, text=False)
-    variables = _variables(path)
-    structs = [x for x in variables.values() if x.dtype.names and x.size == 1]
-    if len(structs) == 1 and not {known_role(x) for x in variables} & {"frequency", "time"}:
-        fields = structs[0].reshape(-1)[0]
-        variables = {x: np.asarray(fields[x]) for x in fields.dtype.names}
-    unit = ""
-    # An frd of MATLAB; its other fields say nothing of the response.
-    if {"ResponseData", "Frequency"} <= set(variables):
-        unit = _unit_of_frd(variables)
-        variables = {x: variables[x] for x in ("Frequency", "ResponseData")}
-    columns = tuple(
-        x._replace(unit=unit) if unit and x.name == "Frequency" else x
-        for x in map(column_of, variables)
-    )
-    roles = check(columns, layout)
-    scales = scales_of(columns, roles, layout)
-    names = {role: columns[i].text for role, i in roles.items()}
-    rows = {
-        role: _numbers(x, role, variables[x]) * scales[role].factor for role, x in names.items()
-    }
-    if len({len(x) for x in rows.values()}) > 1:
-        counts = ", ".join(f"{x} has {len(rows[role])}" for role, x in names.items())
-        raise SceneError(f"give as many numbers in each variable: {counts}")
-    return Given(path, columns, roles, scales, rows, lambda i: f"line {i + 1}")
-
-
-def _unit_of_frd(variables: Mapping[str, Any]) -> str:
-    """The unit of the frequencies in an frd of MATLAB, which may refer to the unit of time;
-    SceneError where that is not seconds."""
-    unit, time = (_word(variables.get(x)) for x in ("FrequencyUnit", "TimeUnit"))
-    if time not in ("", "seconds") and (not unit or "TimeUnit" in unit):
-        raise SceneError(
-            f"TimeUnit: the frequencies are per {time}: set FrequencyUnit to rad/s or Hz"
-        )
-    return {"": "rad/s", "rad/TimeUnit": "rad/s", "cycles/TimeUnit": "Hz"}.get(unit, unit)
-
-
-def _word(given: Any) -> str:
-    """A text that MATLAB keeps in an array; empty where there is none."""
-    return "" if given is None or not np.size(given) else str(np.ravel(given)[0])
-
-
-def _variables(path: Path) -> dict[str, Any]:
-    """The variables of a file of MATLAB up to version 7, or of an archive of NumPy, by name."""
-    if path.suffix.lower() == ".npz":
-        return _arrays_of_numpy(path)
-    from scipy.io import loadmat
-
-    try:
-        variables = loadmat(path)
-    except NotImplementedError:
-        raise SceneError("version 7.3, which SciPy does not read: save it with -v7") from None
-    except Exception as error:  # noqa: BLE001  whatever SciPy raises for what is none
-        raise SceneError(f"not a readable MATLAB file: {str(error).lower()}") from None
-    return {key: np.asarray(x) for key, x in variables.items() if not key.startswith("__")}
-
-
-def _arrays_of_numpy(path: Path) -> dict[str, Any]:
-    """The arrays of an archive of NumPy; never objects, as unpickling runs code from the file."""
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            return dict(archive)
-    except Exception as error:  # noqa: BLE001  whatever NumPy and zipfile raise for what is none
-        raise SceneError(f"not a readable archive of NumPy: {str(error).lower()}") from None
-
-
-def _numbers(key: str, role: str, given: Any) -> Any:
-    """A variable as a row of numbers: one dimension longer than 1 at most, real unless it is H."""
-    row = np.asarray(given)
-    if row.dtype.kind not in "biufc" or row.size != max(row.shape, default=0):
-        raise SceneError(f"{key}: must be one row or column of numbers")
-    if row.dtype.kind == "c" and role != "H":
-        raise SceneError(f"{key}: must be real")
-    return row.ravel().astype(complex if role == "H" else float)
+def _without_header(path: Path, layout: Layout) -> list[str]:
+    """The columns of FRD and ZMA files; a unit that the scene gives stands in for the usual one."""
+    usual = {"frequency": "Hz", "magnitude": "dB", "phase": "deg"}
+    if path.suffix.lower() not in (".frd", ".zma"):
+        return []
+    if path.suffix.lower() == ".zma":
+        usual["magnitude"] = "-"
+    return [role if role in layout.unit else f"{role} ({unit})" for role, unit in usual.items()]
 
 
 # Responses.
@@ -532,7 +127,7 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
     if "frequency" not in roles:
         if any(known_role(x.text) == "time" for x in columns):
             raise SceneError(
-                'column "t": for records in time add an estimator, as estimator = "H1" and '
+                'column "time": for records in time add an estimator, as estimator = "H1" and '
                 'segment = "4 s" in [perceived], or '
                 '--estimator H1 --segment "4 s"; valid are H1, H2, joint'
             )
@@ -545,7 +140,10 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
     if len(forms) != 1 or not forms[0] <= set(roles):
         lacking = ", ".join(sorted(forms[0] - set(roles))) if len(forms) == 1 else "the response"
         what = "the response is there twice" if len(forms) > 1 else f"no column of {lacking}"
-        ways = "give the response in columns real, imag or magnitude, phase_deg, or complex as H"
+        ways = (
+            "give the response in columns real, imag or magnitude, phase_deg, or complex as H, or "
+            f"name it, as columns = {{ H = {quoted(columns[-1].text)} }}"
+        )
         raise SceneError(f"{what}: {ways}: there are {listed}")
     return roles
 
@@ -582,7 +180,12 @@ def _measurement(
     if (layout.quantity or "stiffness") != "stiffness":
         response, left = _converted(response, str(layout.quantity), place)
         notes += [str(layout.quantity).replace("-", " "), left]
-    return replace(response, understood=given.understood(*notes))
+    in_hertz = given.scales["frequency"].unit.endswith("Hz")
+    return replace(response, understood=given.understood(*notes), in_hertz=in_hertz)
+
+
+_MOST_DECIBELS = 300
+"""A ratio of 1e15: above it a magnitude that a file calls dB is not in dB."""
 
 
 def _response(given: Given) -> Any:
@@ -596,6 +199,12 @@ def _response(given: Given) -> Any:
     # The factor of the unit in dB re 1 N/mm, say, was put on the dB themselves: it is taken off,
     # and put on the number that they mean.
     if scale.decibel:
+        if (size / scale.factor > _MOST_DECIBELS).any():
+            most = (size / scale.factor).max()
+            raise SceneError(
+                f"magnitude: {most:.6g} dB would be 1e{most / 20:.0f} of the unit: if it is not in "
+                f'dB, add unit = {{ magnitude = "N/m" }}'
+            )
         size = scale.factor * 10 ** (size / scale.factor / 20)
     elif (size < 0).any():
         first = int(np.argmax(size < 0))
@@ -644,11 +253,10 @@ def _record_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, 
     roles = assigned(columns, RECORD, layout)
     listed = ", ".join(x.text for x in columns[:20])
     if missing := [x for x in ("time", "position", "force") if x not in roles]:
-        key = "t" if missing[0] == "time" else missing[0]
         way = f"or name it, as columns = {{ {missing[0]} = 1 }}"
         raise SceneError(
-            f"no column {key}: records in time have t, position and force; {way}: there are "
-            f"{listed}"
+            f"no column {missing[0]}: records in time have time, position and force; {way}: there "
+            f"are {listed}"
         )
     return roles
 
@@ -659,8 +267,8 @@ def read_record(
     """The response of the records in a file; ``settings`` : as of ``estimated``. SceneError says
     what is wrong, and where."""
     stated = layout or Layout()
-    try:
-        given = _read(path, stated, _record_roles, "t,position,force")
+    with reading(path):
+        given = _read(path, stated, _record_roles, "time,position,force")
         rows = given.rows
         joint = estimator.lower() == Estimator.JOINT.value
         if joint and "reference" not in rows:
@@ -678,10 +286,9 @@ def read_record(
             motion=given.motion,
             **settings,
         )
-    except SceneError as error:
-        raise error.within(path.name or str(path)) from None
     turned = "sign turned round" if stated.sign < 0 else ""
-    return replace(response, path=path, understood=given.understood(note, turned))
+    understood = given.understood(note, turned)
+    return replace(response, path=path, understood=understood, in_hertz=True)
 
 
 def _rate(given: Given) -> tuple[float, str]:
@@ -691,8 +298,7 @@ def _rate(given: Given) -> tuple[float, str]:
     for key, row in given.rows.items():
         if not np.isfinite(row).all():
             raise SceneError(
-                f"{given.place(int(np.argmin(np.isfinite(row))))}: "
-                f"{'t' if key == 'time' else key}: must be finite"
+                f"{given.place(int(np.argmin(np.isfinite(row))))}: {key}: must be finite"
             )
     # Each bound is 3.2 years in its unit: no record is so long, and every clock since 1973 is
     # above.
@@ -705,7 +311,7 @@ def _rate(given: Given) -> tuple[float, str]:
     # The difference first: of nearby doubles it is exact, and products would be rounded again.
     t = (t - t[0]) * unit_in_s if note else t
     if len(t) < 2 or t[-1] <= t[0]:
-        raise SceneError("t: must rise from sample to sample")
+        raise SceneError("time: must rise from sample to sample")
     step = (t[-1] - t[0]) / (len(t) - 1)
     even = t[0] + step * np.arange(len(t))
     is_off = np.abs(t - even) > _OFF * step
@@ -713,8 +319,28 @@ def _rate(given: Given) -> tuple[float, str]:
     if jumps.any() or is_off.any():
         first = int(np.argmax(jumps)) + 1 if jumps.any() else int(np.argmax(is_off))
         gap = f"{t[first]:.6g} s follows {t[first - 1]:.6g} s, and samples are {step:.4g} s apart"
-        raise SceneError(f"{given.place(first)}: t: {gap}: resample the record evenly")
-    return float(1 / step), note
+        raise SceneError(f"{given.place(first)}: time: {gap}: resample the record evenly")
+    return _plain_rate(t, step), note
+
+
+def _plain_rate(t: Any, step: float) -> float:
+    """The rate of samples with the fewest digits that their times allow, per second.
+
+    Times are rounded, or shaken: a rate of 50 Hz read as 50.0000003 Hz would move every line by as
+    much, and those at the ends of a band off it. The mean step is known to about its standard error
+    in a fit of a straight line, and to the spacing of floats at the times.
+    """
+    places = np.arange(len(t)) - (len(t) - 1) / 2
+    spread = float((places**2).sum())
+    mean_step = float((places * (t - t.mean())).sum()) / spread
+    rest = t - t.mean() - mean_step * places
+    error = 3 * float(np.sqrt((rest**2).sum() / max(len(t) - 2, 1) / spread))
+    error += float(np.spacing(np.abs(t).max())) / len(t)
+    for digits in range(1, 17):
+        for rate in (float(f"{1 / mean_step:.{digits}g}"), 1 / float(f"{mean_step:.{digits}g}")):
+            if abs(1 / rate - mean_step) <= error:
+                return rate
+    return 1 / step
 
 
 # Motions.
@@ -742,21 +368,13 @@ RECORDS = ("estimator", "segment", "overlap", "window", "every")
 LAYOUT = ("columns", "unit", "quantity", "sign")
 """The keys, in a scene, that say what the columns of a file are."""
 
-
-def _read(path: Path, layout: Layout, check: Check, example: str) -> Given:
-    """Read a file of any kind, by its ending."""
-    if path.suffix.lower() in _ARRAYS:
-        return _read_variables(path, layout, check)
-    return _read_text(path, layout, check, example)
-
-
 _STATED = re.compile(r"# haptisym: (averages|confidence|slope)\s*=\s*(\S.*)")
 
 
 def _stated(path: Path) -> dict[str, str]:
     """The certainty that comments at the head of a file state, as ``Measurement.to_csv`` writes
     them: values by the keys averages, confidence and slope."""
-    with path.open(encoding="utf-8-sig") as file:
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
         matches = takewhile(bool, map(_STATED.match, file))
         return {x[1]: x[2].strip() for x in matches if x}
 
@@ -765,48 +383,86 @@ def read_file(
     path: Path, averages: float | None, confidence: float | None, settings: Mapping[str, Any]
 ) -> Measurement:
     """The response in a file; of records in time where an estimator is named. ``settings`` : by
-    ``RECORDS`` and ``LAYOUT``.
+    ``RECORDS`` and ``LAYOUT``, and ``minus``, the path of the rig without load, read alike.
 
     What the file states of its lines holds where it is not given.
     """
+    valid = (*RECORDS, *LAYOUT, "minus")
     for key in settings:
-        if key not in (*RECORDS, *LAYOUT):
-            valid = (*RECORDS, *LAYOUT)
+        if key not in valid:
             raise SceneError(
                 f'unknown key "{key}": {meant(key, valid)}valid are {", ".join(valid)}'
             )
     layout = Layout(**{key: x for key, x in settings.items() if key in LAYOUT and x is not None})
     records = {key: x for key, x in settings.items() if key in RECORDS}
-    if not records:
-        refuse_universal(path)
-        try:
-            given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
-            comments = {} if path.suffix.lower() in _ARRAYS else _stated(path)
-            slope = comments.pop("slope", None)
-            stated = {
-                key: float(quantity(text, Dimension.RATIO).value) for key, text in comments.items()
-            }
-            averages = stated.get("averages") if averages is None else averages
-            level = stated.get("confidence", CONFIDENCE) if confidence is None else confidence
-            return replace(_measurement(given, layout, averages, level), slope=slope)
-        except SceneError as error:
-            raise error.within(path.name or str(path)) from None
+    if records:
+        response = _estimated(path, averages, confidence, layout, records)
+    else:
+        with reading(path):
+            response = _stated_response(path, averages, confidence, layout)
+    if not (unloaded := settings.get("minus")):
+        return response
+    same = {key: x for key, x in settings.items() if key != "minus"}
+    with within("minus"):
+        return _without_rig(response, read_file(Path(unloaded), averages, confidence, same))
+
+
+def _stated_response(
+    path: Path, averages: float | None, confidence: float | None, layout: Layout
+) -> Measurement:
+    """The response in a file; its certainty as given, or else as comments in the file state it."""
+    given = _read(path, layout, _response_roles, "omega,real,imag,coherence")
+    comments = {} if path.suffix.lower() in ARRAYS else _stated(path)
+    slope = comments.pop("slope", None)
+    stated = {key: float(quantity(text, Dimension.RATIO).value) for key, text in comments.items()}
+    averages = stated.get("averages") if averages is None else averages
+    level = stated.get("confidence", CONFIDENCE) if confidence is None else confidence
+    return replace(_measurement(given, layout, averages, level), slope=slope)
+
+
+def _estimated(
+    path: Path,
+    averages: float | None,
+    confidence: float | None,
+    layout: Layout,
+    records: Mapping[str, Any],
+) -> Measurement:
+    """The response of records in time, with what a scene states of them."""
     if not isinstance(records.get("estimator"), str):
         raise SceneError('estimator is missing: add estimator = "H1", "H2" or "joint"')
     if averages is not None:
         raise SceneError("averages: leave it out, as it follows from the segments")
     if layout.quantity not in (None, "stiffness"):
         raise SceneError("quantity: leave it out: of records force per position is estimated")
-    return read_record(
-        path, confidence=CONFIDENCE if confidence is None else confidence, layout=layout, **records
+    level = CONFIDENCE if confidence is None else confidence
+    return read_record(path, confidence=level, layout=layout, **records)
+
+
+def _without_rig(loaded: Measurement, unloaded: Measurement) -> Measurement:
+    """The response less that of the rig without load, H - H_0 at each line.
+
+    If both discs hold the truth, the disc of the sum of their radii holds that of the difference.
+    """
+    is_same = len(loaded) == len(unloaded) and np.allclose(loaded.omega, unloaded.omega, 1e-6, 0)
+    names = f"{loaded.name} and {unloaded.name}"
+    if not is_same:
+        raise SceneError(f"{names} have other frequencies: measure both at the same")
+    radii = [x for x in (loaded.discs, unloaded.discs) if x is not None]
+    if len(radii) == 1:
+        raise SceneError(f"of {names} one has no discs: give coherence or radius in both")
+    if len({loaded.motion, unloaded.motion} - {None}) > 1:
+        raise SceneError(f"{names}: translation and rotation cannot be mixed")
+    return replace(
+        loaded,
+        H=loaded.H - unloaded.H,
+        coherence=None,
+        averages=None,
+        radius=sum(radii) if radii else None,
+        understood=f"{loaded.understood}; less {unloaded.name}",
     )
 
 
 def refuse_universal(path: Path) -> None:
-    """SceneError for the name of a universal file (dataset 58)."""
+    """SceneError for the name of a universal file, which is read and not written."""
     if path.suffix.lower() in (".uff", ".unv"):
-        raise SceneError(
-            f"{path.name}: universal files are not read: use CSV with the columns "
-            f"frequency_hz, real, imag "
-            "and coherence (pyuff reads the datasets of a universal file)"
-        )
+        raise SceneError(f"{path.name}: universal files are not written: use CSV")

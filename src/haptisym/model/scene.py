@@ -808,7 +808,8 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
                 first.setdefault(parameter.motion, f"{place}.{parameter.key}")
     if len(first) > 1:
         units = ", ".join(f"{path} is {motion.value}" for motion, path in first.items())
-        raise SceneError(f"translation and rotation cannot be mixed: {units}")
+        way = "; a hand on a lever: --lever, or lever in [hand]" if "hand" in units else ""
+        raise SceneError(f"translation and rotation cannot be mixed: {units}{way}")
 
 
 # Samplers. A sampler takes and holds values at multiples of its period T; ``CLOCKS`` are the models

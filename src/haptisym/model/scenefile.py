@@ -547,18 +547,21 @@ def _measurement(table: Table, place: str, folder: Path) -> Measurement:
     from haptisym.model.responsefile import LAYOUT, RECORDS, read_file
 
     with within(place):
-        _only(table, ("file", "averages", "confidence", "slope", *RECORDS, *LAYOUT), "")
-        name = table.get("file")
-        if not isinstance(name, str) or not name or "\0" in name:
-            raise SceneError("file: give the name of a CSV file in the folder of the scene")
+        _only(table, ("file", "minus", "averages", "confidence", "slope", *RECORDS, *LAYOUT), "")
+        for key in ("file", *({"minus"} & {*table})):
+            name = table.get(key)
+            if not isinstance(name, str) or not name or "\0" in name:
+                raise SceneError(f"{key}: give the name of a file in the folder of the scene")
         averages, confidence, overlap = (
             _float(table, key) for key in ("averages", "confidence", "overlap")
         )
         settings = {key: table[key] for key in (*RECORDS, *LAYOUT) if key in table}
         if overlap is not None:
             settings["overlap"] = overlap
+        if "minus" in table:
+            settings["minus"] = folder / table["minus"]
         slope = read_slope(table["slope"]) if "slope" in table else None
-        response = read_file(folder / name, averages, confidence, settings)
+        response = read_file(folder / table["file"], averages, confidence, settings)
         return response if slope is None else replace(response, slope=slope)
 
 

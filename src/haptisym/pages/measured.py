@@ -344,6 +344,12 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
             "reaction, add sign = -1"
         )
         yield "sign", (Strong("turned round?"), " ", nearer)
+    elif e.is_active_throughout:
+        active = (
+            "at every point Im H is negative, as of a device that gives energy at all frequencies. "
+            "Check the signs of force and phase; sign = -1 turns the force round"
+        )
+        yield "sign", (Strong("turned round?"), " ", active)
     if felt.welch and (told := linearity(felt.welch)):
         yield "linear", told
     if e.left_out:

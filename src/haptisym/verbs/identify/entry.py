@@ -10,7 +10,7 @@ confidence, at least, is Bonferroni's (``estimates``). Read from ``identify``.
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context
 from functools import cached_property
@@ -22,7 +22,7 @@ from typing import Any, ClassVar
 import numpy as np
 from sympy import Expr, Rational, pi
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
@@ -160,15 +160,30 @@ def _limit(c: Threshold, part: Part) -> Any:
     )
 
 
-def band_value(low: float, high: float) -> list[str]:
-    """Return the band of a scene file that ends at floats: in Hz where that has fewer digits, as in
-    the file of the points.
+_BAND = 4
+"""Digits of the ends of a band that is written, at the most."""
 
-    Twelve digits are enough: ``Measurement.on_band`` allows for files that round more.
+
+def band_value(low: float, high: float, *, in_hertz: bool = False) -> list[str]:
+    """Return the band of a scene file that holds floats from ``low`` to ``high``, rounded outward:
+    in Hz where that has fewer digits, or where the file of the points is ``in_hertz``.
+
+    >>> band_value(1, 20), band_value(1, 20, in_hertz=True)
+    (['1 rad/s', '20 rad/s'], ['0.1591 Hz', '3.184 Hz'])
     """
+    turns = _outward(low / (2 * np.pi), high / (2 * np.pi), _BAND)
     return [
-        min(f"{x:.12g} rad/s", f"{x / (2 * np.pi):.12g} Hz", key=lambda text: len(text.split()[0]))
-        for x in (low, high)
+        f"{hertz} Hz" if in_hertz or len(hertz) < len(radians) else f"{radians} rad/s"
+        for hertz, radians in zip(turns, _outward(low, high, _BAND), strict=True)
+    ]
+
+
+def _outward(low: float, high: float, digits: int) -> list[str]:
+    """The ends of a range as decimals, rounded outward to so many digits."""
+    # Twelve digits first: of 0.2 Hz in rad/s a float gives 0.19999999999999998 Hz back.
+    return [
+        f"{Context(digits, way).create_decimal(f'{float(x):.12g}').normalize():f}"
+        for x, way in ((low, ROUND_FLOOR), (high, ROUND_CEILING))
     ]
 
 
@@ -267,10 +282,26 @@ class Estimate:
     def written(self) -> float:
         """The value to a hundredth of its error, and to three digits at least: a file gives no
         digits that are not known."""
-        if self.parameter.rule is Rule.FRACTION or not (self.value and 0 < self.error < np.inf):
-            return self.value
-        last = min(floor(log10(self.error)), floor(log10(abs(self.value))))
-        return round(self.value, 2 - last)
+        return self._to_known(self.value)
+
+    def _to_known(self, value: float, size: float = 1.0) -> float:
+        """Round a value in a unit of this size, in SI."""
+        error = self.error / size
+        if self.parameter.rule is Rule.FRACTION or not (value and 0 < error < np.inf):
+            return value
+        return round(value, 2 - min(floor(log10(error)), floor(log10(abs(value)))))
+
+    def in_unit(self, size: float) -> tuple[str, str, str]:
+        """The low end of the box, the value and the high end in a unit of this size, in SI, as a
+        scene file has them: ends outward, to a tenth of their distance at least."""
+        low, value, high = (x / size for x in (self.least, self.value, self.most))
+        # Two digits more than the range leaves open; a share near 1 would be rounded to it.
+        spread = (high - low) / max(abs(low), abs(high), 1e-300)
+        digits = _DIGITS
+        if spread and self.parameter.rule is not Rule.FRACTION:
+            digits = min(_DIGITS, max(2, 2 - floor(log10(spread))))
+        least, most = _outward(low, high, digits)
+        return least, f"{self._to_known(value, size):.12g}", most
 
     @property
     def told(self) -> bool:
@@ -347,25 +378,6 @@ _LARGE = 0.1
 claim."""
 
 
-@dataclass(frozen=True)
-class MeasuredLines:
-    """The subject of an identification: measured points, which have no parameters to vary."""
-
-    title: str
-
-    def asides(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> list[str]:
-        """Nothing."""
-        return []
-
-    def aside_keys(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> dict[str, Any]:
-        """Nothing."""
-        return {}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification(Answer):
     """A model that was fitted to measured lines; estimated, never certified.
@@ -389,8 +401,8 @@ class Identification(Answer):
     verdict: FitVerdict
 
     @property
-    def _about(self) -> MeasuredLines:
-        return MeasuredLines(self.title)
+    def _about(self) -> NoScene:
+        return NoScene(self.title)
 
     def _line(self) -> str:
         verdict = {True: "fits", False: "does NOT fit", None: "untested"}[self.verdict.fits]
@@ -422,7 +434,9 @@ class Identification(Answer):
 
         lines, model = self.fit.lines, self.wanted
         evaluation = {
-            "band": band_value(float(lines.omega[0]), float(lines.omega[-1])),
+            "band": band_value(
+                float(lines.omega[0]), float(lines.omega[-1]), in_hertz=lines.in_hertz
+            ),
             "jnd": threshold_value(self.threshold),
             "confidence": self.fit.lines.confidence,
         }
@@ -475,12 +489,13 @@ class Identification(Answer):
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
             motion is None and len(set(dimension.value)) > 1
         )
-        unit = "" if plain else f" {dimension.unit(motion)}"
-        return (
-            [f"{end!r}{unit}" for end in (x.least, x.written, x.most)]
-            if self.has_ranges
-            else f"{x.written!r}{unit}"
-        )
+        unit, size = "" if plain else f" {dimension.unit(motion)}", 1.0
+        if dimension is Dimension.FREQUENCY and self.measurement.in_hertz:
+            unit, size = " Hz", 2 * np.pi
+        if dimension is Dimension.TIME and x.value < 1:
+            unit, size = " ms", 1e-3
+        texts = [f"{text}{unit}" for text in x.in_unit(size)]
+        return texts if self.has_ranges else texts[1]
 
     def moved(self, other: Any) -> str:
         """Return what differs in another answer with the same response: paths, values and units."""

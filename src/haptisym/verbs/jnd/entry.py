@@ -14,7 +14,7 @@ curve by Bayes' rule, and allows for answers that vary more than by chance. Read
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import cached_property
@@ -26,13 +26,20 @@ from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
-from haptisym.judge.answers import Answer
+from haptisym.judge.answers import Answer, NoScene
 from haptisym.kernel.budget import ONE_THREAD
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import Viewed, counted
 from haptisym.model.jnd import Published, published_by_name
 from haptisym.programs.values import Array
-from haptisym.verbs.jnd.tables import Answers, Coding, LevelAnswers, condensed, read_answers
+from haptisym.verbs.jnd.tables import (
+    Answers,
+    Coding,
+    LevelAnswers,
+    condensed,
+    grouped,
+    read_answers,
+)
 
 _NORMAL = NormalDist()
 
@@ -533,33 +540,11 @@ def deviance(rows: Sequence[LevelAnswers], curve: PsychometricCurve, free: int) 
     answers are put together."""
     from scipy.stats import chi2
 
-    groups = tuple(_grouped(rows))
+    groups = grouped(rows, LEAST_TRIALS)
     value = Likelihood(groups, curve.guess, curve.lapse).deviance(curve)
     degrees = len(groups) - free
     p = float(chi2.sf(value, degrees)) if degrees > 0 else None
     return Deviance(value, degrees, p, len(groups))
-
-
-def _grouped(rows: Sequence[LevelAnswers]) -> list[LevelAnswers]:
-    """Put neighbouring levels together until each group has enough trials, at the mean of their
-    levels."""
-    groups: list[LevelAnswers] = []
-    for row in rows:
-        if groups and groups[-1].trials < LEAST_TRIALS:
-            groups[-1] = _joined(groups[-1], row)
-        else:
-            groups.append(row)
-    # What is left at the end joins the last full group.
-    if len(groups) > 1 and groups[-1].trials < LEAST_TRIALS:
-        last = groups.pop()
-        groups[-1] = _joined(groups[-1], last)
-    return groups
-
-
-def _joined(one: LevelAnswers, other: LevelAnswers) -> LevelAnswers:
-    trials = one.trials + other.trials
-    level = (one.level * one.trials + other.level * other.trials) / trials
-    return replace(one, level=level, count=one.count + other.count, trials=trials)
 
 
 _WIDTH = 2 * NormalDist().inv_cdf(0.95)
@@ -627,25 +612,6 @@ def _read_psignifit(result: Any, answers: Answers, asked: WantedJnd, key: str) -
 METHODS = {"likelihood": "maximum likelihood", "psignifit": "psignifit 4"}
 
 
-@dataclass(frozen=True)
-class File:
-    """The subject of an answer that is about no scene: a file of answers, or a list."""
-
-    title: str
-
-    def asides(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> list[str]:
-        """Nothing: no parameter is nominal."""
-        return []
-
-    def aside_keys(
-        self, besides: Collection[str] = (), varied: Collection[str] | None = ()
-    ) -> dict[str, Any]:
-        """Nothing."""
-        return {}
-
-
 @dataclass(frozen=True, repr=False)
 class Psychometric(Answer):
     """A psychometric function for answers at several levels, and the JND that it gives.
@@ -680,8 +646,8 @@ class Psychometric(Answer):
         return False
 
     @property
-    def _about(self) -> File:
-        return File(self.answers.name)
+    def _about(self) -> NoScene:
+        return NoScene(self.answers.name)
 
     @property
     def jnd(self) -> IntervalEstimate:
@@ -896,8 +862,8 @@ class PublishedThresholds(Answer, tuple[Published, ...]):
         return False
 
     @property
-    def _about(self) -> File:
-        return File("Published thresholds")
+    def _about(self) -> NoScene:
+        return NoScene("Published thresholds")
 
     def _body(self) -> dict[str, Any]:
         return {"thresholds": [_row_in_published(x) for x in self], "certified": self.certified}

@@ -1,27 +1,34 @@
 """Answers of a person at several levels of a stimulus, and the files that hold them.
 
-A file is a table of counts or of single answers (CSV), whose columns are known by the names that
-programs of psychophysics give them, or a result of psignifit 4 (JSON). Never a pickle.
+A file is a table of counts or of single answers (``model.tablefile``), whose columns are known by
+the names that programs of psychophysics give them, or a result of psignifit 4 (JSON). Never a
+pickle.
 """
 
 from __future__ import annotations
 
-import csv
 import json
 import re
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from io import TextIOWrapper
-from itertools import chain
 from math import isfinite
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 
-from haptisym.kernel.errors import SceneError, meant, need, quoted
+from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.objects import counted
-from haptisym.model.quantities import is_number
+from haptisym.model.columns import ColumnHeader
+from haptisym.model.tablefile import (
+    ARRAYS,
+    ArrayTable,
+    Text,
+    TextTable,
+    open_table,
+    reading,
+    text_table,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,82 +109,52 @@ def condensed(answers: Answers) -> Answers:
     if len(rows) <= MOST_LEVELS:
         return answers
     # About as many trials in each group, so that each mean level is known equally well.
-    each = -(-sum(x.trials for x in rows) // MOST_LEVELS)
-    groups: list[list[LevelAnswers]] = [[]]
-    filled = 0
-    for row in rows:
-        if filled >= each:
-            groups.append([])
-            filled = 0
-        groups[-1].append(row)
-        filled += row.trials
-    together = tuple(
-        LevelAnswers(
-            sum(x.level * x.trials for x in group) / _trials(group),
-            sum(x.count for x in group),
-            _trials(group),
-        )
-        for group in groups
-    )
+    together = grouped(rows, -(-sum(x.trials for x in rows) // MOST_LEVELS))
     note = f"{len(rows)} levels put into {len(together)} groups of neighbours, each at its mean"
     return replace(answers, rows=together, notes=(*answers.notes, note))
 
 
-def _trials(rows: Iterable[LevelAnswers]) -> int:
-    return sum(x.trials for x in rows)
+def grouped(rows: Iterable[LevelAnswers], least: int) -> tuple[LevelAnswers, ...]:
+    """Put neighbouring levels together until each group has that many trials, at the mean of their
+    levels."""
+    groups: list[LevelAnswers] = []
+    for row in rows:
+        if groups and groups[-1].trials < least:
+            groups[-1] = _joined(groups[-1], row)
+        else:
+            groups.append(row)
+    # What is left at the end joins the last full group.
+    if len(groups) > 1 and groups[-1].trials < least:
+        last = groups.pop()
+        groups[-1] = _joined(groups[-1], last)
+    return tuple(groups)
+
+
+def _joined(one: LevelAnswers, other: LevelAnswers) -> LevelAnswers:
+    trials = one.trials + other.trials
+    level = (one.level * one.trials + other.level * other.trials) / trials
+    return LevelAnswers(level, one.count + other.count, trials)
 
 
 ALIASES = {
     "level": (
-        "level",
-        "levels",
-        "x",
-        "intensity",
-        "intensities",
-        "stimlevel",
-        "stimlevels",
-        "stimulus",
-        "stimuli",
-        "stim",
-        "stimulusintensity",
-        "stimulusintensities",
-        "allintensities",
-        "comparison",
+        "level levels x intensity intensities stimlevel stimlevels stimulus stimuli stim "
+        "stimulusintensity stimulusintensities allintensities historystim comparison"
     ),
     "count": (
-        "k",
-        "numpos",
-        "npos",
-        "positives",
-        "ncorrect",
-        "numcorrect",
-        "nright",
-        "hits",
-        "nyes",
-        "yes",
-        "count",
-        "correct",
-        "right",
+        "k numpos npos positives ncorrect numcorrect nright hits nyes yes count correct right"
     ),
-    "trials": ("n", "outofnum", "ntrials", "trials", "total", "ntotal", "numtrials"),
+    "trials": ("n outofnum ntrials trials total ntotal numtrials"),
     "answer": (
-        "response",
-        "responses",
-        "allresponses",
-        "corr",
-        "resp",
-        "answer",
-        "correct",
-        "iscorrect",
-        "outcome",
-        "y",
-        "yes",
+        "response responses allresponses historyresp corr resp answer correct iscorrect "
+        "outcome y yes"
     ),
 }
 """Names of each column, in small letters with nothing in between; a name with a point is known by
 its end (key_resp.corr).
 
-k, n: quickpsy. StimLevels, NumPos, OutOfNum: Palamedes. trials.intensity, trials.response,
+k, n: quickpsy. StimLevels, NumPos, OutOfNum, PM.x, PM.response: Palamedes. trialData.stim,
+trialData.outcome, history_stim, history_resp: QUEST+. trials.intensity, trials.response,
 key_resp.corr: PsychoPy.
 """
 TOLD = ("participant", "subject", "subj", "observer", "session", "condition", "hand")
@@ -277,7 +254,7 @@ def _known(header: Sequence[str], key: str) -> int | None:
     """Return where a column is whose name is known, the first alias first; SceneError where two
     have one alias."""
     plain = [_plain(x) for x in header]
-    for alias in ALIASES[key]:
+    for alias in ALIASES[key].split():
         places = [i for i, x in enumerate(plain) if x == alias]
         if len(places) > 1:
             both = " or ".join(quoted(header[i]) for i in places)
@@ -302,18 +279,8 @@ def _listed(header: Sequence[str]) -> str:
 
 
 _MOST_CHARACTERS = 10_000_000
-"""Characters of a JSON document, at the most: bounds what is read into memory."""
+"""Characters of a JSON document, at the most."""
 _MOST_TRIALS = 10**12
-# The bytes with which files begin that are often taken for tables.
-_NOT_TEXT = {
-    b"PK": "a workbook: save its sheet as CSV",
-    b"\x80": (
-        "a pickle, which would run whatever is in it: export the trials as CSV (saveAsWideText "
-        "in PsychoPy)"
-    ),
-    b"\x89HDF": "an HDF5 or MATLAB file: export level, k and n as CSV",
-    b"MATLAB": "a MATLAB file: export level, k and n as CSV, as by writetable",
-}
 
 
 @dataclass(frozen=True)
@@ -337,83 +304,48 @@ def read_answers(
     these values. SceneError says what is wrong."""
     need("data", path, (str, Path), "give a file of responses, or Answers")
     path = Path(path)
-    try:
-        with path.open("rb") as raw:  # opened once, as it may be a pipe
-            # Looked at without being read: what comes through a pipe cannot be read twice.
-            _refuse(path, raw.peek(8))
-            with TextIOWrapper(raw, encoding="utf-8-sig", newline="") as file:
-                return _read(path, file, named, where, coding)
-    except SceneError as error:
-        raise error.within(path.name) from None
-    except IsADirectoryError:
-        raise SceneError(f"{path} is a folder: name a file in it") from None
-    except FileNotFoundError:
-        raise SceneError(f"{path}: there is no such file") from None
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{path.name}: {_unreadable(error)}") from None
+    find = partial(_found, named)
+    with reading(path):
+        if path.suffix.lower() in ARRAYS:
+            return _from_table(path.name, *open_table(path, find, ""), where, coding)
+        text = Text.of(path, pipes=True)
+        begun = next((line for line in text.lines() if line.strip()), "")
+        if not begun.lstrip().startswith(("{", "[")):
+            table = text_table(text, find, "level,k,n", least=1)
+            return _from_table(path.name, *table, where, coding)
+        if named or where or coding.more is not None:
+            raise SceneError("JSON has no columns: leave their names out")
+        document = text.content
+        if len(document) >= _MOST_CHARACTERS:
+            raise SceneError(f"a document of JSON may have {_MOST_CHARACTERS} characters at most")
+        return _from_psignifit(path.name, document)
 
 
-def _unreadable(error: OSError | ValueError) -> str:
-    if isinstance(error, UnicodeDecodeError):
-        return "not text in UTF-8: save it as CSV in UTF-8"
-    return getattr(error, "strerror", "") or str(error)
-
-
-def _refuse(path: Path, begins: bytes) -> None:
-    """Raise SceneError for a file that is no text, by its first bytes. An old pickle begins as text
-    does, and is known by its suffix."""
-    kind = next((words for mark, words in _NOT_TEXT.items() if begins.startswith(mark)), "")
-    if path.suffix.lower() in (".psydat", ".pkl", ".pickle"):
-        kind = _NOT_TEXT[b"\x80"]
-    if kind:
-        raise SceneError(f"this is {kind}")
-
-
-def _read(
-    path: Path, file: TextIO, named: Mapping[str, str], where: Mapping[str, str], coding: Coding
-) -> Answers:
-    """Return the answers in an open file: JSON if it begins so, else a table."""
-    first = next((line for line in file if line.strip()), "")
-    if not first.lstrip().startswith(("{", "[")):
-        return _from_table(path.name, first, file, named, where, coding)
-    if named or where or coding.more is not None:
-        raise SceneError("JSON has no columns: leave their names out")
-    # No more is read than a document may have, whatever comes through a pipe.
-    text = first + file.read(_MOST_CHARACTERS)
-    if len(text) >= _MOST_CHARACTERS:
-        raise SceneError(f"a document of JSON may have {_MOST_CHARACTERS} characters at most")
-    return _from_psignifit(path.name, text)
+def _found(named: Mapping[str, str], columns: Sequence[ColumnHeader]) -> AnswerColumns:
+    """The columns of answers, by their headers without units; those that the caller names may have
+    them."""
+    bare = [x.text if x.unit == "%" else x.name for x in columns]
+    short = {x.text: name for x, name in zip(columns, bare, strict=True)}
+    return find_columns(bare, {key: short.get(x, x) for key, x in named.items()})
 
 
 def _from_table(
     name: str,
-    first: str,
-    file: TextIO,
-    named: Mapping[str, str],
+    table: TextTable | ArrayTable,
+    columns: AnswerColumns,
     where: Mapping[str, str],
     coding: Coding,
 ) -> Answers:
-    """Return the answers in a table, whose first line, the header, has been read."""
-    # The header decides, which has no numbers: with tabs or semicolons commas may be decimal ones.
-    delimiter = max("\t;,", key=first.count)
-    try:
-        header, *lines = [
-            [x.strip() for x in row]
-            for row in csv.reader(chain([first], file), delimiter=delimiter)
-        ] or [[]]
-    except csv.Error as error:
-        raise SceneError(f"not a table: {error}") from None
-    _refuse_numbers(header)
-    columns = find_columns(header, named)
+    """Return the answers in a table."""
+    header = [x.text for x in table.columns]
     wanted = {position(header, x): y for x, y in where.items()}
     others = {i: set[str]() for i, x in enumerate(header) if x.lower() in TOLD and i not in wanted}
     kept: list[tuple[int, list[str]]] = []
     half, count = 0, 0
-    # Spreadsheets leave out empty cells at the end of a line. A line without level and answer is
-    # skipped; one with half of them is counted as left out.
-    for number, short in enumerate(lines, 2):
-        cells = short + [""] * (len(header) - len(short))
-        if not any(short) or any(cells[i] != value for i, value in wanted.items()):
+    # A line without level and answer is skipped; one with half of them is counted as left out.
+    for number, row in table.cells(columns.used, []):
+        cells = [x.strip() for x in row] + [""] * (len(header) - len(row))
+        if not any(cells) or any(cells[i] != value for i, value in wanted.items()):
             continue
         count += 1
         used = ["" if cells[i].lower() in _NOTHING else cells[i] for i in columns.used]
@@ -424,7 +356,7 @@ def _from_table(
             kept.append((number, used))
         else:
             half += any(used)
-    rows, which = _rows(header, columns, kept, coding, has_commas=delimiter != ",")
+    rows, which = _rows(header, columns, kept, coding, has_commas=table.has_commas)
     if wanted and not count:
         conditions = [f"{header[i]} = {value[:40]}" for i, value in wanted.items()]
         raise SceneError(f"no line has {' and '.join(conditions)}")
@@ -516,7 +448,7 @@ def _of_two_intervals(
 
 
 def _of_counts(
-    number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool
+    number: Callable[[str, str], float], cells: Sequence[str], *, is_per_cent: bool = False
 ) -> tuple[float, int, int]:
     """Read a level, k and n, where k may be given as a percentage of n."""
     keys = "level", "k", "n"
@@ -544,14 +476,8 @@ def _number(key: str, text: str, *, has_commas: bool = False) -> float:
     return value
 
 
-def _refuse_numbers(header: Sequence[str]) -> None:
-    """Raise SceneError where a table has no header."""
-    if any(header) and all(map(is_number, filter(None, header))):
-        raise SceneError("the first line has numbers: name the columns in it, as level,k,n")
-
-
 _NOTHING = {"none", "na", "n/a", "null"}  # as programs write what is not there
-_MORE = (
+_MORE = [
     "1",
     "1.0",
     "true",
@@ -565,8 +491,8 @@ _MORE = (
     "comp",
     "comparison",
     "test",
-)
-_LESS = (
+]
+_LESS = [
     "0",
     "0.0",
     "false",
@@ -581,7 +507,7 @@ _LESS = (
     "standard",
     "-1",
     "-1.0",
-)
+]
 
 
 def _meaning(answers: Iterable[str], coding: Coding) -> tuple[Collection[str], Collection[str]]:
@@ -618,21 +544,12 @@ def _from_psignifit(name: str, text: str) -> Answers:
         raise SceneError(
             "this JSON is no result of psignifit 4: give data, a list of [level, k, n]"
         )
-    answers = Answers(name, collected(map(_block, data)))
+    rows = []
+    for row in data:
+        with within("data"):
+            rows.append(_of_counts(_number, [str(x) for x in row]))
+    answers = Answers(name, collected(rows))
     return replace(answers, **_configured(table)) if isinstance(table, dict) else answers
-
-
-def _block(row: Sequence[Any]) -> tuple[float, int, int]:
-    """Return level, k and n of a row of data; SceneError where they are impossible."""
-    for x in row:
-        # In JSON true and false are no numbers, in Python they are.
-        if not isinstance(x, int | float) or isinstance(x, bool) or not isfinite(x):
-            raise SceneError(f"data: {quoted(row)} must be three numbers, level, k and n")
-    level, count, trials = row
-    is_whole = count == int(count) and trials == int(trials)
-    if not is_whole or not 0 <= count <= trials:
-        raise SceneError(f"data: {quoted(row)}: k and n must be whole numbers, and k at most n")
-    return float(level), int(count), int(trials)
 
 
 def _configured(table: Mapping[str, Any]) -> dict[str, Any]:

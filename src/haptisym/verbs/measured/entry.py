@@ -639,6 +639,13 @@ class MeasuredEvaluation(Answer):
         felt, wanted = self.lines.perceived, self.lines.environment
         return len(self) > 1 and bool((np.abs(felt + wanted) < np.abs(felt - wanted)).all())
 
+    @property
+    def is_active_throughout(self) -> bool:
+        """Whether Im H is negative at every point, and that of the environment is not: the sign of
+        the imaginary part may be turned round."""
+        felt, wanted = self.lines.perceived.imag, self.lines.environment.imag
+        return len(self) > 1 and bool(((felt < 0) & (wanted >= 0)).all())
+
     @cached_property
     def rows(self) -> tuple[LineResult, ...]:
         """The result at every point that is judged."""

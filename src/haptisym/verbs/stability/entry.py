@@ -22,7 +22,7 @@ from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
-from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
+from haptisym.model.catalogue import AT, NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
@@ -340,16 +340,16 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dic
 
 def chosen(scene: Scene, given: str | Hand) -> Hand:
     """A hand by its name, the scene's own before one that the package ships; "none" is one that
-    holds nothing."""
+    holds nothing, and ``postural-arm at 15 cm`` one that holds a lever."""
     if isinstance(given, Hand):
         return given
     own = {x.name: x for x in scene.hands}
-    if given in own:
-        return own[given]
-    if given in hands:
-        return hands[given]
-    if given == NOBODY:
-        return Hand(NOBODY)
+    known = {**hands, NOBODY: Hand(NOBODY), **own}
+    if given in known:
+        return known[given]
+    bare, _, lever = str(given).partition(AT)
+    if lever and bare in known:
+        return known[bare].on_lever(lever)
     theirs = f"the scene has {', '.join(own)}; " if own else ""
     listed = f"{theirs}the package ships {', '.join(hands)}, and {NOBODY} is no hand"
     raise SceneError(
