@@ -279,6 +279,7 @@ class _Language(click.Choice[str]):
         show_default=True,
     ),
     option("--of QUANTITY", "Print only this quantity; repeatable.", multiple=True),
+    option("--dimensionless", "Print the dimensionless form, too."),
     JSON,
     LIMIT,
 )
@@ -315,7 +316,7 @@ def derive(ask: Ask) -> None:
         raise SceneError(f"{what}: leave out one of them")
     # Parameters that stay symbols: those of --keep, none with --numeric, else all (None).
     kept = ask.keep or (() if ask.mode == "numeric" else None)
-    derivation = replace(of(ask.scene, kept), of=ask.of)
+    derivation = replace(of(ask.scene, kept), of=ask.of, shows_groups=ask.dimensionless)
     page = keep_pages(derivation, ask)
     # Not by ``hand_over``: another language stands in place of the page.
     if language == "json":

@@ -285,7 +285,7 @@ def sections(d: Derivation) -> tuple[doc.Section, ...]:
         _written_out(d),
         when,
         _changeovers(d),
-        *_dimensionless(d),
+        *(_dimensionless(d) if d.shows_groups else ()),
         *_slow(d),
         *_fast(d),
     ]

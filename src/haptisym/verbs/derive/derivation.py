@@ -552,6 +552,8 @@ class Derivation(Answer):
     kept_thresholds: tuple[Part, ...] = tuple(Part)
     of: tuple[str, ...] = ()
     """The quantities that its page shows; empty for those that it shows by default."""
+    shows_groups: bool = False
+    """Whether its page shows the dimensionless form, too."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
     _page: ClassVar[str] = "haptisym.pages.derive:page"
