@@ -485,17 +485,10 @@ def drawing(answer: Answer, name: str, caption: Phrase, *, wide: bool = False) -
     return doc.Figure(name, caption, drawn, wide)
 
 
-CERTIFICATE = doc.Versions(
-    (),
-    lambda: [
-        doc.Paragraph(
-            (
-                doc.Code("--certificate FILE"),
-                " writes a certificate of this result, where it has one; ",
-                doc.Code("python -m haptisym_check FILE SCENE.toml"),
-                " checks it without haptisym.",
-            )
-        )
-    ],
+CERTIFICATE = doc.Live(
+    lambda: (
+        "<p><code>--certificate FILE</code> writes a certificate of this result, where it has one; "
+        "<code>python -m haptisym_check FILE SCENE.toml</code> checks it without haptisym.</p>"
+    )
 )
-"""How a reader of a report has the result checked; a page in brief leaves it out."""
+"""How a reader of a report of HTML has the result checked."""
