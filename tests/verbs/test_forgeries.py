@@ -15,21 +15,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from certificates import (
-    HELD,
-    HOSTILE,
-    OWN,
-    RATIONAL,
-    certificate,
-    hostile,
-    of_requirement,
-    of_scene,
-    of_stability,
-    text_of,
-    verdict,
-)
+from certificates import HOSTILE, certificate, hostile, of_requirement, of_scene, of_stability, text_of, verdict
 from forgeries import LATE_GAIN, evaluated, gain, slab, with_slabs
-from secondchecker import verdicts
 
 from haptisym_check import RefusedError, check
 
@@ -562,38 +549,19 @@ def test_hostile_documents_are_refused_within_twenty_seconds_of_work_and_600_meg
     assert (done.stdout + done.stderr).startswith(("NOT proven: ", "the certificate is no JSON: "))
 
 
-# The second checker, in JavaScript
+# Documents that are wrong in ways of their own
 
 
-def agree(asked: list[tuple[str, str]], *, proven: int) -> None:
-    """Both accept the first so many, with the claim that is written, and refuse the others."""
-    for i, ((proof, scene), (claim, why)) in enumerate(zip(asked, verdicts(asked), strict=True)):
-        assert verdict(proof, scene).startswith("Proven" if i < proven else "refused"), i
-        assert (claim is not None) == (i < proven), (i, why)
-        assert claim is None or claim == json.loads(proof)["claim"]
-
-
-def test_both_checkers_accept_and_refuse_the_same() -> None:
-    forged = [with_changes(*row[:2]) for rows in FORGED.values() for row in rows if row[0] == "twice"]
-    agree([true("twice"), true("roots"), *forged, *enclosure_at_the_end()], proven=2)
-
-
-@pytest.mark.slow
-def test_both_checkers_accept_every_rational_scene_that_is_shipped_and_refuse_each_forgery_of_one() -> None:
-    accepted = [(certificate(x), text_of(x)) for x in (*RATIONAL, *OWN)] + [of_stability(x) for x in HELD]
+def test_a_document_that_is_wrong_as_a_whole_is_refused() -> None:
     forged = [
-        with_changes(*row[:2]) for rows in FORGED.values() for row in rows if row[0] in {"band", "values", "constant"}
+        *past_infinity(),
+        *other_spellings(),
+        *zero_with_factors(),
+        *no_band(),
+        *hands(),
+        *scene_of_another_kind(),
+        *enclosure_at_the_end(),
     ]
-    agree(
-        [
-            *accepted,
-            *forged,
-            *past_infinity(),
-            *other_spellings(),
-            *zero_with_factors(),
-            *no_band(),
-            *hands(),
-            *scene_of_another_kind(),
-        ],
-        proven=len(accepted),
-    )
+    assert len(forged) > 10
+    for i, (proof, scene) in enumerate(forged):
+        assert verdict(proof, scene).startswith("refused"), i
