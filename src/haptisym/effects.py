@@ -16,6 +16,7 @@ from math import comb, factorial
 from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import lagging, limiter, quantiser
 from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Matrix, effect
 from haptisym.model.parameters import (
@@ -28,6 +29,7 @@ from haptisym.model.parameters import (
     Method,
     Order,
     PositiveDamping,
+    PositiveForce,
     PositiveMass,
     PositiveStiffness,
     PositiveTime,
@@ -210,6 +212,66 @@ def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
     # The first harmonic of a square wave of height F is 4 F/pi, in phase with the velocity j omega
     # X; over X it depends on the amplitude and not on omega.
     return _shunt(I * 4 * force / (pi * amplitude))
+
+
+@effect("encoder")
+def encoder(q: Amplitude, amplitude: Amplitude) -> Matrix:
+    """An encoder that rounds the motion to whole steps, q round(x/q), as its describing function:
+    H_perc = N H, N = 4 q/(pi A) times the sum of sqrt(1 - ((2 i - 1) q/(2 A))^2), (2 i - 1) q < 2 A.
+
+    q : step, m or rad, > 0; amplitude : of the motion A, > 0. N = 0 where 2 A <= q: it never moves
+    on by a step. Left out: all harmonics but the first, and what the motion adds to the sine.
+    Derivation: 22_quantiser.
+
+    >>> encoder("1 mm", "0.4 mm").matrix
+    (0, 0, 0, 1)
+    """
+    return _series(quantiser(q / (2 * amplitude)))
+
+
+@effect("backlash")
+def backlash(gap: Amplitude, amplitude: Amplitude) -> Matrix:
+    """Play between hand and environment, as its describing function: H_perc = N H, N = 1/2 + (asin
+    u + u sqrt(1 - u^2))/pi - j (1 - u^2)/pi, u = 1 - gap/A.
+
+    gap : total width of the play, m or rad, > 0; amplitude : of the hand's motion A, > 0. The
+    driven side keeps its place while no flank touches it; N = 0 where 2 A <= gap: none ever does.
+    Left out: all harmonics but the first, and what a mass behind the play does on its own.
+    Derivation: 23_backlash.
+
+    >>> backlash("1 mm", "0.5 mm").matrix
+    (0, 0, 0, 1)
+    """
+    u = 1 - gap / amplitude
+    return _series((1 + limiter(u)) / 2 - I * lagging(u))
+
+
+@effect("dead-zone")
+def dead_zone(width: Amplitude, amplitude: Amplitude) -> Matrix:
+    """A motion of which the part within a width on either side of 0 is lost, as its describing
+    function: H_perc = N H, N = 1 - 2/pi (asin u + u sqrt(1 - u^2)), u = width/A.
+
+    width : half width, m or rad, > 0; amplitude : of the hand's motion A, > 0. N = 0 where A <=
+    width. Left out: all harmonics but the first. Derivation: 24_dead_zone.
+
+    >>> dead_zone("1 mm", "1 mm").matrix
+    (0, 0, 0, 1)
+    """
+    return _series(1 - limiter(width / amplitude))
+
+
+@effect("saturation")
+def saturation(limit: PositiveForce, amplitude: PositiveForce) -> Matrix:
+    """A force that is limited, as its describing function: H_perc = N H, N = 2/pi (asin u + u
+    sqrt(1 - u^2)), u = limit/A; 1 where A <= limit.
+
+    limit : N or N m, > 0; amplitude : of the force that enters A, N or N m, > 0.
+    Left out: all harmonics but the first. Derivation: 24_dead_zone.
+
+    >>> saturation("2 N", "1 N").matrix
+    (1, 0, 0, 1)
+    """
+    return _series(limiter(limit / amplitude))
 
 
 @effect("admittance-display")

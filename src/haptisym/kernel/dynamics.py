@@ -19,6 +19,7 @@ from sympy import Add, Expr, I, Integer, Rational, Symbol, cosh, exp, gcd, perfe
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import Harmonic
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import (
     Polynomial,
@@ -73,7 +74,7 @@ class Ring(PolynomialRing):
         numbers = {x.base for x in roots if x.base.is_Integer}
         parameters = {x.base for x in roots if x.base.is_Symbol}
         bases = _independent(numbers) | parameters
-        plain = {x for x in atoms if x.is_Symbol} - {s} - bases
+        plain = {x for x in atoms if x.is_Symbol or isinstance(x, Harmonic)} - {s} - bases
         symbols = plain | {x**order for x in bases}
         lags = {lag for x in atoms if x.func is exp for lag in _lags(x)}
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in atoms)
@@ -146,10 +147,13 @@ class Ring(PolynomialRing):
 
 def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
     """The parts of expressions that a ring needs variables for: symbols, j, exponentials,
-    fractional powers of s, and roots of parameters and numbers."""
+    fractional powers of s, roots of parameters and numbers, and first harmonics."""
     waiting = [*expressions]
     while waiting:
         x = waiting.pop()
+        if isinstance(x, Harmonic):
+            yield x
+            continue
         if x.is_Symbol or x is I:
             yield x
         elif x.func in (cosh, sinh):

@@ -511,6 +511,7 @@ Method: TypeAlias = Annotated[
 FractionalOrder: TypeAlias = Annotated[Any, Slot(Dimension.RATIO, Rule.FRACTION)]
 FractionalStiffness: TypeAlias = Annotated[Any, Slot(Dimension.ANY)]
 Force: TypeAlias = Annotated[Any, Slot(Dimension.FORCE, Rule.NONNEGATIVE)]
+PositiveForce: TypeAlias = Annotated[Any, Slot(Dimension.FORCE)]
 Amplitude: TypeAlias = Annotated[Any, Slot(Dimension.DISPLACEMENT)]
 Formula: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True)]
 FormulaInZ: TypeAlias = Annotated[Any, Slot(Dimension.ANY, Rule.ANY, formula=True, in_z=True)]
