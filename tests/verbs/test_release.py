@@ -182,6 +182,24 @@ def test_friction_holds_what_is_let_go() -> None:
     assert run.agrees is None
 
 
+@pytest.mark.parametrize("sampled", [False, True])
+def test_an_encoder_of_the_scene_is_the_encoder_of_the_test(sampled: bool) -> None:  # noqa: FBT001
+    wall, hand = hs.environments.mass_spring_damper(k=100), hs.Hand("own", m="0.5 kg", b=2, k=7)
+    first = hs.effects.sampled_loop("10 ms", "tustin") if sampled else hs.effects.delay("10 ms")
+    behind = hs.effects.first_order_lag(30)
+    plain, measured = (
+        hs.Scene(wall, x) for x in ((first, behind), (first, hs.effects.encoder("1 mm", "1 cm"), behind))
+    )
+    one = hs.release(plain, "1 cm", hand, duration=2, extras=[hs.EncoderQuantisation("1 mm")])
+    other = hs.release(measured, "1 cm", hand, duration=2)
+    assert "encoder" in other.built
+    times = np.linspace(0, 2, 50)
+    apart = np.interp(times, one.time, one.hand_motion) - np.interp(times, other.time, other.hand_motion)
+    assert np.abs(apart).max() < 1e-6
+    assert one.held.stable is other.held.stable
+    assert "without encoder" in str(other)
+
+
 def test_the_scenes_own_hand_is_taken_and_a_run_lasts_as_long_as_is_asked() -> None:
     scene = hs.Scene(SPRING, (hs.effects.first_order_lag(200),), (0, 15), hands=(hs.Hand("mine", m="0.5 kg", b=12),))
     watched: list[tuple[float, float]] = []

@@ -374,6 +374,24 @@ def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> N
     assert len(np.unique(np.round(steps))) > 2
 
 
+def test_a_play_leaves_the_environment_where_it_was_until_a_flank_touches_it() -> None:
+    scene = hs.Scene(SPRING, (effects.backlash("4 mm", "1 cm"),))
+    run = hs.simulate(scene, hs.sine("1 cm", 5), duration=6)
+    between = run.displacement - run.environment_displacement
+    assert np.abs(between).max() == pytest.approx(2e-3, rel=1e-9)
+    place = np.clip(run.displacement[0], -2e-3, 2e-3) - run.displacement[0]
+    for x, y in zip(run.displacement, run.environment_displacement, strict=True):
+        place = min(max(place, x - 2e-3), x + 2e-3)
+        assert y == pytest.approx(place, abs=1e-5)
+
+
+def test_what_jumps_or_hits_is_not_differentiated() -> None:
+    for one in (effects.encoder("1 mm", "5 cm"), effects.backlash("1 mm", "5 cm")):
+        scene = hs.Scene(MSD, (one,))
+        with pytest.raises(hs.SceneError, match=f"{one.name}: its output jumps"):
+            hs.simulate(scene, hs.sine("5 cm", 20))
+
+
 # What is said of the closed form, and of errors
 
 
@@ -389,6 +407,12 @@ def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> N
         ((effects.coulomb_friction("1 N", "5 cm"), effects.zero_order_hold("30 ms")), ("5 cm", [5]), "base band"),
         ((effects.zero_order_hold("30 ms"), effects.coulomb_friction("1 N", "5 cm")), ("5 cm", [5]), ""),
         ((effects.zero_order_hold("30 ms"), effects.shunt(m=1), effects.compliance(900, 30)), ("5 cm", [5]), "base band"),
+        ((effects.backlash("1 cm", "5 cm"),), ("2 cm", [5]), "amplitude of 0.05, the hand moves by 0.02"),
+        ((effects.dead_zone("1 cm", "5 cm"), effects.compliance(900)), ("5 cm", [5]), "does not move as the hand does"),
+        ((effects.dead_zone("1 cm", "5 cm"), effects.coulomb_friction("1 N", "5 cm")), ("5 cm", [5]), ""),
+        ((effects.saturation("2 N", "1 N"),), ("5 cm", [5]), "amplitude of 1, the force has 10.07"),
+        ((effects.delay("10 ms"), effects.saturation("2 N", "9 N")), ("5 cm", [5]), "limits what is filtered before"),
+        ((effects.sampled_loop("30 ms", "tustin"), effects.encoder("1 cm", "5 cm")), ("5 cm", [5]), "base band"),
     ],
 )  # fmt: skip
 def test_where_the_closed_form_approximates_the_reason_is_told(

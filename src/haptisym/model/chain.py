@@ -259,8 +259,8 @@ class Chain:
         if found.harmonics and any(x.is_number for x in values.values()):
             names = ", ".join(sorted(map(str, found.described)))
             raise SceneError(
-                f"{names}: a number of a describing function can be set, not varied: give it "
-                f"another value (--set), and ask again"
+                f"{names}: a number of a describing function can be set, not varied: write "
+                f"another value into the scene (with_values), and ask again"
             )
         return found
 

@@ -445,10 +445,15 @@ def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
     return tuple(row.get(n, _ZERO) for n in range(max(row, default=0) + 1))
 
 
-def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
-    """Nothing but a joint: ``build_controller`` has added the clock in the environment's place."""
+def join(net: Network, near: Port, far: Port) -> None:
+    """Let two ports be one."""
     net.equal(far.X, near.X)
     net.equal(far.F, near.F)
+
+
+def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """Nothing but a joint: ``build_controller`` has added the clock in the environment's place."""
+    join(net, near, far)
 
 
 def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -481,6 +486,48 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
         )
     else:
         net.zero(force)
+
+
+def size_of(element: Effect) -> float:
+    """Return the size of an element that is not linear, SI: its step, gap, width or limit."""
+    return float_of(exact(next(x.value for x in element.parameters if x.key != "amplitude")))
+
+
+def _encoder(net: Network, element: Effect, near: Port, far: Port) -> None:
+    net.equal(far.F, near.F)
+    step = Step(name_of(far.X), name_of(near.X), size_of(element), element.name)
+    net.steps.append(step)
+
+
+def _backlash(net: Network, element: Effect, near: Port, far: Port) -> None:
+    # Coulomb's law of a distance in place of a force: the play is open to one side while the driven
+    # side moves one way, and what is in between while that rests.
+    play, velocity = net.signal("play"), net.signal("velocity")
+    net.equal(far.F, near.F)
+    net.equal(far.X, near.X + play)
+    net.equal(velocity, near.X.d())
+    half = size_of(element) / 2
+    net.switches.append(Switch(name_of(play), velocity, name_of(velocity), half, 0.0, element.name))
+
+
+def _dead_zone(net: Network, element: Effect, near: Port, far: Port) -> None:
+    lost, width = net.signal("lost"), size_of(element)
+    net.equal(far.F, near.F)
+    net.equal(far.X, near.X + lost)
+    net.switches.append(
+        Switch(name_of(lost), far.X - lost, name_of(far.X), width, width, element.name)
+    )
+
+
+def limit_force(net: Network, limit: float, name: str, near: Port, far: Port) -> None:
+    """Add a limit of the force between two ports, N or N m."""
+    net.equal(far.X, near.X)
+    closed = near.F - far.F
+    net.switches.append(Switch(name_of(far.F), closed, name_of(near.F), limit, limit, name))
+
+
+def _saturation(net: Network, element: Effect, near: Port, far: Port) -> None:
+    limit_force(net, size_of(element), element.name, near, far)
 
 
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -566,6 +613,10 @@ _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
     "shunt": _shunt,
     "compliance": _compliance,
     "coulomb-friction": _coulomb_friction,
+    "encoder": _encoder,
+    "backlash": _backlash,
+    "dead-zone": _dead_zone,
+    "saturation": _saturation,
     "admittance-display": _admittance_display,
     "wave-variables": _wave_variables,
     "position-force-teleoperator": _position_force,

@@ -259,7 +259,7 @@ def stability(
     )
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     if not paths and scene.hands:
-        asked_of = [x for x in scene.knobs if not (x.parts or x.is_of_hand)]
+        asked_of = [x for x in scene.parameters if x.symbol not in scene.chain.described]
     with limited(
         limit
     ) as budget:  # verdicts first: each part tells itself where the time for it is over
