@@ -67,20 +67,25 @@ def _series(G: Callable[[P, complex], complex]) -> Callable[[P, complex, complex
     return lambda p, s, H: G(p, s) * H
 
 
+def _arms(p: P, s: complex) -> tuple[complex, complex]:
+    return p["Mm"] * s**2 + p["Dm"] * s, p["Ms"] * s**2 + p["Ds"] * s
+
+
 def _position_position(p: P, s: complex, H: complex) -> complex:
-    Zm, Zs, Cm, Cs = p["Mm"] * s**2, p["Ms"] * s**2, p["Bm"] * s + p["Km"], p["Bs"] * s + p["Ks"]
+    (Zm, Zs), Cm, Cs = _arms(p, s), p["Bm"] * s + p["Km"], p["Bs"] * s + p["Ks"]
     return Zm + Cm - cmath.exp(-2 * s * p["tau"]) * Cm * Cs / (Zs + Cs + H)
 
 
 def _position_force(p: P, s: complex, H: complex) -> complex:
-    Zs, Cs = p["Ms"] * s**2, p["Bs"] * s + p["Ks"]
-    return p["Mm"] * s**2 + cmath.exp(-2 * s * p["tau"]) * Cs * H / (Zs + Cs + H)
+    (Zm, Zs), Cs = _arms(p, s), p["Bs"] * s + p["Ks"]
+    return Zm + p["scale_f"] * cmath.exp(-2 * s * p["tau"]) * Cs * H / (Zs + Cs + H) * p["scale_x"]
 
 
 def _four_channel(p: P, s: complex, H: complex) -> complex:
-    Zcm, Zcs = (p[f"M{x}"] * s**2 + p[f"B{x}"] * s + p[f"K{x}"] for x in "ms")
-    E = cmath.exp(-2 * s * p["tau"])
-    return Zcm + E * (H - Zcm) * (Zcm + Zcs) / (Zcs + H - E * (H - Zcm))
+    # what the hand would feel of the environment without delay, and of the slave: both scaled alike
+    Zcm, Zcs = (Z + p[f"B{x}"] * s + p[f"K{x}"] for x, Z in zip("ms", _arms(p, s), strict=True))
+    E, n = cmath.exp(-2 * s * p["tau"]), p["scale_f"] * p["scale_x"]
+    return Zcm + E * (n * H - Zcm) * (Zcm + n * Zcs) / (n * Zcs + n * H - E * (n * H - Zcm))
 
 
 def _waves(p: P, s: complex, H: complex) -> complex:
@@ -115,7 +120,8 @@ def _played(gap: float, amplitude: float) -> complex:
     return (pi - crossing + sin(2 * crossing) / 2) / pi - 1j * sin(crossing) ** 2 / pi
 
 
-DEVICE = {"Mm": 0.1, "Ms": 0.1, "Bs": 1, "Ks": 10, "tau": 0.1}
+DEVICE = {"Mm": 0.1, "Ms": 0.1, "Bs": 1, "Ks": 10, "tau": 0.1, "Dm": 1, "Ds": 1}
+SCALES = {"scale_x": 1, "scale_f": 1}
 
 EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]]] = {
     "first-order-lag": ({"omega_c": 10}, _series(lambda p, s: p["omega_c"] / (s + p["omega_c"]))),
@@ -149,9 +155,9 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
         lambda p, s, H: H * (s + p["w"]) / p["w"] * cmath.exp(s * p["tau"]),
     ),
     "wave-variables": ({"b": 1, "tau": 0.1}, _waves),
-    "position-force-teleoperator": (DEVICE, _position_force),
+    "position-force-teleoperator": ({**DEVICE, **SCALES}, _position_force),
     "position-position-teleoperator": ({**DEVICE, "Bm": 1, "Km": 10}, _position_position),
-    "four-channel-teleoperator": ({**DEVICE, "Bm": 1, "Km": 10}, _four_channel),
+    "four-channel-teleoperator": ({**DEVICE, **SCALES, "Bm": 1, "Km": 10}, _four_channel),
     "two-port": (
         {"A": "a + s", "B": "2*s", "C": "c/s", "D": "3", "parameters": {"a": 1, "c": 1}},
         lambda p, s, H: ((p["a"] + s) * H + 2 * s) / (p["c"] / s * H + 3),

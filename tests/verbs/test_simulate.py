@@ -37,6 +37,11 @@ LOOPS = {
     "a delay inside a loop": (effects.second_order_lowpass(60, 1), effects.delay("10 ms"), effects.compliance(2000, 40)),
     "a delay before the filter in a loop": (effects.delay("10 ms"), effects.second_order_lowpass(60, 1), effects.compliance(2000, 40)),
     "two links in a row": (effects.wave_variables(10, "20 ms"), effects.compliance(900, 5), effects.wave_variables(10, "10 ms")),
+    "arms that are damped, and scales": (
+        effects.position_force_teleoperator("0.5 kg", "2 kg", 64, 400, "20 ms", "1 N*s/m", "3 N*s/m", 2, "0.3"),
+        effects.position_position_teleoperator("0.5 kg", 16, 900, "2 kg", 64, 900, "20 ms", "1 N*s/m", "3 N*s/m"),
+    ),
+    "four channels with scales": (effects.four_channel_teleoperator("0.5 kg", 16, 100, "2 kg", 64, 400, "20 ms", 1, 3, "0.5", "0.2"),),
     "four channels without delay": (effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50),),
     "a delayed force through two derivatives": (effects.delay("20 ms"), effects.series("(1 + s/30)^2/(1 + s/100)^3")),
     "friction through a delay": (effects.coulomb_friction("0.5 N", "5 cm"), effects.delay("37 ms")),

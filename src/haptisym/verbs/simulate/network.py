@@ -552,14 +552,24 @@ def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> Non
     net.equal(far.F - far_flow, outward.late(tau))
 
 
+def _arm(p: ExactValues, side: str, motion: SignalSum) -> SignalSum:
+    """The force that moves an arm of a teleoperator: that of its mass and its damping."""
+    return motion.through(0, p.get(f"D{side}", fmpq(0)), p[f"M{side}"])
+
+
+def _scale(p: ExactValues, of: str) -> Exact:
+    """A scale of a teleoperator, of positions or of forces."""
+    return p.get(f"scale_{of}", fmpq(1))
+
+
 def _position_force(net: Network, element: Effect, near: Port, far: Port) -> None:
     # The slave follows the delayed position of the master, which feels the delayed force of the
     # environment: there is no coupling back to the master's own controller.
     p = _values(element)
     tau = p.get("tau", fmpq(0))
-    control = (far.X.late(tau) - near.X).through(p["Ks"], p["Bs"])
-    net.equal(p["Ms"] * near.X.d(2), control - near.F)
-    net.equal(far.F, p["Mm"] * far.X.d(2) + near.F.late(tau))
+    control = (_scale(p, "x") * far.X.late(tau) - near.X).through(p["Ks"], p["Bs"])
+    net.equal(_arm(p, "s", near.X), control - near.F)
+    net.equal(far.F, _arm(p, "m", far.X) + _scale(p, "f") * near.F.late(tau))
 
 
 def _position_position(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -568,10 +578,10 @@ def _position_position(net: Network, element: Effect, near: Port, far: Port) -> 
     tau = p.get("tau", fmpq(0))
     slave_error = far.X.late(tau) - near.X
     slave_control = slave_error.through(p["Ks"], p["Bs"])
-    net.equal(p["Ms"] * near.X.d(2), slave_control - near.F)
+    net.equal(_arm(p, "s", near.X), slave_control - near.F)
     master_error = far.X - near.X.late(tau)
     master_control = master_error.through(p["Km"], p["Bm"])
-    net.equal(far.F, p["Mm"] * far.X.d(2) + master_control)
+    net.equal(far.F, _arm(p, "m", far.X) + master_control)
 
 
 def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -579,14 +589,18 @@ def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
     # the last two equations give (master + slave)(near.X - far.X) = 0: ideal transparency.
     p = _values(element)
     tau = p.get("tau", fmpq(0))
-    master = p["Km"], p["Bm"], p["Mm"]
-    slave = p["Ks"], p["Bs"], p["Ms"]
+    x, f = _scale(p, "x"), _scale(p, "f")
     to_slave = net.signal("to-slave")
     to_master = net.signal("to-master")
-    net.equal(to_slave, far.F + far.X.through(*slave))
-    net.equal(to_master, near.F - near.X.through(*master))
-    net.equal(near.X.through(*slave), to_slave.late(tau) - near.F)
-    net.equal(far.F, far.X.through(*master) + to_master.late(tau))
+
+    def held(side: str, motion: SignalSum) -> SignalSum:
+        """The force that an arm and its own controller need for a motion."""
+        return _arm(p, side, motion) + motion.through(p[f"K{side}"], p[f"B{side}"])
+
+    net.equal(to_slave, 1 / f * far.F + held("s", x * far.X))
+    net.equal(to_master, f * near.F - held("m", 1 / x * near.X))
+    net.equal(held("s", near.X), to_slave.late(tau) - near.F)
+    net.equal(far.F, held("m", far.X) + to_master.late(tau))
 
 
 def _two_port(net: Network, element: Effect, near: Port, far: Port) -> None:
