@@ -9,8 +9,10 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import clocks
 from haptisym.pages import words as w
+from haptisym.pages.stability import limit_cycle_table
 from haptisym.verbs.simulate.entry import Simulation, Simulations
-from haptisym.verbs.simulate.release import Closed, Release, linear
+from haptisym.verbs.simulate.release import Closed, Release
+from haptisym.verbs.stability.limitcycles import linear
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 
@@ -145,6 +147,7 @@ def page_release(r: Release) -> Document:
     chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
     blocks = (
         *_table_release(r),
+        *limit_cycle_table(r.scene.motion, [(r.hand.name, x) for x in r.limit_cycles]),
         *w.noted(chain),
         doc.Facts(tuple(_run(r))),
         doc.Figure("release", shown, r.figure),

@@ -19,12 +19,13 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import HandsOfBox, Held, Share
+from haptisym.verbs.stability.limitcycles import LimitCycle
 from haptisym.verbs.stability.limits import looked_at, open_beside
 from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Margins
 from haptisym.writing import document as doc
@@ -66,6 +67,14 @@ def page(found: Stability) -> Document:
         *_hands(found),
         *_limits(found),
         *_margins(found),
+        *limit_cycle_table(
+            found.scene.motion,
+            [
+                (x.hand.name, cycle)
+                for x, cycles in zip(found.held, found.limit_cycles, strict=True)
+                for cycle in cycles
+            ],
+        ),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
         w.certificate(found, found.scene),
@@ -434,6 +443,27 @@ def _margins(found: Stability) -> Iterator[Block]:
             *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
     )
+
+
+def limit_cycle_table(
+    motion: MotionKind | None, rows: Sequence[tuple[str, LimitCycle]]
+) -> Iterator[Block]:
+    """Yield the table of possible limit cycles, each with its hand; nothing without any."""
+    if rows:
+        unit = w.unit(rows[0][1].dimension, motion)
+        shown = w.table(
+            rows,
+            "Where the loop with the describing function is on the axis: estimated, without "
+            "harmonics. Motions near a cycle that attracts come to it, from one that does not "
+            "they go away.",
+            w.Field("hand", lambda x: x[0]),
+            w.number(
+                f"amplitude of {rows[0][1].element} ({unit})", lambda x: w.near(x[1].amplitude)
+            ),
+            w.hertz(lambda x: w.cell(x[1].omega)),
+            w.Field("attracts", lambda x: "yes" if x[1].attracts else "no"),
+        )
+        yield doc.Section("Possible limit cycles (estimated: describing function)", (shown,))
 
 
 def _factors(margins: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:

@@ -15,7 +15,7 @@ linear loop. Read from ``release`` and ``_Run``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, pi
 from pathlib import Path
@@ -51,6 +51,7 @@ from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
+from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles, linear
 
 _WINDOWS = 6
 # Radians between two samples, at the most: beyond pi a sampled oscillation looks like a slower one.
@@ -309,6 +310,9 @@ class Release(Answer):
     """The motion that neither grows nor decays, with an encoder, friction or a limit of the
     force; None where there is none."""
     extras: tuple[Extra, ...] = ()
+    limit_cycles: tuple[LimitCycle, ...] = ()
+    """Those that the describing function of the one element that is not linear makes possible;
+    estimated."""
 
     def _line(self) -> str:
         verdict = (
@@ -408,6 +412,7 @@ class Release(Answer):
             "simulated": fitted,
             "rattle": self.rattle
             and {"amplitude": self.rattle.amplitude, "frequency": self.rattle.omega},
+            **({"limit_cycles": [x.row() for x in self.limit_cycles]} if self.limit_cycles else {}),
             "closed": self._closed(),
             "held": self.held.stable,
             "agrees": self.agrees,
@@ -489,11 +494,6 @@ def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
         else "and the scene has none"
     )
     raise SceneError(f"a release test needs a hand, {several}: {how_to_give()}")
-
-
-def linear(scene: Scene) -> Scene:
-    """Return the scene without its effects that are not linear."""
-    return replace(scene, effects=tuple(x for x in scene.effects if x.model not in DESCRIBED))
 
 
 def closed_form(scene: Scene, hand: Hand) -> Closed | None:
@@ -684,6 +684,7 @@ class _Run:
             held(linear(self.scene), self.hand),
             stays,
             self.extras,
+            limit_cycles(self.scene, self.hand),
         )
 
     def _read(self, x: Array) -> tuple[Mode | None, float]:

@@ -38,6 +38,7 @@ from haptisym.verbs.stability.held import (
     imposed,
     whole_box,
 )
+from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles
 from haptisym.verbs.stability.limits import looked_at, open_beside, stable_values
 from haptisym.verbs.stability.margins import Margins, margins
 
@@ -95,6 +96,8 @@ class Stability(Answer):
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
     digits: int = 15
+    limit_cycles: tuple[tuple[LimitCycle, ...], ...] = ()
+    """Of each hand; estimated by the describing function of the one element that is not linear."""
 
     def _line(self) -> str:
         said = {None: "undecided", True: "holds", False: "does not hold"}
@@ -137,8 +140,15 @@ class Stability(Answer):
         return {
             "imposed": self.imposed.row(),
             "held": [
-                self._held(*row)
-                for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)
+                self._held(*row) | ({"limit_cycles": [x.row() for x in cycles]} if cycles else {})
+                for *row, cycles in zip(
+                    self.held,
+                    self.critical,
+                    self.boxes,
+                    self.margins,
+                    self.limit_cycles,
+                    strict=True,
+                )
             ],
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
@@ -278,7 +288,8 @@ def stability(
             _critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows)
         )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
-        return Stability(scene, under, rows, near, boxes, every, nearby, digits)
+        cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+        return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
 def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
