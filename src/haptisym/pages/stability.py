@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf, log10
+from typing import TYPE_CHECKING
 
 from sympy import Expr, Integer, Rational, exp
 
@@ -25,13 +26,15 @@ from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.entry import Stability, has_plane
 from haptisym.verbs.stability.held import HandsOfBox, Held, Share
-from haptisym.verbs.stability.limitcycles import LimitCycle
 from haptisym.verbs.stability.limits import looked_at, open_beside
 from haptisym.verbs.stability.margins import MOST_DELAY, MOST_GAIN, Margins
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import named
+
+if TYPE_CHECKING:
+    from haptisym.verbs.stability.limitcycles import LimitCycle
 
 _IM = Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC)
 _REAL = Prefixed(w.OPERATORS[Part.REAL], named("s"))

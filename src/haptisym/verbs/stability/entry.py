@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bindings import STABLE, STEADY, stable_in
@@ -22,7 +22,7 @@ from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
-from haptisym.model.catalogue import NOBODY, Hand, hands, how_to_give
+from haptisym.model.catalogue import DESCRIBED, NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
@@ -38,9 +38,11 @@ from haptisym.verbs.stability.held import (
     imposed,
     whole_box,
 )
-from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles
 from haptisym.verbs.stability.limits import looked_at, open_beside, stable_values
 from haptisym.verbs.stability.margins import Margins, margins
+
+if TYPE_CHECKING:
+    from haptisym.verbs.stability.limitcycles import LimitCycle
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
@@ -288,7 +290,12 @@ def stability(
             _critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows)
         )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
-        cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+        cycles: tuple[tuple[LimitCycle, ...], ...] = ((),) * len(rows)
+        if any(x.model in DESCRIBED for x in scene.effects):
+            # Brings NumPy, which a certified answer does not need.
+            from haptisym.verbs.stability.limitcycles import limit_cycles
+
+            cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
