@@ -80,5 +80,5 @@ def test_what_cannot_be_fitted_is_refused_in_a_sentence() -> None:
     assert "nothing is free" in refusal(hs.fit_zwidth, DISPLAY, walls)
     assert "1 walls for 2" in refusal(hs.fit_zwidth, DISPLAY, walls, [M, B])
     assert "K must be > 0" in refusal(hs.fit_zwidth, DISPLAY, [(-1.0, 0.0)], [M])
-    assert "scene with a clock" in refusal(hs.fit_zwidth, "fu2019", walls, ["environment.m"])
+    assert "give a sampled scene" in refusal(hs.fit_zwidth, "fu2019", walls, ["environment.m"])
     assert "not the wall" in refusal(hs.fit_zwidth, DISPLAY, walls, ["environment.b"])

@@ -76,7 +76,9 @@ def page_zwidth(a: ZWidthFit) -> Document:
         number("limit of K", lambda x: near(float(x[2]))),
     )
     spread = near(100 * a.error), "\xa0% from the limit, root mean square"
-    answer = [("Fitted", (f"{counted(len(a.stiffness), 'wall')}, ", *spread))]
+    answer: list[tuple[Phrase, Phrase]] = [
+        ("Fitted", (f"{counted(len(a.stiffness), 'wall')}, ", *spread))
+    ]
     if a.together:
         several = " separately: fix one" if len(a.together) > 1 else ": fix it"
         named_ones = " and ".join(a.together)

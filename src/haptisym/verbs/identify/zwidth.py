@@ -116,8 +116,8 @@ def fit_zwidth(
     ``walls`` : pairs of stiffness and damping, SI, or a file of them: two columns with a heading,
     K and B in either order. ``free`` : parameters by path or symbol, all > 0; those with a range if
     none is named. ``hand`` : in which it was measured; none if not given. ``limit`` : seconds of
-    processor time, LimitError after them; None for none. SceneError for a scene without a clock or
-    a wall of k and b, and for too few pairs.
+    processor time, LimitError after them; None for none. SceneError for a scene that is not
+    sampled or has no wall of k and b, and for too few pairs.
 
     >>> from haptisym import effects, environments
     >>> clock = effects.sampled_loop("1 ms", "backward-difference")
@@ -174,8 +174,8 @@ class ZWidth:
         """The limit of a scene in a hand. SceneError where it has no clock, or no wall."""
         if not clocks(scene) or not {*WALL} <= {x.path for x in scene.knobs}:
             raise SceneError(
-                "zwidth: a scene with a clock (sampled-loop) and an environment with k and b is "
-                "needed, as a wall that began to shake"
+                "zwidth: give a sampled scene (sampled-loop) with an environment of k and b: the "
+                "wall that began to shake"
             )
         k, b = (scene.knobs[x] for x in WALL)
         for x in free:

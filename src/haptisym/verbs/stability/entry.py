@@ -139,19 +139,14 @@ class Stability(Answer):
         )
 
     def _body(self) -> dict[str, Any]:
+        together = zip(self.held, self.critical, self.boxes, self.margins, strict=True)
+        rows = [self._held(*row) for row in together]
+        for row, cycles in zip(rows, self.limit_cycles, strict=True):
+            if cycles:
+                row["limit_cycles"] = [x.row() for x in cycles]
         return {
             "imposed": self.imposed.row(),
-            "held": [
-                self._held(*row) | ({"limit_cycles": [x.row() for x in cycles]} if cycles else {})
-                for *row, cycles in zip(
-                    self.held,
-                    self.critical,
-                    self.boxes,
-                    self.margins,
-                    self.limit_cycles,
-                    strict=True,
-                )
-            ],
+            "held": rows,
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,

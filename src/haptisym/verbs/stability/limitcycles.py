@@ -175,5 +175,6 @@ def _cycle(element: Effect, asked: Asked, gain: Gain, omega: float, amplitude: f
     change = gain(amplitude * up) - gain(amplitude * down)
     dimension = next(x.dimension for x in element.parameters if x.key == "amplitude")
     # Six digits, so that a crossing at a common end of two chords is one.
-    rounded = (float(f"{x:.6g}") for x in (amplitude, omega))
-    return LimitCycle(element.name, *rounded, bool((change / slope).real < 0), dimension)
+    amplitude, omega = float(f"{amplitude:.6g}"), float(f"{omega:.6g}")
+    attracts = bool((change / slope).real < 0)
+    return LimitCycle(element.name, amplitude, omega, attracts, dimension)
