@@ -9,9 +9,10 @@ motion, whatever they are: C1 = Zcs, C2 = C3 = 1, C4 = -Zcm. With a delay tau in
 which is 0 identically for tau = 0; and, whatever the delay, for an environment that is like the master, H = Zcm. To first order
 dH is that of a round trip 2 tau, -2 s tau H, times (H - Zcm)(H + Zcs)/(H (Zcm + Zcs)): soft controllers make a delay worse. The
 chain matrix is [[Zcm + E Zcs, Zcm Zcs (1 - E)], [1 - E, Zcs + E Zcm]] over exp(-s tau)(Zcm + Zcs), and of determinant 1. With
-two channels only, the same network gives the position-force and the position-position teleoperator.
+two channels only, the same network gives the position-force and the position-position teleoperator. Where positions are scaled
+by scale_x to the slave and forces by scale_f back, the hand feels all of that with n H for H and n Zcs for Zcs, n = scale_x scale_f.
 
-Assumptions. Linear, one degree of freedom; master Zm = Mm s^2, slave Zs = Ms s^2; local controllers Cm = Bm s + Km and
+Assumptions. Linear, one degree of freedom; master Zm = Mm s^2 + Dm s, slave Zs = Ms s^2 + Ds s; local controllers Cm = Bm s + Km and
 Cs = Bs s + Ks; Zcm = Zm + Cm, Zcs = Zs + Cs; ideal force sensors and actuators; no local force feedback (Lawrence's C5, C6).
 Everything is force per position (s times Lawrence's impedances), so that H is the dynamic stiffness of the environment.
 
@@ -46,6 +47,7 @@ from sympy import (
 )
 
 Mm, Bm, Km, Ms, Bs, Ks, tau, omega = symbols("Mm Bm Km Ms Bs Ks tau omega", positive=True)
+Dm, Ds, scale_x, scale_f = symbols("Dm Ds scale_x scale_f", positive=True)
 s, H, Zm, Zs, Cm, Cs, C1, C2, C3, C4 = symbols("s H Z_m Z_s C_m C_s C1:5")
 F_h, X_h, F_e, X_e = symbols("F_h X_h F_e X_e")
 Zcm, Zcs = symbols("Z_cm Z_cs")
@@ -168,6 +170,24 @@ position_position = Zcm - E * Cm * Cs / (Zcs + H)
 assert is_zero(felt({C1: Cs, C2: 1, C3: 0, C4: 0}).subs(Zcm, Zm) - position_force)
 assert is_zero(felt({C1: Cs, C2: 0, C3: 0, C4: -Cm}) - position_position)
 
+# %% [markdown]
+# Scaled, the slave should move by $\sigma_x$ times the hand's motion, and the hand feel $\sigma_f$ times its force: with $n =
+# \sigma_x\sigma_f$ the hand feels what it would of an environment $nH$ through a slave $nZ_{cs}$, without delay $nH$.
+
+# %%
+n = scale_x * scale_f
+asked = {F_h: scale_f * F_e, X_e: scale_x * X_h, tau: 0}
+demands = [equation.subs(device).subs(asked).expand().coeff(x) for equation in (master, slave) for x in (F_e, X_h)]
+[with_scales] = solve(demands, [C1, C2, C3, C4], dict=True)
+assert with_scales == {C1: scale_x * Zcs, C2: scale_f, C3: 1 / scale_f, C4: -Zcm / scale_x}
+scaled_H_perc = H_perc.subs({H: n * H, Zcs: n * Zcs}, simultaneous=True)
+assert is_zero(felt(with_scales) - scaled_H_perc)
+assert is_zero(scaled_H_perc.subs(tau, 0) - n * H)
+scaled_position_force = Zm + n * E * Cs * H / (Zcs + H)
+assert is_zero(felt({C1: scale_x * Cs, C2: scale_f, C3: 0, C4: 0}).subs(Zcm, Zm) - scaled_position_force)
+assert is_zero(felt({C1: scale_x * Cs, C2: 0, C3: 0, C4: -Cm / scale_x}) - position_position)  # its scale is in C_m
+
+# %%
 undelayed = {tau: 0, Zcs: Zs + Cs}
 left_over = position_force.subs(undelayed) - H
 assert is_zero(left_over - (Zm * (Zs + Cs + H) - H * (Zs + H)) / (Zs + Cs + H))
@@ -183,8 +203,14 @@ assert is_zero(left_over - ((Zcm - H) * (Zcs + H) - Cm * Cs) / (Zcs + H))
 # such soft controllers cost 4.56 times what the delay alone costs, so that 10 % is to be expected near 0.22 rad/s.
 
 # %%
-DEVICES = {Zcm: Mm * s**2 + Bm * s + Km, Zcs: Ms * s**2 + Bs * s + Ks, Zm: Mm * s**2, Cm: Bm * s + Km, Cs: Bs * s + Ks}
-NUMBERS = {Mm: Rational("0.5"), Bm: 16, Km: 10, Ms: 2, Bs: 64, Ks: 40, tau: Rational("0.05")}
+DEVICES = {
+    Zcm: Mm * s**2 + (Dm + Bm) * s + Km,
+    Zcs: Ms * s**2 + (Ds + Bs) * s + Ks,
+    Zm: Mm * s**2 + Dm * s,
+    Cm: Bm * s + Km,
+    Cs: Bs * s + Ks,
+}
+NUMBERS = {Dm: 0, Ds: 0, Mm: Rational("0.5"), Bm: 16, Km: 10, Ms: 2, Bs: 64, Ks: 40, tau: Rational("0.05")}
 STIFFNESS, DAMPING = 200, 100
 held = {H: DAMPING * s + STIFFNESS}
 
@@ -203,13 +229,15 @@ modulus = sqrt(STIFFNESS**2 + (DAMPING * omega) ** 2)
 import haptisym as hs
 
 effects = hs.effects
-four = effects.four_channel_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau)
+four = effects.four_channel_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau, Dm, Ds)
 any_environment = hs.environments.mass_spring_damper(k=H)  # H may be any number here, so also m s^2 + b s + k
 
 for teleoperator, derived in [
     (four, H_perc),
-    (effects.position_force_teleoperator(Mm, Ms, Bs, Ks, tau), position_force),
-    (effects.position_position_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau), position_position),
+    (effects.four_channel_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau, Dm, Ds, scale_x, scale_f), scaled_H_perc),
+    (effects.position_force_teleoperator(Mm, Ms, Bs, Ks, tau, Dm, Ds), position_force),
+    (effects.position_force_teleoperator(Mm, Ms, Bs, Ks, tau, Dm, Ds, scale_x, scale_f), scaled_position_force),
+    (effects.position_position_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau, Dm, Ds), position_position),
 ]:
     d = hs.distort(any_environment, teleoperator)
     assert is_zero(d.perceived - derived.subs(DEVICES)), teleoperator.model
@@ -220,7 +248,8 @@ assert all(is_zero(entry) for entry in Matrix(2, 2, four.matrix) - chain.subs(DE
 environment = hs.environments.mass_spring_damper(*hs.symbols("m b k"))
 vanishing = hs.distort(environment, effects.four_channel_teleoperator(Mm, Bm, Km, Ms, Bs, Ks))
 assert (vanishing.distortion, vanishing.ratio_real, vanishing.ratio_imag) == (0, 0, 0)
-like_the_master = hs.distort(hs.environments.mass_spring_damper(Mm, Bm, Km), four)
+undamped = effects.four_channel_teleoperator(Mm, Bm, Km, Ms, Bs, Ks, tau)
+like_the_master = hs.distort(hs.environments.mass_spring_damper(Mm, Bm, Km), undamped)
 assert (like_the_master.distortion, like_the_master.real, like_the_master.imag) == (0, 0, 0)
 
 # %% [markdown]

@@ -20,7 +20,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         "After this page you can call every command from Python: a function each, which returns a result.",
         (
             "evaluate", "evaluate_all", "compare", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
-            "sweep", "metrics", "control_loading", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify",
+            "sweep", "metrics", "control_loading", "peaks", "cost", "hard_costs", "jnd", "published", "simulate", "check", "release", "identify", "fit_zwidth",
         ),
     ),
     "api-answers": (
@@ -30,7 +30,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
             "Evaluation", "Crossing", "CrossingKind", "Percept", "Property", "Change", "Interval", "Point", "RealNumber",
             "FamilyEvaluation", "MeasuredEvaluation", "Comparison", "Derivation", "Relevance", "Requirement", "ValueSet", "DesignMap", "Stability", "Sensitivities",
             "Tolerances", "Metrics", "Peaks", "Peak", "Cost", "HardCosts", "Psychometric", "Published", "PublishedThresholds", "Simulation",
-            "Release", "Identification", "json_schema",
+            "Release", "Identification", "ZWidthFit", "json_schema",
         ),
     ),
     "api-formulas": (

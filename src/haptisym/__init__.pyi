@@ -61,6 +61,7 @@ from haptisym.verbs.family.entry import (
     evaluate_all as evaluate_all,
 )
 from haptisym.verbs.identify.entry import Identification as Identification, identify as identify
+from haptisym.verbs.identify.zwidth import ZWidthFit as ZWidthFit, fit_zwidth as fit_zwidth
 from haptisym.verbs.jnd.entry import (
     Psychometric as Psychometric,
     PublishedThresholds as PublishedThresholds,

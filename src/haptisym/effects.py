@@ -16,6 +16,7 @@ from math import comb, factorial
 from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import lagging, limiter, quantiser
 from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Matrix, effect
 from haptisym.model.parameters import (
@@ -28,10 +29,12 @@ from haptisym.model.parameters import (
     Method,
     Order,
     PositiveDamping,
+    PositiveForce,
     PositiveMass,
     PositiveStiffness,
     PositiveTime,
     Samples,
+    Scale,
     SignedDamping,
     SignedMass,
     SignedStiffness,
@@ -212,6 +215,66 @@ def coulomb_friction(force: Force, amplitude: Amplitude) -> Matrix:
     return _shunt(I * 4 * force / (pi * amplitude))
 
 
+@effect("encoder")
+def encoder(q: Amplitude, amplitude: Amplitude) -> Matrix:
+    """An encoder that rounds the motion to whole steps, q round(x/q), as its describing function:
+    H_perc = N H, N = 4 q/(pi A) times the sum of sqrt(1 - ((2 i - 1) q/(2 A))^2), (2 i - 1) q < 2 A.
+
+    q : step, m or rad, > 0; amplitude : of the motion A, > 0. N = 0 where 2 A <= q: it never moves
+    on by a step. Left out: all harmonics but the first, and what the motion adds to the sine.
+    Derivation: 22_quantiser.
+
+    >>> encoder("1 mm", "0.4 mm").matrix
+    (0, 0, 0, 1)
+    """
+    return _series(quantiser(q / (2 * amplitude)))
+
+
+@effect("backlash")
+def backlash(gap: Amplitude, amplitude: Amplitude) -> Matrix:
+    """Play between hand and environment, as its describing function: H_perc = N H, N = 1/2 + (asin
+    u + u sqrt(1 - u^2))/pi - j (1 - u^2)/pi, u = 1 - gap/A.
+
+    gap : total width of the play, m or rad, > 0; amplitude : of the hand's motion A, > 0. The
+    driven side keeps its place while no flank touches it; N = 0 where 2 A <= gap: none ever does.
+    Left out: all harmonics but the first, and what a mass behind the play does on its own.
+    Derivation: 23_backlash.
+
+    >>> backlash("1 mm", "0.5 mm").matrix
+    (0, 0, 0, 1)
+    """
+    u = 1 - gap / amplitude
+    return _series((1 + limiter(u)) / 2 - I * lagging(u))
+
+
+@effect("dead-zone")
+def dead_zone(width: Amplitude, amplitude: Amplitude) -> Matrix:
+    """A motion of which the part within a width on either side of 0 is lost, as its describing
+    function: H_perc = N H, N = 1 - 2/pi (asin u + u sqrt(1 - u^2)), u = width/A.
+
+    width : half width, m or rad, > 0; amplitude : of the hand's motion A, > 0. N = 0 where A <=
+    width. Left out: all harmonics but the first. Derivation: 24_dead_zone.
+
+    >>> dead_zone("1 mm", "1 mm").matrix
+    (0, 0, 0, 1)
+    """
+    return _series(1 - limiter(width / amplitude))
+
+
+@effect("saturation")
+def saturation(limit: PositiveForce, amplitude: PositiveForce) -> Matrix:
+    """A force that is limited, as its describing function: H_perc = N H, N = 2/pi (asin u + u
+    sqrt(1 - u^2)), u = limit/A; 1 where A <= limit.
+
+    limit : N or N m, > 0; amplitude : of the force that enters A, N or N m, > 0.
+    Left out: all harmonics but the first. Derivation: 24_dead_zone.
+
+    >>> saturation("2 N", "1 N").matrix
+    (1, 0, 0, 1)
+    """
+    return _series(limiter(limit / amplitude))
+
+
 @effect("admittance-display")
 def admittance_display(P: Formula, tau: Time = 0) -> Matrix:
     """An admittance display, X = P exp(-s tau) F/H_env: H_perc = H_env exp(s tau)/P, with P(s) the
@@ -244,17 +307,28 @@ def wave_variables(b: PositiveDamping, tau: PositiveTime) -> Matrix:
 
 @effect("position-force-teleoperator")
 def position_force_teleoperator(
-    Mm: PositiveMass, Ms: PositiveMass, Bs: Damping, Ks: Stiffness, tau: Time = 0
+    Mm: PositiveMass,
+    Ms: PositiveMass,
+    Bs: Damping,
+    Ks: Stiffness,
+    tau: Time = 0,
+    Dm: Damping = 0,
+    Ds: Damping = 0,
+    scale_x: Scale = 1,
+    scale_f: Scale = 1,
 ) -> Matrix:
-    """Position-force teleoperator: H_perc = Zm + E Cs H/(Zs + Cs + H).
+    """Position-force teleoperator: H_perc = Zm + scale_x scale_f E Cs H/(Zs + Cs + H).
 
-    Zm = Mm s^2 and Zs = Ms s^2 : the devices, kg; Cs = Bs s + Ks : the slave's controller, N s/m
-    and N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Zm = Mm s^2 + Dm s and Zs = Ms s^2 + Ds s : the devices, kg and N s/m; Cs = Bs s + Ks : the
+    slave's controller, N s/m and N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0. The slave
+    follows scale_x times the hand's position, which feels scale_f times its force, both > 0.
+    Absent: no delay, no damping, scales of 1.
 
     >>> position_force_teleoperator(1, 2, 3, 4).matrix[2:]
     (1, 2*s**2 + 3*s + 4)
     """
-    Zm, Zcs, Cs, E = Mm * s**2, Ms * s**2 + Bs * s + Ks, Bs * s + Ks, exp(-2 * s * tau)
+    Zm, Zcs, Cs = Mm * s**2 + Dm * s, Ms * s**2 + (Ds + Bs) * s + Ks, Bs * s + Ks
+    E = scale_x * scale_f * exp(-2 * s * tau)
     # H_perc over the common denominator Zcs + H; a chain matrix counts up to a factor.
     return (Zm + E * Cs, Zm * Zcs, 1, Zcs)
 
@@ -268,17 +342,21 @@ def position_position_teleoperator(
     Bs: Damping,
     Ks: Stiffness,
     tau: Time = 0,
+    Dm: Damping = 0,
+    Ds: Damping = 0,
 ) -> Matrix:
     """Position-position teleoperator: H_perc = Zm + Cm - E Cm Cs/(Zs + Cs + H).
 
-    Zm = Mm s^2, Zs = Ms s^2 : the devices, kg; Cm = Bm s + Km, Cs = Bs s + Ks : the controllers, N
-    s/m and N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Zm = Mm s^2 + Dm s, Zs = Ms s^2 + Ds s : the devices, kg and N s/m, absent damping = 0; Cm = Bm
+    s + Km, Cs = Bs s + Ks : the controllers, N s/m and N/m; E = exp(-2 s tau), tau : one-way delay,
+    s, >= 0, absent = no delay. Scales of position and force are in Cm: scale_x scale_f Cs of equal
+    ones.
 
     >>> position_position_teleoperator(1, 1, 1, 2, 3, 4).matrix[0]
     s**2 + s + 1
     """
     Cm, Cs, E = Bm * s + Km, Bs * s + Ks, exp(-2 * s * tau)
-    Zcm, Zcs = Mm * s**2 + Cm, Ms * s**2 + Cs
+    Zcm, Zcs = Mm * s**2 + Dm * s + Cm, Ms * s**2 + Ds * s + Cs
     return (Zcm, Zcm * Zcs - E * Cm * Cs, 1, Zcs)
 
 
@@ -291,19 +369,27 @@ def four_channel_teleoperator(
     Bs: Damping,
     Ks: Stiffness,
     tau: Time = 0,
+    Dm: Damping = 0,
+    Ds: Damping = 0,
+    scale_x: Scale = 1,
+    scale_f: Scale = 1,
 ) -> Matrix:
-    """Four-channel teleoperator: H_perc = Zcm + E (H - Zcm)(Zcm + Zcs)/(Zcs + H - E (H - Zcm)); H
-    itself without delay.
+    """Four-channel teleoperator: H_perc = Zcm + E (n H - Zcm)(Zcm + n Zcs)/(n Zcs + n H - E (n H -
+    Zcm)), n = scale_x scale_f; n H itself without delay.
 
-    Zcm = Mm s^2 + Bm s + Km, Zcs = Ms s^2 + Bs s + Ks : device plus controller, kg, N s/m, N/m;
-    E = exp(-2 s tau), tau : one-way delay, s, >= 0, absent = no delay.
+    Zcm = Mm s^2 + (Dm + Bm) s + Km, Zcs = Ms s^2 + (Ds + Bs) s + Ks : device plus controller, kg, N
+    s/m, N/m; E = exp(-2 s tau), tau : one-way delay, s, >= 0. The slave moves by scale_x times the
+    hand's motion, which feels scale_f times its force, both > 0. Absent: no delay, no damping of
+    the devices, scales of 1.
     Source: Lawrence (1993), transparency-optimised gains.
 
     >>> four_channel_teleoperator(1, 1, 1, 2, 3, 4).matrix[1:3]
     (0, 0)
     """
-    Zcm, Zcs, E = Mm * s**2 + Bm * s + Km, Ms * s**2 + Bs * s + Ks, exp(-2 * s * tau)
-    return (Zcm + E * Zcs, Zcm * Zcs * (1 - E), 1 - E, Zcs + E * Zcm)
+    n, E = scale_x * scale_f, exp(-2 * s * tau)
+    # The slave's side as the hand sees it: forces times scale_f, motions over scale_x.
+    Zcm, Zcs = Mm * s**2 + (Dm + Bm) * s + Km, n * (Ms * s**2 + (Ds + Bs) * s + Ks)
+    return (n * (Zcm + E * Zcs), Zcm * Zcs * (1 - E), n * (1 - E), Zcs + E * Zcm)
 
 
 @effect("two-port")

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from itertools import product
-from math import comb, factorial, pi
+from math import acos, asin, comb, cos, factorial, pi, sin
 from typing import Any
 
 import control
@@ -67,20 +67,25 @@ def _series(G: Callable[[P, complex], complex]) -> Callable[[P, complex, complex
     return lambda p, s, H: G(p, s) * H
 
 
+def _arms(p: P, s: complex) -> tuple[complex, complex]:
+    return p["Mm"] * s**2 + p["Dm"] * s, p["Ms"] * s**2 + p["Ds"] * s
+
+
 def _position_position(p: P, s: complex, H: complex) -> complex:
-    Zm, Zs, Cm, Cs = p["Mm"] * s**2, p["Ms"] * s**2, p["Bm"] * s + p["Km"], p["Bs"] * s + p["Ks"]
+    (Zm, Zs), Cm, Cs = _arms(p, s), p["Bm"] * s + p["Km"], p["Bs"] * s + p["Ks"]
     return Zm + Cm - cmath.exp(-2 * s * p["tau"]) * Cm * Cs / (Zs + Cs + H)
 
 
 def _position_force(p: P, s: complex, H: complex) -> complex:
-    Zs, Cs = p["Ms"] * s**2, p["Bs"] * s + p["Ks"]
-    return p["Mm"] * s**2 + cmath.exp(-2 * s * p["tau"]) * Cs * H / (Zs + Cs + H)
+    (Zm, Zs), Cs = _arms(p, s), p["Bs"] * s + p["Ks"]
+    return Zm + p["scale_f"] * cmath.exp(-2 * s * p["tau"]) * Cs * H / (Zs + Cs + H) * p["scale_x"]
 
 
 def _four_channel(p: P, s: complex, H: complex) -> complex:
-    Zcm, Zcs = (p[f"M{x}"] * s**2 + p[f"B{x}"] * s + p[f"K{x}"] for x in "ms")
-    E = cmath.exp(-2 * s * p["tau"])
-    return Zcm + E * (H - Zcm) * (Zcm + Zcs) / (Zcs + H - E * (H - Zcm))
+    # what the hand would feel of the environment without delay, and of the slave: both scaled alike
+    Zcm, Zcs = (Z + p[f"B{x}"] * s + p[f"K{x}"] for x, Z in zip("ms", _arms(p, s), strict=True))
+    E, n = cmath.exp(-2 * s * p["tau"]), p["scale_f"] * p["scale_x"]
+    return Zcm + E * (n * H - Zcm) * (Zcm + n * Zcs) / (n * Zcs + n * H - E * (n * H - Zcm))
 
 
 def _waves(p: P, s: complex, H: complex) -> complex:
@@ -96,7 +101,27 @@ def _pade(p: P, s: complex) -> complex:
     return sum(a * (-x) ** i for i, a in enumerate(c)) / sum(a * x**i for i, a in enumerate(c))
 
 
-DEVICE = {"Mm": 0.1, "Ms": 0.1, "Bs": 1, "Ks": 10, "tau": 0.1}
+def _rounded(q: float, amplitude: float) -> float:
+    # each step is a square wave that begins where the sine has reached the middle between two multiples
+    begins = (asin((i - 0.5) * q / amplitude) for i in range(1, int(amplitude / q + 0.5) + 1))
+    return 4 * q / (pi * amplitude) * sum(map(cos, begins))
+
+
+def _limited(limit: float, amplitude: float) -> float:
+    angle = asin(min(1.0, limit / amplitude))
+    return (2 * angle + sin(2 * angle)) / pi
+
+
+def _played(gap: float, amplitude: float) -> complex:
+    # driven from one flank up to the top, then left there for the angle that the hand needs to cross the play
+    if gap >= 2 * amplitude:
+        return 0j
+    crossing = acos(1 - gap / amplitude)
+    return (pi - crossing + sin(2 * crossing) / 2) / pi - 1j * sin(crossing) ** 2 / pi
+
+
+DEVICE = {"Mm": 0.1, "Ms": 0.1, "Bs": 1, "Ks": 10, "tau": 0.1, "Dm": 1, "Ds": 1}
+SCALES = {"scale_x": 1, "scale_f": 1}
 
 EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]]] = {
     "first-order-lag": ({"omega_c": 10}, _series(lambda p, s: p["omega_c"] / (s + p["omega_c"]))),
@@ -121,14 +146,18 @@ EFFECT: dict[str, tuple[dict[str, Any], Callable[[P, complex, complex], complex]
     "shunt": ({"m": 0.1, "b": 1, "k": 1}, lambda p, s, H: H + p["m"] * s**2 + p["b"] * s + p["k"]),
     "compliance": ({"k": 10, "b": 1}, lambda p, s, H: _in_a_row(H, p["k"] + p["b"] * s)),
     "coulomb-friction": ({"force": 1, "amplitude": 0.1}, lambda p, s, H: H + 4j * p["force"] / (pi * p["amplitude"])),
+    "encoder": ({"q": 0.1, "amplitude": 0.1}, _series(lambda p, s: _rounded(p["q"], p["amplitude"]))),
+    "backlash": ({"gap": 0.1, "amplitude": 0.1}, _series(lambda p, s: _played(p["gap"], p["amplitude"]))),
+    "dead-zone": ({"width": 0.1, "amplitude": 0.1}, _series(lambda p, s: 1 - _limited(p["width"], p["amplitude"]))),
+    "saturation": ({"limit": 0.1, "amplitude": 0.1}, _series(lambda p, s: _limited(p["limit"], p["amplitude"]))),
     "admittance-display": (
         {"P": "w/(s + w)", "parameters": {"w": 10}, "tau": 0.1},
         lambda p, s, H: H * (s + p["w"]) / p["w"] * cmath.exp(s * p["tau"]),
     ),
     "wave-variables": ({"b": 1, "tau": 0.1}, _waves),
-    "position-force-teleoperator": (DEVICE, _position_force),
+    "position-force-teleoperator": ({**DEVICE, **SCALES}, _position_force),
     "position-position-teleoperator": ({**DEVICE, "Bm": 1, "Km": 10}, _position_position),
-    "four-channel-teleoperator": ({**DEVICE, "Bm": 1, "Km": 10}, _four_channel),
+    "four-channel-teleoperator": ({**DEVICE, **SCALES, "Bm": 1, "Km": 10}, _four_channel),
     "two-port": (
         {"A": "a + s", "B": "2*s", "C": "c/s", "D": "3", "parameters": {"a": 1, "c": 1}},
         lambda p, s, H: ((p["a"] + s) * H + 2 * s) / (p["c"] / s * H + 3),
@@ -206,6 +235,40 @@ def test_what_is_built_of_springs_and_masses_is_reciprocal(model: str, reciproca
     a, b, c, d = EFFECTS[model].build(**parameters).matrix
     determinant = complex((a * d - b * c).subs(hs.s, I * 3).evalf(30))
     assert (determinant == pytest.approx(1, rel=1e-12)) is reciprocal
+
+
+ELEMENTS: dict[str, Callable[[float, float, float], float]] = {
+    # the next output, of the input, the size that the element has, and the output before
+    "encoder": lambda x, q, _: q * round(x / q),
+    "backlash": lambda x, gap, before: min(max(before, x - gap / 2), x + gap / 2),
+    "dead-zone": lambda x, width, _: x - min(max(x, -width), width),
+    "saturation": lambda x, limit, _: min(max(x, -limit), limit),
+}
+
+
+@pytest.mark.parametrize("ratio", ["3/100", "1/3", "7/10", "1", "3/2", "5/2"])
+@pytest.mark.parametrize("model", ELEMENTS)
+def test_a_describing_function_is_the_first_harmonic_of_its_element(model: str, ratio: str) -> None:
+    count, total, before = 20_000, 0j, 0.0
+    for i in range(2 * count):  # of two periods of a sine of size 1 the second one
+        angle = 2 * pi * (i + 0.5) / count
+        before = ELEMENTS[model](sin(angle), float(Rational(ratio)), before)
+        total += before * cmath.exp(-1j * angle) * (i >= count)
+    size = next(x for x in EFFECTS[model].slots if x != "amplitude")
+    N = EFFECTS[model].build(**{size: Rational(ratio), "amplitude": 1}).matrix[0]
+    assert complex(N.evalf(30)) == pytest.approx(2j * total / count, abs=1e-3)
+
+
+def test_a_describing_function_is_exact_in_symbols_and_a_number_of_sixty_digits_in_numbers() -> None:
+    q, a = hs.symbols("q a")
+    found = hs.distort(environments.mass_spring_damper(k=1), effects.encoder(q, a)).perceived
+    assert found.free_symbols == {q, a}
+    three = found.subs({q: 2, a: 3})  # two steps, at 1 and 3: the second just not
+    assert abs(three - 4 * 2 / (3 * exact_pi) * sqrt(1 - Rational(1, 9))).evalf(70) < Rational(1, 10**55)
+
+
+def test_an_encoder_of_very_many_steps_is_left_out() -> None:
+    assert "leave the encoder out" in refusal(lambda: effects.encoder("1 nm", "1 m").matrix)
 
 
 @pytest.mark.parametrize("order", range(1, 11))

@@ -104,6 +104,10 @@ NO_SCENES: list[tuple[str, str]] = [
     (ENV.replace("b = 2\n", ""), "kelvin-voigt needs b"), (f"effects = 3\n{ENV}", r"\[\[effects\]\]"), (more("[effects]\nx = 1"), r"\[\[effects\]\]"), (f"effects = [3]\n{ENV}", r"effects\[1\]"),
     (effect(f'{DELAY}\nname = ""\ntau = 1'), "give a name"), (effect(f"{DELAY}\nname = 3\ntau = 1"), "give a name"), (effect(DELAY), "delay needs tau"), (effect('model = "dely"'), 'did you mean "delay"'),
     (effect('model = "latency"'), 'did you mean "delay"'), (effect('model = "mass"'), 'did you mean "shunt"'), (effect('model = "ZOH"'), 'did you mean "zero-order-hold"'),
+    *((effect(f'model = "{word}"'), f'did you mean "{model}"') for words, model in (
+        ("quantizer quantisation quantization", "encoder"), ("hysteresis play slack", "backlash"), ("deadband dead_band", "dead-zone"), ("saturated force-limit", "saturation"),
+        ("gearbox lever", "two-port"), ("motor", "first-order-lag"), ("cable", "compliance"), ("PID", "series"), ("display", "admittance-display")) for word in words.split()),
+    (ENV.replace("kelvin-voigt", "PID"), 'did you mean "expression"'),
     (ENV.replace("kelvin-voigt", "spring"), 'did you mean "mass-spring-damper"'), (effect(f'{DELAY}\ntau = "1 kHz"'), "its period is 1/1000 s"), (more('K = 1'), 'did you mean "k"'),
     (effect('model = "series"\nG = "1"\nparameters = 3'), "must be a table"), (ENV + '[[effects]]\nmodel = "shunt"\nk = 1\n' * (MOST_EFFECTS + 1), "at most 100, not 101"),
     ("environments = []", r"\[\[environments\]\]"), ("environments = 3", r"\[\[environments\]\]"), (TWO + "[environment]\nk = 1", "give either"), (TWO + "[rendered]\nk = 1", "give either"),
@@ -274,7 +278,8 @@ def test_every_verb_that_takes_a_scene_takes_a_name_or_a_path() -> None:
     asking = {
         name for name, x in public.items() if inspect.isfunction(x) and "scene" in inspect.signature(x).parameters
     }
-    assert asking - {"load_scene", "load_scenes", "design"} == set(CALLS)  # design takes families, too
+    # design takes families, too, and fit_zwidth sampled walls alone
+    assert asking - {"load_scene", "load_scenes", "design", "fit_zwidth"} == set(CALLS)
 
 
 def test_several_environments_are_evaluated_by_name_path_or_one_scene(tmp_path: Path) -> None:

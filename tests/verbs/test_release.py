@@ -190,6 +190,80 @@ def test_friction_holds_what_is_let_go() -> None:
     assert run.agrees is None
 
 
+@pytest.mark.parametrize("sampled", [False, True])
+def test_an_encoder_of_the_scene_is_the_encoder_of_the_test(sampled: bool) -> None:  # noqa: FBT001
+    wall, hand = hs.environments.mass_spring_damper(k=100), hs.Hand("own", m="0.5 kg", b=2, k=7)
+    first = hs.effects.sampled_loop("10 ms", "tustin") if sampled else hs.effects.delay("10 ms")
+    behind = hs.effects.first_order_lag(30)
+    plain, measured = (
+        hs.Scene(wall, x) for x in ((first, behind), (first, hs.effects.encoder("1 mm", "1 cm"), behind))
+    )
+    one = hs.release(plain, "1 cm", hand, duration=2, extras=[hs.EncoderQuantisation("1 mm")])
+    other = hs.release(measured, "1 cm", hand, duration=2)
+    assert "encoder" in other.built
+    times = np.linspace(0, 2, 50)
+    apart = np.interp(times, one.time, one.hand_motion) - np.interp(times, other.time, other.hand_motion)
+    assert np.abs(apart).max() < 1e-6
+    assert one.held.stable is other.held.stable
+    assert "without encoder" in str(other)
+
+
+LATE = hs.effects.delay("5 ms"), hs.effects.shunt(m="0.1 kg", b="4 N*s/m")
+QUICK = hs.Hand("quick", m="0.1 kg", b="0.2 N*s/m")
+CYCLES = {
+    # of a spring of 1000 N/m that is 5 ms late: what enters a limit is its force, a play its motion
+    "saturation": (hs.effects.saturation("1 N", "2 N"), LATE, 1000, 0.02),
+    "backlash": (
+        hs.effects.backlash("0.05 mm", "0.6 mm"),
+        (LATE[0], hs.effects.shunt(m="0.1 kg", b="6 N*s/m")),
+        1,
+        0.005,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CYCLES)
+def test_a_limit_cycle_that_attracts_is_how_the_display_rattles(name: str) -> None:
+    element, behind, over, near = CYCLES[name]
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=1000), (element, *behind), (0, 150))
+    run = hs.release(scene, "1 mm", QUICK)
+    [cycle] = [x for x in run.limit_cycles if x.attracts]
+    assert run.rattle is not None
+    assert cycle.amplitude / over == pytest.approx(run.rattle.amplitude, rel=near)
+    assert cycle.omega == pytest.approx(run.rattle.omega, rel=near)
+    assert run.to_dict()["limit_cycles"][-1]["attracts"] is True
+    assert "Possible limit cycles" in str(run)
+
+
+def test_what_a_dead_zone_keeps_quiet_grows_from_beyond_a_limit_cycle_that_does_not_attract() -> None:
+    scene = hs.Scene(
+        hs.environments.mass_spring_damper(k=1000), (hs.effects.dead_zone("0.1 mm", "0.2 mm"), *LATE), (0, 150)
+    )
+    found = hs.stability(scene, QUICK, free=["hand.b"])
+    [[cycle]] = found.limit_cycles
+    assert cycle.attracts is False
+    assert found.to_dict()["held"][0]["limit_cycles"] == [cycle.row()]
+    # below it the motion falls off, above it it grows
+    for share, grows in ((0.7, False), (1.4, True)):
+        assert hs.release(scene, share * cycle.amplitude, QUICK, duration=3).grows is grows
+
+
+def test_a_describing_function_of_a_sampled_wall_is_on_the_circle_where_its_factor_is_the_margin() -> None:
+    """The gain of the encoder is the gain margin of the wall without it, at the frequency of that."""
+    wall = hs.environments.mass_spring_damper(k=1800)
+    clock, device = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="0.1 kg", b="0.8 N*s/m")
+    hand, encoder = hs.Hand("light", m="0.01 kg", b="0.2 N*s/m"), hs.effects.encoder("0.05 mm", "0.2 mm")
+    cycles = hs.stability(hs.Scene(wall, (clock, encoder, device)), hand, free=["hand.b"]).limit_cycles[0]
+    [margin] = hs.stability(hs.Scene(wall, (clock, device)), hand, free=["hand.b"]).margins
+    assert margin is not None
+    assert margin.above is not None
+    assert len(cycles) > 1
+    for x in cycles:
+        N = hs.effects.encoder("0.05 mm", x.amplitude).matrix[0]
+        assert float(N) == pytest.approx(float(margin.above.value), rel=1e-3)
+        assert x.omega == pytest.approx(float(margin.above.bindings[0].omega), rel=1e-5)
+
+
 def test_the_scenes_own_hand_is_taken_and_a_run_lasts_as_long_as_is_asked() -> None:
     scene = hs.Scene(SPRING, (hs.effects.first_order_lag(200),), (0, 15), hands=(hs.Hand("mine", m="0.5 kg", b=12),))
     watched: list[tuple[float, float]] = []

@@ -237,7 +237,7 @@ def test_an_end_of_what_is_searched_is_no_end_of_the_set() -> None:
 def test_what_is_undecided_for_a_reason_says_it(name: str) -> None:
     rough = hs.Scene(environments.mass_spring_damper(k=100, b=1), (effects.coulomb_friction("1 N", "1 cm"),), (1, 99))
     told, asked, why = {
-        "sliding": (rough, {"that": "stable", "hand": POSTURAL}, "sliding friction is a describing function"),
+        "sliding": (rough, {"that": "stable", "hand": POSTURAL}, "friction or play is a describing function"),
         "sampled-wall": (hs.load_scene("sampled-wall"), {"that": "passive"}, "the sampled force depends on"),
     }[name]
     found = hs.require(told, "environment.k", (10, 1000), **asked)

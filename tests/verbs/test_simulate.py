@@ -37,6 +37,11 @@ LOOPS = {
     "a delay inside a loop": (effects.second_order_lowpass(60, 1), effects.delay("10 ms"), effects.compliance(2000, 40)),
     "a delay before the filter in a loop": (effects.delay("10 ms"), effects.second_order_lowpass(60, 1), effects.compliance(2000, 40)),
     "two links in a row": (effects.wave_variables(10, "20 ms"), effects.compliance(900, 5), effects.wave_variables(10, "10 ms")),
+    "arms that are damped, and scales": (
+        effects.position_force_teleoperator("0.5 kg", "2 kg", 64, 400, "20 ms", "1 N*s/m", "3 N*s/m", 2, "0.3"),
+        effects.position_position_teleoperator("0.5 kg", 16, 900, "2 kg", 64, 900, "20 ms", "1 N*s/m", "3 N*s/m"),
+    ),
+    "four channels with scales": (effects.four_channel_teleoperator("0.5 kg", 16, 100, "2 kg", 64, 400, "20 ms", 1, 3, "0.5", "0.2"),),
     "four channels without delay": (effects.four_channel_teleoperator(1, 2, 30, 2, 40, 50),),
     "a delayed force through two derivatives": (effects.delay("20 ms"), effects.series("(1 + s/30)^2/(1 + s/100)^3")),
     "friction through a delay": (effects.coulomb_friction("0.5 N", "5 cm"), effects.delay("37 ms")),
@@ -374,6 +379,24 @@ def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> N
     assert len(np.unique(np.round(steps))) > 2
 
 
+def test_a_play_leaves_the_environment_where_it_was_until_a_flank_touches_it() -> None:
+    scene = hs.Scene(SPRING, (effects.backlash("4 mm", "1 cm"),))
+    run = hs.simulate(scene, hs.sine("1 cm", 5), duration=6)
+    between = run.displacement - run.environment_displacement
+    assert np.abs(between).max() == pytest.approx(2e-3, rel=1e-9)
+    place = np.clip(run.displacement[0], -2e-3, 2e-3) - run.displacement[0]
+    for x, y in zip(run.displacement, run.environment_displacement, strict=True):
+        place = min(max(place, x - 2e-3), x + 2e-3)
+        assert y == pytest.approx(place, abs=1e-5)
+
+
+def test_what_jumps_or_hits_is_not_differentiated() -> None:
+    for one in (effects.encoder("1 mm", "5 cm"), effects.backlash("1 mm", "5 cm")):
+        scene = hs.Scene(MSD, (one,))
+        with pytest.raises(hs.SceneError, match=f"{one.name}: its output jumps"):
+            hs.simulate(scene, hs.sine("5 cm", 20))
+
+
 # What is said of the closed form, and of errors
 
 
@@ -389,6 +412,12 @@ def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> N
         ((effects.coulomb_friction("1 N", "5 cm"), effects.zero_order_hold("30 ms")), ("5 cm", [5]), "base band"),
         ((effects.zero_order_hold("30 ms"), effects.coulomb_friction("1 N", "5 cm")), ("5 cm", [5]), ""),
         ((effects.zero_order_hold("30 ms"), effects.shunt(m=1), effects.compliance(900, 30)), ("5 cm", [5]), "base band"),
+        ((effects.backlash("1 cm", "5 cm"),), ("2 cm", [5]), "amplitude of 0.05, the hand moves by 0.02"),
+        ((effects.dead_zone("1 cm", "5 cm"), effects.compliance(900)), ("5 cm", [5]), "does not move as the hand does"),
+        ((effects.dead_zone("1 cm", "5 cm"), effects.coulomb_friction("1 N", "5 cm")), ("5 cm", [5]), ""),
+        ((effects.saturation("2 N", "1 N"),), ("5 cm", [5]), "amplitude of 1, the force has 10.07"),
+        ((effects.delay("10 ms"), effects.saturation("2 N", "9 N")), ("5 cm", [5]), "limits what is filtered before"),
+        ((effects.sampled_loop("30 ms", "tustin"), effects.encoder("1 cm", "5 cm")), ("5 cm", [5]), "base band"),
     ],
 )  # fmt: skip
 def test_where_the_closed_form_approximates_the_reason_is_told(

@@ -250,6 +250,7 @@ def rationals(low: int = -3, high: int = 3) -> st.SearchStrategy[Fraction]:
 
 MSD = environments.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 SOFT = environments.kelvin_voigt(200, 5)
+SPRING = environments.mass_spring_damper(k=100)
 TELEOPERATOR = {"Mm": "0.5 kg", "Ms": "2 kg", "Bs": "64 N*s/m", "Ks": "400 N/m", "tau": "20 ms"}
 MASTER = {"Bm": "16 N*s/m", "Km": "100 N/m"}
 CATALOGUE: dict[str, hs.Scene] = {
@@ -275,6 +276,10 @@ CATALOGUE: dict[str, hs.Scene] = {
     "shunt": hs.Scene(MSD, (effects.shunt(m="-0.4", b=2),)),
     "compliance": hs.Scene(MSD, (effects.compliance(500, 3),)),
     "coulomb-friction": hs.Scene(MSD, (effects.coulomb_friction("0.5 N", "5 cm"), effects.first_order_lag(30))),
+    "encoder": hs.Scene(SPRING, (effects.encoder("3 mm", "5 cm"), effects.first_order_lag(30))),
+    "backlash": hs.Scene(SOFT, (effects.backlash("1 cm", "5 cm"), effects.shunt(m="0.4", b=2))),
+    "dead-zone": hs.Scene(SOFT, (effects.dead_zone("1 cm", "5 cm"), effects.delay("20 ms"))),
+    "saturation": hs.Scene(SPRING, (effects.saturation("2 N", "5 N"), effects.first_order_lag(30))),
     "admittance-display": hs.Scene(MSD, (effects.admittance_display("400/(s^2 + 30*s + 400)"),)),
     "wave-variables": hs.Scene(MSD, (effects.wave_variables(10, "20 ms"),)),
     "position-force-teleoperator": hs.Scene(SOFT, (effects.position_force_teleoperator(**TELEOPERATOR),)),

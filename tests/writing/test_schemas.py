@@ -59,6 +59,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "jnd": ("jnd", "{answers}", "--reference", "10"),
     "measured": ("evaluate", "{bench}"),
     "identification": ("identify", "{bench}", "--effect", "first-order-lag"),
+    "zwidth": ("identify", "wheel-with-encoder", "--zwidth", "{walls}", "--free", "effects.wheel.b"),
     "scenes": ("scenes",),
     "schemas": ("schemas",),
 }
@@ -78,6 +79,7 @@ SLOW = {
     "jnd",
     "measured",
     "identification",
+    "zwidth",
 }
 """What has its documents validated in the quick suite anyway, by the calls of other tests."""
 BENCH = """
@@ -98,7 +100,12 @@ def files(tmp_path: Path) -> dict[str, str]:
     (tmp_path / "bench.csv").write_text("omega,real,imag,radius\n1,99,2,5\n2,120,4,1\n3,110,6,3\n", encoding="utf-8")
     (tmp_path / "bench.toml").write_text(BENCH, encoding="utf-8")
     (tmp_path / "answers.csv").write_text("level,k,n\n8,1,20\n9,4,20\n10,10,20\n11,17,20\n12,19,20\n", encoding="utf-8")
-    return {"bench": str(tmp_path / "bench.toml"), "answers": str(tmp_path / "answers.csv")}
+    (tmp_path / "walls.csv").write_text("K,B\n0.4,0\n0.5,5e-5\n0.6,1e-4\n", encoding="utf-8")
+    return {
+        "walls": str(tmp_path / "walls.csv"),
+        "bench": str(tmp_path / "bench.toml"),
+        "answers": str(tmp_path / "answers.csv"),
+    }
 
 
 def kinds_below(kind: type[Answer]) -> Iterator[type[Answer]]:

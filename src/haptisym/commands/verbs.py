@@ -1036,6 +1036,13 @@ def _by_role(
         multiple=True,
         callback=_by_role,
     ),
+    option(
+        "--zwidth FILE",
+        "Fit the device of a sampled scene to walls that began to shake: columns K and B.",
+        type=PathType(),
+    ),
+    option("--free NAME", "Parameter that --zwidth fits; repeatable.", multiple=True),
+    option("--hand NAME", "Hand in which --zwidth was measured (none if not given)."),
     option("--quantity NAME", "What the response is, as impedance (stiffness if not given)."),
     option("--sign -1", "The force was measured as the reaction: turn its sign round.", type=int),
     option("--minus FILE", "Measurement of the rig without load, which is subtracted."),
@@ -1045,12 +1052,14 @@ def _by_role(
     NO_FILES,
     figure("the model over what was measured, and the residuals"),
     LIMIT,
+    needs=[("--free", "--zwidth", "the walls"), ("--hand", "--zwidth", "the walls")],
 )
 def identify(ask: Ask) -> Answer:
     """Fit a model to a measured response.
 
     FILE holds frequency points, or with --estimator records in time (CSV); or it is a scene with
-    [perceived] (TOML), whose environment is known and whose effects are fitted.
+    [perceived] (TOML), whose environment is known and whose effects are fitted. With --zwidth it is
+    a sampled scene, of which --free parameters, or those with a range, are fitted.
 
     MODEL is a model of the catalogue. After a colon follow the parameters that it has, where some
     are optional, and given values: shunt:m,b or second-order-lowpass:zeta=0.5.
@@ -1065,8 +1074,15 @@ def identify(ask: Ask) -> Answer:
       haptisym identify bench.toml --effect second-order-lowpass --scene device.toml
       haptisym identify records.csv --estimator H1 --segment "4 s" --environment mass-spring-damper
       haptisym identify device.csv --environment kelvin-voigt --effect shunt:m --band "1 Hz" "20 Hz"
+      haptisym identify wheel.toml --zwidth walls.csv --free effects.wheel.m --free effects.wheel.b
     """
     from haptisym.verbs.identify import entry
+
+    if ask.zwidth:
+        from haptisym.verbs.identify.zwidth import fit_zwidth
+
+        in_hand = {"hand": ask.hand} if ask.hand else {}
+        return fit_zwidth(ask.file, ask.zwidth, ask.free, **in_hand, limit=None)
 
     # Only what was given: a scene with [perceived] has its own and refuses any of them.
     keys = ("estimator", "segment", "columns", "unit", "quantity", "sign", "minus")

@@ -35,6 +35,7 @@ from haptisym.figures.layers import (
     force_per_position,
     frequency,
     handle,
+    parameter,
 )
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import SQUARE, Part
@@ -43,8 +44,10 @@ from haptisym.model.quantities import Dimension, Unit, quantity
 from haptisym.programs.values import Array
 from haptisym.verbs.identify.entry import Identification
 from haptisym.verbs.identify.fitting import WantedResponse as Fitted
+from haptisym.verbs.identify.zwidth import ZWidthFit
 from haptisym.verbs.measured.entry import BetweenLines, BoundedLines, MeasuredEvaluation
 from haptisym.verbs.measured.judging import joint_distance, limits_of, values_of
+from haptisym.verbs.stability.entry import WALL
 
 _MOST_LINES, _MOST_POINTS = 800, 6000
 """Frequency points drawn, and points of swept discs."""
@@ -628,3 +631,18 @@ IDENTIFICATION = Drawings[Identification](
     {"magnitude": magnitude, "phase": phase, "residuals": residuals},
     {"model": lambda a: sheet(magnitude(a), phase(a), residuals(a))},
 )
+
+
+def zwidth(a: ZWidthFit) -> Panel:
+    """Damping against stiffness of walls: those that began to shake, and the limit of the device
+    that was fitted to them."""
+    k, b = (a.scene.knobs[x] for x in WALL)
+    order = np.argsort(a.damping)
+    layers = [
+        Polyline(a.fitted[order], a.damping[order], label="limit of the fitted device"),
+        Mark(a.stiffness, a.damping, label="began to shake"),
+    ]
+    return Panel(layers, parameter(k), parameter(b))
+
+
+ZWIDTH = Drawings[ZWidthFit]({"zwidth": zwidth})

@@ -19,6 +19,7 @@ from sympy import Add, Expr, I, Integer, Mul, Rational, Symbol, cosh, exp, gcd, 
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import Harmonic
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import (
     Polynomial,
@@ -75,7 +76,7 @@ class Ring(PolynomialRing):
         numbers = {x for x in radicands if x.is_Integer}
         parameters = radicands - numbers
         bases = _independent(numbers) | parameters
-        plain = {x for x in atoms if x.is_Symbol} - {s} - bases
+        plain = {x for x in atoms if x.is_Symbol or isinstance(x, Harmonic)} - {s} - bases
         symbols = plain | {x**order for x in bases}
         lags: set[Expr] = set()
         for x in atoms:
@@ -152,10 +153,13 @@ class Ring(PolynomialRing):
 
 def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
     """The parts of expressions that a ring needs variables for: symbols, j, exponentials,
-    fractional powers of s, and roots of parameters and numbers."""
+    fractional powers of s, roots of parameters and numbers, and first harmonics."""
     waiting = [*expressions]
     while waiting:
         x = waiting.pop()
+        if isinstance(x, Harmonic):
+            yield x
+            continue
         if x.is_Symbol or x is I:
             yield x
         elif x.func in (cosh, sinh):

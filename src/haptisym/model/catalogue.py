@@ -542,6 +542,9 @@ def _known(name: str, names: Mapping[str, Expr]) -> Expr:
 
 SAMPLED_LOOP, HOLD, DIFFERENCE_EQUATION = "sampled-loop", "zero-order-hold", "difference-equation"
 CLOCKS = (SAMPLED_LOOP, HOLD)
+FRICTION, ENCODER = "coulomb-friction", "encoder"
+DESCRIBED = (FRICTION, ENCODER, "backlash", "dead-zone", "saturation")
+"""Effects that are not linear, of which a matrix has the first harmonic at one amplitude."""
 BACK = Symbol("z_back")
 """1/z, what is one sample old."""
 

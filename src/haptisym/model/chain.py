@@ -64,6 +64,7 @@ from sympy import (
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted, within
+from haptisym.kernel.harmonics import Harmonic
 from haptisym.kernel.objects import viewed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
@@ -178,12 +179,23 @@ class Chain:
         found = {x for entry in self.entries() for x in entry.free_symbols}
         return tuple(sorted(found - {s}, key=str))
 
+    @property
+    def harmonics(self) -> tuple[Expr, ...]:
+        """The first harmonics in it whose sizes are still symbols."""
+        return tuple(sorted({x for e in self.entries() for x in e.atoms(Harmonic)}, key=str))
+
+    @property
+    def described(self) -> frozenset[Symbol]:
+        """The symbols in its first harmonics: sizes that can be set, not varied."""
+        return frozenset().union(*(x.free_symbols for x in self.harmonics))
+
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``programs.values.Values``; what is 0 for all
         arguments is written as 0."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
 
-        write = _writer(self.environment, self.rendered, self.matrices, self.parameters)
+        inputs = (*self.parameters, *self.harmonics)
+        write = _writer(self.environment, self.rendered, self.matrices, inputs)
         program = write(fields, ())
         # A value that is not 0 at one point settles that a field is not 0 everywhere. Only fields
         # whose ball holds 0 at this arbitrary point need the exact, slower test.
@@ -298,8 +310,16 @@ class Chain:
         return Chain(environment, rendered, tuple(matrices)), is_odd
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
-        """The same chain with values for some of its symbols."""
-        return self.map(lambda entry: in_place(entry, values))
+        """The same chain with values for some of its symbols; SceneError where numbers are put in
+        and a first harmonic, which is no quotient of polynomials, keeps a symbol."""
+        found = self.map(lambda entry: in_place(entry, values))
+        if found.harmonics and any(x.is_number for x in values.values()):
+            names = ", ".join(sorted(map(str, found.described)))
+            raise SceneError(
+                f"{names}: a number of a describing function can be set, not varied: write "
+                f"another value into the scene (with_values), and ask again"
+            )
+        return found
 
     def map(self, change: Callable[[Expr], Expr]) -> Chain:
         """The chain with every dynamics in it changed by a function."""

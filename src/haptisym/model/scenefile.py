@@ -463,16 +463,33 @@ _COMMON = {
     "damp": "shunt",
     "device": "shunt",
     "friction": "coulomb-friction",
+    "quanti": "encoder",
+    "resolution": "encoder",
+    "display": "admittance-display",
+    "hyster": "backlash",
+    "play": "backlash",
+    "slack": "backlash",
+    "dead": "dead-zone",
+    "satur": "saturation",
+    "limit": "saturation",
+    "clip": "saturation",
+    "gear": "two-port",
+    "lever": "two-port",
+    "transmission": "two-port",
+    "pid": "series expression",
     "low": "second-order-lowpass",
     "lag": "first-order-lag",
     "motor": "first-order-lag",
     "actuator": "first-order-lag",
     "shaft": "compliance",
+    "cable": "compliance",
+    "tendon": "compliance",
     "belt": "compliance",
     "coupling": "compliance",
     "transfer": "series",
 }
-"""Words for a model that are not its name; the first that an unknown name contains is meant."""
+"""Words for a model that are not its name; the first that an unknown name contains is meant. Of two
+models one is an effect, the other an environment."""
 
 
 def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Model, dict[str, Any]]:
@@ -483,7 +500,8 @@ def _model(given: Any, catalogue: Mapping[str, Model], place: str) -> tuple[Mode
         raise SceneError(f"{place}: model is missing: valid are {', '.join(catalogue)}")
     if not isinstance(name, str) or name not in catalogue:
         # A word that says what is meant goes before a similar spelling.
-        likely = (x for word, x in _COMMON.items() if word in str(name).lower() and x in catalogue)
+        words = (models for word, models in _COMMON.items() if word in str(name).lower())
+        likely = (x for models in words for x in models.split() if x in catalogue)
         hint = next((f'did you mean "{x}"? ' for x in likely), "") or meant(str(name), catalogue)
         raise SceneError(
             f'{place}: unknown model "{str(name)[:60]}": {hint}valid are {", ".join(catalogue)}'

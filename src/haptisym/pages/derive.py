@@ -505,7 +505,7 @@ def _dimensionless(d: Derivation) -> Iterator[doc.Section]:
         ". The ratios, as functions of these:",
     )
     yield _section(title, rows, [note])
-    steps = _in_x(groups, groups.chain.at(groups.values).steps)
+    steps = _in_x(groups, groups.distortion.chain.steps)
     yield _section((), step_lines(steps))
 
 

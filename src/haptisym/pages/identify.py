@@ -12,10 +12,21 @@ import numpy as np
 from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import s
 from haptisym.model.distortion import distort
-from haptisym.model.quantities import unit_text
+from haptisym.model.quantities import Dimension, unit_text
 from haptisym.pages.measured import linearity, measured_words
-from haptisym.pages.words import Field, near, noted, number, phrased, table, undecided
+from haptisym.pages.words import (
+    Field,
+    near,
+    noted,
+    number,
+    page_about,
+    phrased,
+    table,
+    undecided,
+    unit,
+)
 from haptisym.verbs.identify.entry import Estimate, Identification, correlation
+from haptisym.verbs.identify.zwidth import ZWidthFit
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong
 from haptisym.writing.layout import equation, named
@@ -42,6 +53,42 @@ def page(a: Identification) -> Document:
         doc.Paragraph(_how_sure(a)),
     )
     return Document(a.title, (), blocks, "A model fitted to a measured response")
+
+
+def page_zwidth(a: ZWidthFit) -> Document:
+    """Return the page of a device that was fitted to a Z-width plot."""
+    motion = a.scene.motion
+    knobs = a.scene.knobs
+    rows = [(x, knobs[x.path].shown_unit(motion)) for x in a.estimates]
+    shown = table(
+        rows,
+        "The fitted device: estimates, with the intervals of resampled walls.",
+        Field("parameter", lambda x: x[0].path),
+        number("estimate", lambda x: near(x[0].value, unit=x[1])),
+        number("from", lambda x: near(x[0].low, unit=x[1])),
+        number("to", lambda x: near(x[0].high, unit=x[1])),
+    )
+    walls = table(
+        list(zip(a.stiffness, a.damping, a.fitted, strict=True)),
+        "The walls that began to shake, and the exact limit of the fitted device.",
+        number(f"K ({unit(Dimension.STIFFNESS, motion)})", lambda x: near(float(x[0]))),
+        number(f"B ({unit(Dimension.DAMPING, motion)})", lambda x: near(float(x[1]))),
+        number("limit of K", lambda x: near(float(x[2]))),
+    )
+    spread = near(100 * a.error), "\xa0% from the limit, root mean square"
+    answer: list[tuple[Phrase, Phrase]] = [
+        ("Fitted", (f"{counted(len(a.stiffness), 'wall')}, ", *spread))
+    ]
+    if a.together:
+        several = " separately: fix one" if len(a.together) > 1 else ": fix it"
+        named_ones = " and ".join(a.together)
+        answer.append(
+            ("Unique", (Strong("no"), f": the data do not identify {named_ones}{several}"))
+        )
+    drawn = doc.Figure("zwidth", "The walls, and the exact limit of the fitted device.", a.figure)
+    how = "Estimated (95 %): least squares on the exact stability limit, intervals by bootstrap."
+    sections = doc.Section("Parameters", (shown,)), doc.Section("Walls", (walls, drawn))
+    return page_about(a.scene, answer, sections, (how,), "A device fitted to a Z-width plot")
 
 
 def _answer(a: Identification) -> Iterator[tuple[Phrase, Phrase]]:

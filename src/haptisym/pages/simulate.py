@@ -9,8 +9,10 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
 from haptisym.model.scene import clocks
 from haptisym.pages import words as w
+from haptisym.pages.stability import limit_cycle_table
 from haptisym.verbs.simulate.entry import Simulation, Simulations
-from haptisym.verbs.simulate.release import FRICTION, Closed, Release
+from haptisym.verbs.simulate.release import Closed, Release
+from haptisym.verbs.stability.limitcycles import linear
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 
@@ -145,6 +147,7 @@ def page_release(r: Release) -> Document:
     chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
     blocks = (
         *_table_release(r),
+        *limit_cycle_table(r.scene.motion, [(r.hand.name, x) for x in r.limit_cycles]),
         *w.noted(chain),
         doc.Facts(tuple(_run(r))),
         doc.Figure("release", shown, r.figure),
@@ -163,11 +166,14 @@ def _answer(r: Release) -> Iterator[tuple[Phrase, Phrase]]:
         "After release",
         _rattle(r) if r.rattle else "comes to rest (simulated)" if rests else motion,
     )
-    yield (
-        ("Linear loop", (_held(r), ", without encoder and limit of the force"))
-        if r.extras
-        else ("Closed form", _held(r))
-    )
+    left = _left_out(r)
+    yield ("Linear loop", (_held(r), f", without {left}")) if left else ("Closed form", _held(r))
+
+
+def _left_out(r: Release) -> str:
+    """Return the names of what is not linear, which the linear loop is without."""
+    effects = [x.name for x in r.scene.effects if x not in linear(r.scene).effects]
+    return ", ".join([*effects, *["encoder and limit of the force"] * bool(r.extras)])
 
 
 def _rattle(r: Release) -> Phrase:
@@ -214,8 +220,8 @@ def _table_release(r: Release) -> Iterator[Block]:
     if r.closed is not None and not r.is_envelope:
         proven = "proven" if r.closed.root.certified else "not proven to be the rightmost"
         root = "largest pole z, ln z/T" if clocks(r.scene) else "rightmost pole"
-        # The closed form has no dry friction, which is not linear.
-        without = " without friction" * any(x.model == FRICTION for x in r.scene.effects)
+        left = [x.name for x in r.scene.effects if x not in linear(r.scene).effects]
+        without = f" without {', '.join(left)}" * bool(left)
         rows.append((root + without, w.near(r.closed.rate), w.cell(r.closed.omega), proven))
     if rows:
         caption = (

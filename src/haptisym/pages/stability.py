@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf, log10
+from typing import TYPE_CHECKING
 
 from sympy import Expr, Integer, Rational, exp
 
@@ -19,7 +20,7 @@ from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
-from haptisym.model.quantities import Dimension
+from haptisym.model.quantities import Dimension, MotionKind
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
@@ -31,6 +32,9 @@ from haptisym.writing import document as doc
 from haptisym.writing.boxes import Prefixed
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import named
+
+if TYPE_CHECKING:
+    from haptisym.verbs.stability.limitcycles import LimitCycle
 
 _IM = Prefixed(w.OPERATORS[Part.IMAG], w.H_PERC)
 _REAL = Prefixed(w.OPERATORS[Part.REAL], named("s"))
@@ -66,6 +70,14 @@ def page(found: Stability) -> Document:
         *_hands(found),
         *_limits(found),
         *_margins(found),
+        *limit_cycle_table(
+            found.scene.motion,
+            [
+                (x.hand.name, cycle)
+                for x, cycles in zip(found.held, found.limit_cycles, strict=True)
+                for cycle in cycles
+            ],
+        ),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
         w.CERTIFICATE,
@@ -434,6 +446,27 @@ def _margins(found: Stability) -> Iterator[Block]:
             *w.noted([_SEARCHED, *map(w.undecided, _open_margins(rows))]),
         ),
     )
+
+
+def limit_cycle_table(
+    motion: MotionKind | None, rows: Sequence[tuple[str, LimitCycle]]
+) -> Iterator[Block]:
+    """Yield the table of possible limit cycles, each with its hand; nothing without any."""
+    if rows:
+        unit = w.unit(rows[0][1].dimension, motion)
+        shown = w.table(
+            rows,
+            "Where the loop with the describing function is on the axis: estimated, without "
+            "harmonics. Motions near a cycle that attracts come to it, from one that does not "
+            "they go away.",
+            w.Field("hand", lambda x: x[0]),
+            w.number(
+                f"amplitude of {rows[0][1].element} ({unit})", lambda x: w.near(x[1].amplitude)
+            ),
+            w.hertz(lambda x: w.cell(x[1].omega)),
+            w.Field("attracts", lambda x: "yes" if x[1].attracts else "no"),
+        )
+        yield doc.Section("Possible limit cycles (estimated: describing function)", (shown,))
 
 
 def _factors(margins: Margins, of: Callable[[RealNumber, Way], Phrase]) -> Phrase:

@@ -914,7 +914,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     """
     scene = as_scene(scene)
     free = (
-        scene.parameters
+        [x for x in scene.parameters if x.symbol not in scene.chain.described]
         if parameters is None
         else [scene.knobs[name].felt() for name in parameters]
     )

@@ -70,7 +70,7 @@ from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, Elements, part_of
 from haptisym.model.jnd import Part
-from haptisym.model.parameters import Parameter
+from haptisym.model.parameters import Parameter, in_place
 from haptisym.model.quantities import Dimension, MotionKind, Number, dimension_exponents
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -284,7 +284,7 @@ class Groups:
     def distortion(self) -> Distortion:
         """The closed forms in x and the groups: ratios are those of the scene, dynamics are in
         units of ``stiffness``."""
-        return Distortion.of(self.chain.at(self.values))
+        return Distortion.of(self.chain.map(lambda entry: in_place(entry, self.values)))
 
     def forwards(self, form: Expr) -> Expr:
         """A form of ``distortion``, which is written in omega, with x for it."""

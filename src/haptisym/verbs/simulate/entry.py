@@ -26,7 +26,7 @@ from haptisym.kernel.budget import ONE_THREAD, SECONDS, limited
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import counted, titled
 from haptisym.kernel.rootcount import is_stable
-from haptisym.model.catalogue import Effect
+from haptisym.model.catalogue import DESCRIBED, ENCODER, Effect
 from haptisym.model.motions import Motion, Sines, chirp, multisine, positive, recording, sine
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
@@ -40,13 +40,15 @@ from haptisym.verbs.simulate.network import (
     Port,
     SignalSum,
     Step,
-    Switch,
     bank_error,
     build_controller,
     build_effect,
     build_environment,
     float_of,
+    join,
+    limit_force,
     name_of,
+    size_of,
 )
 from haptisym.verbs.simulate.statespace import Reading, Record, StateSpace
 
@@ -67,8 +69,8 @@ class ForceSaturation:
 
 
 Extra = EncoderQuantisation | ForceSaturation
-"""Elements that only a simulation has: neither has a describing function here, and no closed
-form contains it."""
+"""Elements that only a simulation has: no closed form contains them, as it does the effects
+``encoder`` and ``saturation``."""
 
 
 @dataclass(frozen=True)
@@ -542,9 +544,12 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
     ports = [Port(net.signal("F"), net.signal("X")) for _ in range(len(scene.effects) + 1)]
     near, resolution = ports[0], 0.0
     sampled = bool(scene.effects) and scene.effects[0].renders
+    # An encoder next to a sampled controller is read at its ticks alone: rounding the samples is
+    # the same, and needs no event for each step in between.
+    encoder = next((x for x in scene.effects[1:2] if sampled and x.model == ENCODER), None)
+    if encoder:
+        resolution = size_of(encoder)
     for extra in extras:
-        # A sampled controller reads the encoder at its ticks alone: rounding the samples is the
-        # same, and needs no event for each step of the encoder in between.
         if sampled and isinstance(extra, EncoderQuantisation):
             resolution = max(
                 resolution, _sized(_RESOLUTION, extra.resolution, Dimension.DISPLACEMENT, scene)
@@ -557,7 +562,11 @@ def build(net: Network, scene: Scene, extras: Sequence[Extra] = ()) -> list[Port
     else:
         build_environment(net, scene.rendered or scene.environment, near)
     for effect, inner, outer in zip(scene.effects, ports, ports[1:], strict=False):
-        build_effect(net, effect, inner, outer)
+        if effect is encoder:
+            join(net, inner, outer)
+            net.built.append(effect.model)
+        else:
+            build_effect(net, effect, inner, outer)
     net.hold_whole_delays()
     return ports
 
@@ -571,14 +580,11 @@ def _build_extra(net: Network, extra: Extra, far: Port, scene: Scene) -> Port:
         net.steps.append(Step(name_of(far.X), name_of(measured), size, "encoder-quantisation"))
         net.built.append("encoder-quantisation")
         return Port(far.F, measured)
-    wanted = net.signal("wanted-force")
+    near = Port(net.signal("wanted-force"), net.signal("unlimited"))
     limit = _sized("limit of the force", extra.limit, Dimension.FORCE, scene)
-    closed = wanted - far.F
-    net.switches.append(
-        Switch(name_of(far.F), closed, name_of(wanted), limit, limit, "force-saturation")
-    )
+    limit_force(net, limit, "force-saturation", near, far)
     net.built.append("force-saturation")
-    return Port(wanted, far.X)
+    return near
 
 
 def _sized(key: str, given: Number, dimension: Dimension, scene: Scene) -> float:
@@ -670,19 +676,20 @@ def _check_clocks(net: Network, motion: Motion) -> None:
             )
 
 
-def why_approximate(engine: Engine, scene: Scene) -> str:
+def why_approximate(run: Run) -> str:
     """Why the closed form is not what a simulation must give, or nothing."""
+    engine = run.engine
     system = engine.systems[frozenset()]
     assert system is not None
-    effects = {effect.name: effect for effect in scene.effects}
-    for switch in engine.net.switches:
-        if switch.offset:
-            continue
-        reason = _friction_reason(system.exact, switch.driver, effects[switch.name], engine.motion)
-        if reason:
-            return reason
+    for effect, inner, outer in zip(run.scene.effects, run.ports, run.ports[1:], strict=False):
+        if effect.model in DESCRIBED:
+            is_force = effect.model == "saturation"
+            signal = name_of(inner.F if is_force else outer.X)
+            reason = _reason(system.exact, signal, effect, engine.motion, is_force=is_force)
+            if reason:
+                return reason
     for hold in engine.net.holds:
-        if _jumps_behind(system.exact, engine.net, hold.source):
+        if hold.resolution or _jumps_behind(system.exact, engine.net, hold.source):
             return (
                 f"{hold.name} samples what jumps or comes back to it: its images count, the "
                 f"closed form has the base band"
@@ -690,28 +697,39 @@ def why_approximate(engine: Engine, scene: Scene) -> str:
     return ""
 
 
-def _friction_reason(system: StateSpace, velocity: str, effect: Effect, motion: Motion) -> str:
-    """Return why a friction's describing function is not what its simulation gives; empty where it
-    is."""
+def _reason(
+    system: StateSpace, signal: str, effect: Effect, motion: Motion, *, is_force: bool
+) -> str:
+    """Return why the describing function of what reads a signal is not what its simulation gives;
+    empty where it is."""
     name = effect.name
     amplitude = next(float(p.value) for p in effect.parameters if p.key == "amplitude")
-    row = system.signal(velocity)
+    row = system.signal(signal)
     present = next(x for x in system.inputs if x.name == MOTION and x.lag == 0)
     hand = system.inputs.index(present)
-    # The velocity is the hand's exactly if dx/dt of the motion has weight 1 and all else has 0.
+    # A motion is the hand's exactly if that has weight 1 and all else has 0; a force may be any
+    # sum of the hand's motion and its derivatives.
     weights = [float_of(c[0, i]) for c in row.inputs for i in range(c.ncols())]
-    has_velocity = len(row.inputs) > 1 and float_of(row.inputs[1][0, hand]) == 1.0
-    prescribed = has_velocity and sum(map(abs, weights)) == 1.0
+    own = [float_of(c[0, hand]) for c in row.inputs]
+    is_alone = sum(map(abs, weights)) == sum(map(abs, own))
+    prescribed = is_alone and (is_force or (own[0] == 1.0 and not any(own[1:])))
     if not prescribed or any(row.state[0, i] != 0 for i in range(system.size)):
-        return f"{name} does not move as the hand does: its describing function is an approximation"
+        what = "limits what is filtered before" if is_force else "does not move as the hand does"
+        return f"{name} {what}: its describing function is an approximation"
     if len(motion.omegas) > 1:
         return f"{name}: a describing function holds for one sine, not for several"
-    if abs(motion.amplitude / amplitude - 1) > 1e-12:
+    sizes = (w * (1j * motion.span[0]) ** n for n, w in enumerate(own))
+    size = motion.amplitude * abs(sum(sizes))
+    if abs(size / amplitude - 1) > _SAME:
+        what = "the force has" if is_force else "the hand moves by"
         return (
-            f"{name}: its describing function is for an amplitude of {amplitude:g}, the hand "
-            f"moves by {motion.amplitude:g}"
+            f"{name}: its describing function is for an amplitude of {amplitude:g}, {what} {size:g}"
         )
     return ""
+
+
+_SAME = 1e-9
+"""Relative: so far floats may take an amplitude from the one that is given."""
 
 
 def _jumps_behind(system: StateSpace, net: Network, source: str) -> set[str]:
@@ -865,7 +883,7 @@ def check(
         raise SceneError(f"count: {count} frequencies; at least 1 is needed")
     size = default_amplitude(scene) if amplitude is None else amplitude
     omegas = band_frequencies(scene, count)
-    one_by_one = any(effect.model == "coulomb-friction" for effect in scene.effects)
+    one_by_one = any(effect.model in DESCRIBED for effect in scene.effects)
     motions = [sine(size, omega) for omega in omegas] if one_by_one else [multisine(size, omegas)]
     with limited(limit):
         return Simulations(simulate(scene, x, progress=progress, limit=None) for x in motions)
@@ -884,10 +902,10 @@ def band_frequencies(scene: Scene, count: int) -> list[float]:
 
 
 def default_amplitude(scene: Scene) -> float:
-    """Return the amplitude for which the scene's friction is given, or 0.05 m (0.05 rad) without
-    one."""
-    frictions = [e for e in scene.effects if e.model == "coulomb-friction"]
-    given = [float(p.value) for e in frictions for p in e.parameters if p.key == "amplitude"]
+    """Return the amplitude for which a describing function of the scene is given, or 0.05 m (0.05
+    rad) without one."""
+    described = [e for e in scene.effects if e.model in DESCRIBED and e.model != "saturation"]
+    given = [float(p.value) for e in described for p in e.parameters if p.key == "amplitude"]
     return given[0] if given else 0.05
 
 
@@ -956,7 +974,7 @@ def _estimates(run: Run, found: Lock, other: Lock) -> tuple[RecoveredResponse, .
     why = (
         "the closed form knows no quantisation and no saturation"
         if run.extras
-        else why_approximate(run.engine, run.scene)
+        else why_approximate(run)
     )
     return tuple(
         RecoveredResponse(float(w), complex(h), complex(c), float(e), why)

@@ -442,10 +442,15 @@ def _in_delays(polynomial: Polynomial) -> tuple[Exact, ...]:
     return tuple(row.get(n, _ZERO) for n in range(max(row, default=0) + 1))
 
 
-def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
-    """Nothing but a joint: ``build_controller`` has added the clock in the environment's place."""
+def join(net: Network, near: Port, far: Port) -> None:
+    """Let two ports be one."""
     net.equal(far.X, near.X)
     net.equal(far.F, near.F)
+
+
+def _sampled_loop(net: Network, element: Effect, near: Port, far: Port) -> None:
+    """Nothing but a joint: ``build_controller`` has added the clock in the environment's place."""
+    join(net, near, far)
 
 
 def _shunt(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -480,6 +485,48 @@ def _coulomb_friction(net: Network, element: Effect, near: Port, far: Port) -> N
         net.zero(force)
 
 
+def size_of(element: Effect) -> float:
+    """Return the size of an element that is not linear, SI: its step, gap, width or limit."""
+    return float_of(exact(next(x.value for x in element.parameters if x.key != "amplitude")))
+
+
+def _encoder(net: Network, element: Effect, near: Port, far: Port) -> None:
+    net.equal(far.F, near.F)
+    step = Step(name_of(far.X), name_of(near.X), size_of(element), element.name)
+    net.steps.append(step)
+
+
+def _backlash(net: Network, element: Effect, near: Port, far: Port) -> None:
+    # Coulomb's law of a distance in place of a force: the play is open to one side while the driven
+    # side moves one way, and what is in between while that rests.
+    play, velocity = net.signal("play"), net.signal("velocity")
+    net.equal(far.F, near.F)
+    net.equal(far.X, near.X + play)
+    net.equal(velocity, near.X.d())
+    half = size_of(element) / 2
+    net.switches.append(Switch(name_of(play), velocity, name_of(velocity), half, 0.0, element.name))
+
+
+def _dead_zone(net: Network, element: Effect, near: Port, far: Port) -> None:
+    lost, width = net.signal("lost"), size_of(element)
+    net.equal(far.F, near.F)
+    net.equal(far.X, near.X + lost)
+    net.switches.append(
+        Switch(name_of(lost), far.X - lost, name_of(far.X), width, width, element.name)
+    )
+
+
+def limit_force(net: Network, limit: float, name: str, near: Port, far: Port) -> None:
+    """Add a limit of the force between two ports, N or N m."""
+    net.equal(far.X, near.X)
+    closed = near.F - far.F
+    net.switches.append(Switch(name_of(far.F), closed, name_of(near.F), limit, limit, name))
+
+
+def _saturation(net: Network, element: Effect, near: Port, far: Port) -> None:
+    limit_force(net, size_of(element), element.name, near, far)
+
+
 def _admittance_display(net: Network, element: Effect, near: Port, far: Port) -> None:
     # From the hand's force to the rendered one: that way is causal, as the display measures the
     # force and moves. The inverse would differentiate.
@@ -502,14 +549,24 @@ def _wave_variables(net: Network, element: Effect, near: Port, far: Port) -> Non
     net.equal(far.F - far_flow, outward.late(tau))
 
 
+def _arm(p: Mapping[str, Exact], side: str, motion: SignalSum) -> SignalSum:
+    """The force that moves an arm of a teleoperator: that of its mass and its damping."""
+    return motion.through(0, p.get(f"D{side}", fmpq(0)), p[f"M{side}"])
+
+
+def _scale(p: Mapping[str, Exact], of: str) -> Exact:
+    """A scale of a teleoperator, of positions or of forces."""
+    return p.get(f"scale_{of}", fmpq(1))
+
+
 def _position_force(net: Network, element: Effect, near: Port, far: Port) -> None:
     # The slave follows the delayed position of the master, which feels the delayed force of the
     # environment: there is no coupling back to the master's own controller.
     p = _values(element)
     tau = p.get("tau", fmpq(0))
-    control = (far.X.late(tau) - near.X).through(p["Ks"], p["Bs"])
-    net.equal(p["Ms"] * near.X.d(2), control - near.F)
-    net.equal(far.F, p["Mm"] * far.X.d(2) + near.F.late(tau))
+    control = (_scale(p, "x") * far.X.late(tau) - near.X).through(p["Ks"], p["Bs"])
+    net.equal(_arm(p, "s", near.X), control - near.F)
+    net.equal(far.F, _arm(p, "m", far.X) + _scale(p, "f") * near.F.late(tau))
 
 
 def _position_position(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -518,10 +575,10 @@ def _position_position(net: Network, element: Effect, near: Port, far: Port) -> 
     tau = p.get("tau", fmpq(0))
     slave_error = far.X.late(tau) - near.X
     slave_control = slave_error.through(p["Ks"], p["Bs"])
-    net.equal(p["Ms"] * near.X.d(2), slave_control - near.F)
+    net.equal(_arm(p, "s", near.X), slave_control - near.F)
     master_error = far.X - near.X.late(tau)
     master_control = master_error.through(p["Km"], p["Bm"])
-    net.equal(far.F, p["Mm"] * far.X.d(2) + master_control)
+    net.equal(far.F, _arm(p, "m", far.X) + master_control)
 
 
 def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -529,14 +586,18 @@ def _four_channel(net: Network, element: Effect, near: Port, far: Port) -> None:
     # the last two equations give (master + slave)(near.X - far.X) = 0: ideal transparency.
     p = _values(element)
     tau = p.get("tau", fmpq(0))
-    master = p["Km"], p["Bm"], p["Mm"]
-    slave = p["Ks"], p["Bs"], p["Ms"]
+    x, f = _scale(p, "x"), _scale(p, "f")
     to_slave = net.signal("to-slave")
     to_master = net.signal("to-master")
-    net.equal(to_slave, far.F + far.X.through(*slave))
-    net.equal(to_master, near.F - near.X.through(*master))
-    net.equal(near.X.through(*slave), to_slave.late(tau) - near.F)
-    net.equal(far.F, far.X.through(*master) + to_master.late(tau))
+
+    def held(side: str, motion: SignalSum) -> SignalSum:
+        """The force that an arm and its own controller need for a motion."""
+        return _arm(p, side, motion) + motion.through(p[f"K{side}"], p[f"B{side}"])
+
+    net.equal(to_slave, 1 / f * far.F + held("s", x * far.X))
+    net.equal(to_master, f * near.F - held("m", 1 / x * near.X))
+    net.equal(held("s", near.X), to_slave.late(tau) - near.F)
+    net.equal(far.F, held("m", far.X) + to_master.late(tau))
 
 
 def _two_port(net: Network, element: Effect, near: Port, far: Port) -> None:
@@ -563,6 +624,10 @@ _EFFECTS: dict[str, Callable[[Network, Effect, Port, Port], None]] = {
     "shunt": _shunt,
     "compliance": _compliance,
     "coulomb-friction": _coulomb_friction,
+    "encoder": _encoder,
+    "backlash": _backlash,
+    "dead-zone": _dead_zone,
+    "saturation": _saturation,
     "admittance-display": _admittance_display,
     "wave-variables": _wave_variables,
     "position-force-teleoperator": _position_force,

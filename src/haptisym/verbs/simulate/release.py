@@ -15,7 +15,7 @@ linear loop. Read from ``release`` and ``_Run``.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, pi
 from pathlib import Path
@@ -29,7 +29,7 @@ from haptisym.kernel.dynamics import ring_of
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.objects import titled
 from haptisym.kernel.rootcount import RootChain, at_least, order_at_0
-from haptisym.model.catalogue import Hand, how_to_give
+from haptisym.model.catalogue import DESCRIBED, Hand, how_to_give
 from haptisym.model.motions import LettingGo, positive
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
@@ -51,8 +51,8 @@ from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
+from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles, linear
 
-FRICTION = "coulomb-friction"
 _WINDOWS = 6
 # Radians between two samples, at the most: beyond pi a sampled oscillation looks like a slower one.
 _PER_TURN = 1.5
@@ -310,6 +310,9 @@ class Release(Answer):
     """The motion that neither grows nor decays, with an encoder, friction or a limit of the
     force; None where there is none."""
     extras: tuple[Extra, ...] = ()
+    limit_cycles: tuple[LimitCycle, ...] = ()
+    """Those that the describing function of the one element that is not linear makes possible;
+    estimated."""
 
     def _line(self) -> str:
         verdict = (
@@ -409,6 +412,7 @@ class Release(Answer):
             "simulated": fitted,
             "rattle": self.rattle
             and {"amplitude": self.rattle.amplitude, "frequency": self.rattle.omega},
+            **({"limit_cycles": [x.row() for x in self.limit_cycles]} if self.limit_cycles else {}),
             "closed": self._closed(),
             "held": self.held.stable,
             "agrees": self.agrees,
@@ -496,11 +500,11 @@ def closed_form(scene: Scene, hand: Hand) -> Closed | None:
     """The rightmost root of H_perc + m s^2 + b s + k, or that of the loop with its clock; None
     where there is none to find.
 
-    It is that of the loop without friction, whose describing function has j among its numbers, and
-    no roots in s.
+    It is that of the loop without what is not linear: friction and play have j among their numbers,
+    and no roots in s; an encoder, a dead zone or a limit has as many loops as amplitudes.
     """
     # Left out before the loop is made: with j in a coefficient the roots would not be conjugate.
-    scene = replace(scene, effects=tuple(x for x in scene.effects if x.model != FRICTION))
+    scene = linear(scene)
     if clocks(scene):
         sampled = clocked_root(scene, hand)
         return None if sampled is None else Closed(sampled)
@@ -543,7 +547,7 @@ class _Run:
         span = (1e-3 * self.scale, max(30 * self.scale, 3 * float(scene.band[1])))
         self.net = Network(span)
         self.port = _held(self.net, scene, hand, self.extras)
-        self.linear = not (self.extras or self.net.switches)
+        self.linear = not self.extras and linear(scene) == scene
         rest = self._rest(span)
         force = rest[MOTION]
         if abs(force) < _NOTHING:
@@ -677,9 +681,10 @@ class _Run:
             stopped,
             tuple(self.net.built),
             self._why(),
-            held(self.scene, self.hand),
+            held(linear(self.scene), self.hand),
             stays,
             self.extras,
+            limit_cycles(self.scene, self.hand),
         )
 
     def _read(self, x: Array) -> tuple[Mode | None, float]:
@@ -703,10 +708,11 @@ class _Run:
         """Why the closed form is not what was simulated; empty where it is."""
         if self.extras:
             return "quantisation and saturation are in no closed form"
-        if self.net.switches:
+        described = [x.name for x in self.scene.effects if x.model in DESCRIBED]
+        if described:
             return (
-                "sliding friction, for which the closed form has a describing function of one "
-                "amplitude"
+                f"{', '.join(described)}, for which a closed form has a describing function of "
+                f"one amplitude"
             )
         return (
             "a sampled loop that has no closed form here"

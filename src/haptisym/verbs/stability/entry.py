@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bindings import STABLE, STEADY, stable_in
@@ -22,7 +22,7 @@ from haptisym.kernel.errors import SceneError, meant, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
-from haptisym.model.catalogue import AT, NOBODY, Hand, hands, how_to_give
+from haptisym.model.catalogue import AT, DESCRIBED, NOBODY, Hand, hands, how_to_give
 from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
@@ -40,6 +40,9 @@ from haptisym.verbs.stability.held import (
 )
 from haptisym.verbs.stability.limits import looked_at, open_beside, stable_values
 from haptisym.verbs.stability.margins import Margins, margins
+
+if TYPE_CHECKING:
+    from haptisym.verbs.stability.limitcycles import LimitCycle
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
@@ -95,6 +98,8 @@ class Stability(Answer):
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
     digits: int = 15
+    limit_cycles: tuple[tuple[LimitCycle, ...], ...] = ()
+    """Of each hand; estimated by the describing function of the one element that is not linear."""
 
     def _line(self) -> str:
         said = {None: "undecided", True: "holds", False: "does not hold"}
@@ -134,12 +139,14 @@ class Stability(Answer):
         )
 
     def _body(self) -> dict[str, Any]:
+        together = zip(self.held, self.critical, self.boxes, self.margins, strict=True)
+        rows = [self._held(*row) for row in together]
+        for row, cycles in zip(rows, self.limit_cycles, strict=True):
+            if cycles:
+                row["limit_cycles"] = [x.row() for x in cycles]
         return {
             "imposed": self.imposed.row(),
-            "held": [
-                self._held(*row)
-                for row in zip(self.held, self.critical, self.boxes, self.margins, strict=True)
-            ],
+            "held": rows,
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
@@ -259,7 +266,7 @@ def stability(
     )
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     if not paths and scene.hands:
-        asked_of = [x for x in scene.knobs if not (x.parts or x.is_of_hand)]
+        asked_of = [x for x in scene.parameters if x.symbol not in scene.chain.described]
     with limited(
         limit
     ) as budget:  # verdicts first: each part tells itself where the time for it is over
@@ -278,7 +285,13 @@ def stability(
             _critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows)
         )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
-        return Stability(scene, under, rows, near, boxes, every, nearby, digits)
+        cycles: tuple[tuple[LimitCycle, ...], ...] = ((),) * len(rows)
+        if any(x.model in DESCRIBED for x in scene.effects):
+            # Brings NumPy, which a certified answer does not need.
+            from haptisym.verbs.stability.limitcycles import limit_cycles
+
+            cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+        return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
 def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:

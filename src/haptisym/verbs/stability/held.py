@@ -98,7 +98,7 @@ def need_roots(top: Polynomial, ring: Ring) -> None:
     """UndecidedError for a function that is none of s alone: with j among its numbers."""
     if I in ring.generators and degree_in([top], len(ring.meanings) - 1):
         raise UndecidedError(
-            "sliding friction is a describing function of one amplitude, which has no roots in s"
+            "friction or play is a describing function of one amplitude, which has no roots in s"
         )
 
 
