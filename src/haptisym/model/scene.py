@@ -27,7 +27,9 @@ from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import (
     CLOCKS,
+    DESCRIBED,
     DIFFERENCE_EQUATION,
+    FRICTION,
     Effect,
     Environment,
     Hand,
@@ -767,7 +769,21 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
 def caveats(scene: Scene) -> tuple[str, ...]:
     """The limits of exact answers about a scene, a sentence for each: thresholds of 100 % and more,
     bands beyond a Nyquist frequency, samplers, holds inside a loop, delayed admittance displays."""
-    return (*_thresholds(scene), *_bands(scene), *_loops(scene), *_hand(scene), *_late_mass(scene))
+    found = _thresholds, _bands, _loops, _hand, _late_mass, _described
+    return tuple(words for caveat in found for words in caveat(scene))
+
+
+def _described(scene: Scene) -> list[str]:
+    """A caveat for elements of which a describing function is the first harmonic."""
+    names = [x.name for x in scene.effects if x.model in DESCRIBED and x.model != FRICTION]
+    if not names:
+        return []
+    return [
+        (
+            f"{', '.join(names)}: by the describing function for one sine of its amplitude, which "
+            f"leaves out all harmonics (haptisym simulate has them)."
+        )
+    ]
 
 
 def _late_mass(scene: Scene) -> list[str]:
