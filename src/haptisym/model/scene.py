@@ -781,7 +781,7 @@ def _described(scene: Scene) -> list[str]:
     return [
         (
             f"{', '.join(names)}: by the describing function for one sine of its amplitude, which "
-            f"leaves out all harmonics (haptisym simulate has them)."
+            f"leaves out all harmonics."
         )
     ]
 
