@@ -66,7 +66,7 @@ def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
     >>> late = Scene(wall, (effects.delay("10 ms"), friction))
     >>> [cycle] = limit_cycles(late, Hand("own", m="0.5 kg", b="0.5 N*s/m"))
     >>> f"{cycle.amplitude:.4f} {cycle.omega:.4f} {cycle.attracts}"
-    '0.1826 14.0726 False'
+    '0.1822 14.0721 False'
     """
     elements = [x for x in scene.effects if x.model in DESCRIBED]
     if len(elements) != 1:
