@@ -10,10 +10,10 @@ which is 0 identically for tau = 0; and, whatever the delay, for an environment 
 dH is that of a round trip 2 tau, -2 s tau H, times (H - Zcm)(H + Zcs)/(H (Zcm + Zcs)): soft controllers make a delay worse. The
 chain matrix is [[Zcm + E Zcs, Zcm Zcs (1 - E)], [1 - E, Zcs + E Zcm]] over exp(-s tau)(Zcm + Zcs), and of determinant 1. With
 two channels only, the same network gives the position-force and the position-position teleoperator. Where positions are scaled
-by scale_x to the slave and forces by scale_f back, the hand feels all of that with n H for H and n Zcs for Zcs, n = scale_x scale_f.
+by scale_x to the slave and forces by scale_f back, n = scale_x scale_f, the hand feels all of that with n H for H, n Zcs for Zcs.
 
-Assumptions. Linear, one degree of freedom; master Zm = Mm s^2 + Dm s, slave Zs = Ms s^2 + Ds s; local controllers Cm = Bm s + Km and
-Cs = Bs s + Ks; Zcm = Zm + Cm, Zcs = Zs + Cs; ideal force sensors and actuators; no local force feedback (Lawrence's C5, C6).
+Assumptions. Linear, one degree of freedom; master Zm = Mm s^2 + Dm s, slave Zs = Ms s^2 + Ds s; local controllers Cm = Bm s + Km
+and Cs = Bs s + Ks; Zcm = Zm + Cm, Zcs = Zs + Cs; ideal force sensors and actuators; no local force feedback (Lawrence's C5, C6).
 Everything is force per position (s times Lawrence's impedances), so that H is the dynamic stiffness of the environment.
 
 Source. The four-channel architecture: D. A. Lawrence, Stability and Transparency in Bilateral Teleoperation, IEEE Trans.

@@ -1325,3 +1325,19 @@ def test_a_shipped_scene_whose_numbers_are_illustrative_says_so_in_its_title(nam
 def test_at_most_five_shipped_scenes_are_illustrative() -> None:
     titles = [hs.load_scenes(x).title for x in (*hs.scene_names(), *hs.family_names())]
     assert sum(x.endswith("(illustrative)") for x in titles) <= 5
+
+
+def test_a_page_with_a_describing_function_says_what_that_leaves_out() -> None:
+    assert "backlash: by the describing function" in " ".join(str(hs.evaluate("geared-arm")).split())
+    assert "describing function" not in str(hs.evaluate("fu2019"))
+
+
+def test_the_sizes_of_a_describing_function_can_be_set_but_not_varied() -> None:
+    scene = hs.load_scene("geared-arm")
+    assert "gap: a number of a describing function" in refusal(hs.require, scene, "gap", that=["transparent"])
+    assert "gap: a number of a describing function" in refusal(hs.sweep, scene, {"effects.backlash.gap": [0.1, 0.2]})
+    wider = scene.with_values({"gap": "60 deg"})
+    assert hs.evaluate(wider).scene.effects[0].matrix[0] != scene.effects[0].matrix[0]
+    shown = {x.knob.key for x in hs.sensitivity("wheel-with-encoder").crossings[0].parameters}
+    assert {"k", "b", "T", "m"} <= shown
+    assert {"q", "amplitude"}.isdisjoint(shown)

@@ -248,6 +248,26 @@ def test_what_a_dead_zone_keeps_quiet_grows_from_beyond_a_limit_cycle_that_does_
         assert hs.release(scene, share * cycle.amplitude, QUICK, duration=3).grows is grows
 
 
+@pytest.mark.parametrize("friction", ["0.05 N", None])
+def test_a_quantised_wall_within_the_bound_of_abbott_and_okamura_rests_and_rattles_without_the_friction(
+    friction: str | None,
+) -> None:
+    """K <= min(2 b/T, 2 f_c/q) is passive (2005): 1628.66 N/m for 0.05 N and 61.4 um, and here 2 b/T = 1600 N/m."""
+    wall, step = hs.environments.mass_spring_damper(k=1590), hs.effects.encoder("61.4 um", "0.2 mm")
+    clock, device = hs.effects.sampled_loop("1 ms", "backward-difference"), hs.effects.shunt(m="0.1 kg", b="0.8 N*s/m")
+    rubbing = (hs.effects.coulomb_friction(friction, "0.2 mm"),) if friction else ()
+    hand = hs.Hand("none", m="0.01 kg", b="0.15 N*s/m")
+    run = hs.release(hs.Scene(wall, (clock, step, device, *rubbing), (0, 150)), "0.2 mm", hand, duration=10)
+    assert (run.rattle is None) is bool(friction)
+    assert run.held.stable is True
+    if friction:
+        late = run.hand_motion[run.time > 9]
+        assert np.ptp(late) < 1e-9
+        assert run.limit_cycles == ()  # two elements: not searched
+    else:
+        assert any(x.attracts for x in run.limit_cycles)
+
+
 def test_a_describing_function_of_a_sampled_wall_is_on_the_circle_where_its_factor_is_the_margin() -> None:
     """The gain of the encoder is the gain margin of the wall without it, at the frequency of that."""
     wall = hs.environments.mass_spring_damper(k=1800)

@@ -390,6 +390,16 @@ def test_a_play_leaves_the_environment_where_it_was_until_a_flank_touches_it() -
         assert y == pytest.approx(place, abs=1e-5)
 
 
+@pytest.mark.parametrize(
+    "one", [effects.dead_zone("1 mm", "0.5 mm"), effects.backlash("1 mm", "0.5 mm"), effects.encoder("1 mm", "0.5 mm")]
+)
+def test_nothing_passes_where_the_amplitude_is_too_small(one: hs.Effect) -> None:
+    run = hs.simulate(hs.Scene(SPRING, (one,)), hs.sine("0.5 mm", 5))
+    [x] = run.estimates
+    assert (x.closed, x.simulated, x.agrees) == (0, 0, True)
+    assert np.abs(run.force).max() == 0
+
+
 def test_what_jumps_or_hits_is_not_differentiated() -> None:
     for one in (effects.encoder("1 mm", "5 cm"), effects.backlash("1 mm", "5 cm")):
         scene = hs.Scene(MSD, (one,))

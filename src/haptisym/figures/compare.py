@@ -39,7 +39,7 @@ from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
 from haptisym.programs.values import Array
-from haptisym.verbs.compare.entry import Comparison, Device
+from haptisym.verbs.compare.entry import ComparedDisplay, Comparison
 from haptisym.writing.characters import printable
 
 _COLORS = (pen.INK, "#d0701f", pen.BLUE, "#3a9aa5", "#8f5a9e", pen.RED)
@@ -177,7 +177,7 @@ def _curve(e: Evaluation, criterion: Criterion) -> tuple[Array, Array, float]:
     return omega, broken(judged(omega), omega, e.unbounded)[:, 0], top
 
 
-def _points(device: Device, name: str, color: str, stroke: Any) -> list[_Sampled]:
+def _points(device: ComparedDisplay, name: str, color: str, stroke: Any) -> list[_Sampled]:
     """Return the measured ratios of a part; nothing where a region judges both together."""
     answer: Any = device.answer
     parts = {Part.REAL.value: answer.lines.change.real, Part.IMAG.value: answer.lines.change.imag}

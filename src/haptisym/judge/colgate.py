@@ -26,7 +26,7 @@ import flint
 from flint import arb
 from sympy import Expr, Integer
 
-from haptisym.judge.peaks import LargestOf, Supremum, supremum
+from haptisym.judge.peaks import LargestOf, LargestValue, supremum
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
@@ -93,12 +93,12 @@ class SampledPassivity:
         return sign_of_number(self.at_rest) < 0
 
     @cached_property
-    def needed(self) -> Supremum | None:
+    def needed(self) -> LargestValue | None:
         """The largest right-hand side, N s/m, which the device's damping must exceed, and its
         theta. None where it is unbounded, and where the condition does not apply."""
         return self._largest(Integer(0))
 
-    def _largest(self, less: Expr) -> Supremum | None:
+    def _largest(self, less: Expr) -> LargestValue | None:
         """The largest value of the right-hand side less a number, and its angle; None as for
         ``needed``."""
         # Angles up to pi/2 by the tangent, the others by the cotangent: both charts end at 1.
@@ -111,7 +111,7 @@ class SampledPassivity:
         # Floats choose the half with the angle; the value is the larger of both in any case.
         best, is_far = max(((near, False), (far, True)), key=lambda x: float(x[0].value))
         assert best.omega is not None
-        return Supremum(LargestOf((near.value, far.value)), ClockAngle(best.omega, is_far))
+        return LargestValue(LargestOf((near.value, far.value)), ClockAngle(best.omega, is_far))
 
     @cached_property
     def passive(self) -> bool | None:

@@ -50,7 +50,7 @@ from sympy import Expr, Integer, Poly, Rational, pi
 
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
 from haptisym.judge.crossings import PASSIVE
-from haptisym.judge.peaks import Supremum, supremum
+from haptisym.judge.peaks import LargestValue, supremum
 from haptisym.kernel.asymptoticsign import AsymptoticSign, Sense, asymptotic_sign
 from haptisym.kernel.budget import limited
 from haptisym.kernel.dynamics import RealFunction, Response, Ring, on_axis, ring_of
@@ -247,7 +247,7 @@ class Passivity:
         return signs == {-1}
 
     @cached_property
-    def damping(self) -> Supremum | None:
+    def damping(self) -> LargestValue | None:
         """The damping b* = sup(-Im H_perc/omega), N s/m, at least 0: a hand with more damping is
         stable with the display, whatever its mass and stiffness.
 
@@ -257,7 +257,7 @@ class Passivity:
         not known; it is searched for ten seconds at most.
         """
         if self.is_nowhere_active:
-            return Supremum(ExactNumber(Integer(0)), None)
+            return LargestValue(ExactNumber(Integer(0)), None)
         # Activity that was not found may be above ``high``, and need more damping than 0.
         if not self.is_active or self.beyond is Beyond.CLOCK:
             return None
@@ -284,7 +284,7 @@ class Passivity:
         return sign_of_number(_growth(self.distortion.perc_response.raw_imag) - 1) > 0
 
     @cached_property
-    def most_given(self) -> Supremum | None:
+    def most_given(self) -> LargestValue | None:
         """The largest -Im H_perc up to ``high``, N/m, and its frequency: times pi A^2 it is the
         energy per cycle of amplitude A. None if unbounded."""
         return supremum(PASSIVE.measure(self.distortion), Integer(0), self.high)
@@ -340,7 +340,7 @@ def _turn(d: Distortion) -> Expr:
 # The damping that a hand needs.
 
 
-def _damping(d: Distortion, high: Expr) -> Supremum | None:
+def _damping(d: Distortion, high: Expr) -> LargestValue | None:
     """sup(-Im H_perc/omega) over omega > 0, where it is positive; None where it is unbounded, or no
     bound at high frequency was found. ``high`` : rad/s, at least charted up to there."""
     raw = d.perc_response.raw_imag
@@ -358,7 +358,7 @@ def _damping(d: Distortion, high: Expr) -> Supremum | None:
             # All values below the radius, and so all values, are less than the bound. It is the
             # limit at high frequency, as the other bounds are below a value on the grid.
             if largest and largest.value.ball(_BITS) < ExactNumber(bound).ball(_BITS):
-                return Supremum(ExactNumber(bound), None)
+                return LargestValue(ExactNumber(bound), None)
             return largest
     return None
 

@@ -385,7 +385,7 @@ def largest_value(f: RealFunction, low: Expr, high: Expr) -> RealNumber | None:
 
 
 @dataclass(frozen=True)
-class Supremum:
+class LargestValue:
     """The least upper bound of a real function on a set of frequencies, and a frequency where it is
     attained, rad/s. ``omega`` is None where there is none to name: on an unbounded set it may only
     be approached at high frequency (``passivity``). ``supremum``, on a closed band, always has
@@ -395,7 +395,7 @@ class Supremum:
     omega: RealNumber | None
 
 
-def supremum(f: RealFunction, low: Expr, high: Expr) -> Supremum | None:
+def supremum(f: RealFunction, low: Expr, high: Expr) -> LargestValue | None:
     """The largest value of a real function on a closed band, proven, and where it is; None where f
     is not bounded above. Unlike ``largest_value`` it exists beside poles to which f falls.
 
@@ -418,7 +418,7 @@ def supremum(f: RealFunction, low: Expr, high: Expr) -> Supremum | None:
     value = LargestOf(tuple(value for value, _ in candidates))
     # Floats choose among the candidates, each of which is exact.
     _, omega = max(candidates, key=lambda pair: float(pair[0]))
-    return Supremum(value, omega)
+    return LargestValue(value, omega)
 
 
 def _chart_of_slope(f: RealFunction, low: Expr, high: Expr) -> Chart:

@@ -39,7 +39,9 @@ from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import (
     CLOCKS,
+    DESCRIBED,
     DIFFERENCE_EQUATION,
+    FRICTION,
     Effect,
     Environment,
     Hand,
@@ -873,6 +875,7 @@ def caveats(scene: Scene) -> tuple[str, ...]:
         *_sampled_inside(scene),
         *_sampled_in_hand(scene),
         *_late_mass(scene),
+        *_first_harmonics(scene),
     )
 
 
@@ -942,6 +945,17 @@ def _large_thresholds(scene: Scene) -> list[str]:
             'a JND of 12 % is written 0.12 or "12 %".'
         )
     return words
+
+
+def _first_harmonics(scene: Scene) -> list[str]:
+    """A caveat for elements of which a describing function is the first harmonic."""
+    names = [x.name for x in scene.effects if x.model in DESCRIBED and x.model != FRICTION]
+    if not names:
+        return []
+    words = (
+        "by the describing function for one sine of its amplitude, which leaves out all harmonics."
+    )
+    return [f"{', '.join(names)}: {words}"]
 
 
 def _late_mass(scene: Scene) -> list[str]:

@@ -14,7 +14,7 @@ from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, Way
 from haptisym.kernel.roots import ordered
 from haptisym.model.scene import Scene
 from haptisym.pages import words as w
-from haptisym.verbs.compare.entry import Change, Comparison, Device
+from haptisym.verbs.compare.entry import ComparedDisplay, Comparison, SceneDifference
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
 
@@ -62,11 +62,11 @@ def _ranked(found: Comparison) -> Phrase:
     return _in_turn(groups)
 
 
-def _width(x: Device) -> Phrase:
+def _width(x: ComparedDisplay) -> Phrase:
     return x.name, ": ", _width_alone(x)
 
 
-def _width_alone(x: Device) -> Phrase:
+def _width_alone(x: ComparedDisplay) -> Phrase:
     """Return a bandwidth: proven, the whole band, none, or between two measured points."""
     if isinstance(x.answer, Evaluation):
         if x.bandwidth is None:
@@ -79,7 +79,7 @@ def _width_alone(x: Device) -> Phrase:
     return "between ", w.cell(x.reach.least), " and ", w.both(x.reach.most), " (measured)"
 
 
-def _prescribed(x: Device) -> Phrase:
+def _prescribed(x: ComparedDisplay) -> Phrase:
     """Return whether a device is stable under prescribed motion, and passive."""
     if not isinstance(x.answer, Evaluation):
         return x.name, ": measured, not asked"
@@ -105,7 +105,7 @@ def _differences(found: Comparison) -> Iterator[Block]:
     yield from w.noted(lines)
 
 
-def _is_shared(found: Comparison, x: Change) -> bool:
+def _is_shared(found: Comparison, x: SceneDifference) -> bool:
     """Whether all devices that are no measured ones have a parameter at that path."""
     return all(
         knob is not None
@@ -114,7 +114,7 @@ def _is_shared(found: Comparison, x: Change) -> bool:
     )
 
 
-def _value(place: int, x: Change) -> Phrase:
+def _value(place: int, x: SceneDifference) -> Phrase:
     """Return the cell of a device in the row of a difference."""
     value, knob = x.values[place], x.knobs[place] if x.knobs else None
     if value is None:
@@ -146,7 +146,7 @@ def _against_first(found: Comparison, place: int) -> Phrase:
     return (f"{other.name}: ", _width_alone(other), "; ", _width(first), as_what, ".")
 
 
-def _later(change: RealNumber, first: Device) -> Phrase:
+def _later(change: RealNumber, first: ComparedDisplay) -> Phrase:
     """Return a difference of bandwidths in words, with its sign in them."""
     sign = ordered(ExactNumber(Integer(0)), change)
     if not sign:
@@ -155,7 +155,7 @@ def _later(change: RealNumber, first: Device) -> Phrase:
     return w.both(size), f" {'later' if sign > 0 else 'earlier'} than ", first.name
 
 
-def _instead(first: Device, other: Device) -> str:
+def _instead(first: ComparedDisplay, other: ComparedDisplay) -> str:
     """Return as what a device is noticed first, where that is not as the first one is."""
     # "as noticed" would say nothing: no property is named there.
     if other.felt_as in ("", NOT_NAMED):
@@ -168,7 +168,7 @@ def _instead(first: Device, other: Device) -> str:
 def _side_by_side(found: Comparison) -> Iterator[Block]:
     """Yield a row for each device, one for each hand, and the figure."""
 
-    def limit(x: Device) -> str:
+    def limit(x: ComparedDisplay) -> str:
         return ", ".join(y.name for y in x.limited_by) or "-"
 
     yield w.table(
@@ -195,14 +195,14 @@ def _side_by_side(found: Comparison) -> Iterator[Block]:
     yield doc.Figure("compare", words, found.figure)
 
 
-def _cell(x: Device) -> Phrase:
+def _cell(x: ComparedDisplay) -> Phrase:
     """Return the bandwidth as a cell."""
     if x.bandwidth is None:
         return "none" if isinstance(x.answer, Evaluation) else "measured"
     return "whole band" if x.is_whole_band else w.cell(x.bandwidth)
 
 
-def _held(x: Device, place: int) -> Phrase:
+def _held(x: ComparedDisplay, place: int) -> Phrase:
     return _VERDICTS[x.held[place].stable] if x.held else "-"
 
 

@@ -8,7 +8,7 @@ functions are found to be one number. A device that is transparent on its whole 
 lower bound, and a measured one has both bounds only at its frequency points; where the bounds of
 two devices overlap their order stays undecided, and so does the order of all.
 
-Begin with ``compare``; ``Device.reach`` says what is known of one bandwidth.
+Begin with ``compare``; ``ComparedDisplay.reach`` says what is known of one bandwidth.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Reach(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Difference(RealNumber):
+class NumberDifference(RealNumber):
     """The number ``high`` - ``low``."""
 
     high: RealNumber
@@ -80,7 +80,7 @@ class Difference(RealNumber):
 
 
 @dataclass(frozen=True, repr=False)
-class Device(Shown):
+class ComparedDisplay(Shown):
     """One of the devices that are compared.
 
     ``name`` : by which it is called here. ``answer`` : of ``evaluate``. ``held`` : its stability in
@@ -245,7 +245,7 @@ def _transparent_up_to(table: Chart, keys: Sequence[Key]) -> Point | None:
     return clear[0].high if clear and clear[0].low is table.points[0] else None
 
 
-def _order(one: Device, other: Device) -> int | None:
+def _order(one: ComparedDisplay, other: ComparedDisplay) -> int | None:
     """-1 where the first device has the larger bandwidth, 1 where the second has, 0 where both are
     equal: proven of formulas; None where it is undecided."""
     a, b = one.reach, other.reach
@@ -266,7 +266,7 @@ def _order(one: Device, other: Device) -> int | None:
 
 
 @dataclass(frozen=True)
-class Change:
+class SceneDifference:
     """What differs between devices at one ``path``: in the order of the devices the values, exact,
     SI; names of models; or bands, rad/s. None where a device has nothing at that path.
 
@@ -291,7 +291,7 @@ def _exact(value: Any) -> Any:
 
 @dataclass(frozen=True, repr=False)
 class Comparison(Answer):
-    """Two to six devices side by side; a sequence of ``Device``.
+    """Two to six devices side by side; a sequence of ``ComparedDisplay``.
 
     ``devices`` : as given. ``differences`` : in which parameters, models, band and threshold they
     differ. ``order`` : their places by bandwidth, the largest first, equal ones together; None where
@@ -309,7 +309,7 @@ class Comparison(Answer):
     _page: ClassVar[str] = "haptisym.pages.compare:page"
     _figure: ClassVar[str] = "haptisym.figures.compare:COMPARISON"
 
-    devices: tuple[Device, ...]
+    devices: tuple[ComparedDisplay, ...]
     digits: int = 15
 
     def _line(self) -> str:
@@ -321,7 +321,7 @@ class Comparison(Answer):
     def __iter__(self) -> Any:
         return iter(self.devices)
 
-    def __getitem__(self, place: int) -> Device:
+    def __getitem__(self, place: int) -> ComparedDisplay:
         return self.devices[place]
 
     @property
@@ -368,15 +368,21 @@ class Comparison(Answer):
         return tuple(map(tuple, groups))
 
     @cached_property
-    def differences(self) -> tuple[Change, ...]:
+    def differences(self) -> tuple[SceneDifference, ...]:
         """The paths at which not all devices have the same: models, then parameters and thresholds,
         then the band. Measured devices have no paths, and no part in it."""
-        parts, knobs = [x.parts for x in self.devices], [x.knobs for x in self.devices]
-        rows = [Change(path, tuple(x.get(path) for x in parts)) for path in _paths(parts)]
+        parts = [x.parts for x in self.devices]
+        knobs = [x.knobs for x in self.devices]
+        rows = []
+        for path in _paths(parts):
+            models = tuple(x.get(path) for x in parts)
+            rows.append(SceneDifference(path, models))
         for path in _paths(knobs):
             there = tuple(x.get(path) for x in knobs)
-            rows.append(Change(path, tuple(x and x.value for x in there), there))
-        rows.append(Change("evaluation.band", tuple(x.band for x in self.devices)))
+            values = tuple(None if x is None else x.value for x in there)
+            rows.append(SceneDifference(path, values, there))
+        bands = tuple(x.band for x in self.devices)
+        rows.append(SceneDifference("evaluation.band", bands))
         has_formulas = [isinstance(x.scene, Scene) for x in self.devices]
         return tuple(x for x in rows if len(set(compress(x.values, has_formulas))) > 1)
 
@@ -391,7 +397,7 @@ class Comparison(Answer):
         # Equal numbers have a difference of exactly 0, which no enclosure would show.
         if self._pairs[0, place] == 0:
             return ExactNumber(Integer(0))
-        return Difference(other.bandwidth, first.bandwidth)
+        return NumberDifference(other.bandwidth, first.bandwidth)
 
     @property
     def certified(self) -> bool:
@@ -474,10 +480,10 @@ def compare(
                 answers.append(_answered(x, digits))
         scenes = [x.scene for x in answers if isinstance(x.scene, Scene)]
         hands = _hands(scenes, hand)
-        taken: dict[str, Device] = {}
+        taken: dict[str, ComparedDisplay] = {}
         for name, x in zip(names, answers, strict=True):
             free = free_name(name, taken, "-")
-            taken[free] = Device(free, x, _held(name, x, hands))
+            taken[free] = ComparedDisplay(free, x, _held(name, x, hands))
         comparison = Comparison(tuple(taken.values()), digits)
         _ = comparison.order  # computed when first asked for, which must be within the limit
         return comparison

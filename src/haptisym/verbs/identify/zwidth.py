@@ -198,9 +198,13 @@ class ZWidth:
         known: dict[Expr, Any] = {x.symbol: arb(v) for x, v in zip(self.free, values, strict=True)}
         k, b = (x.symbol for x in self.wall)
         corners = ((0, 0), (1, 0), (0, 1))
-        rows = [self.loop.balls({**known, k: arb(x), b: arb(y)}) for x, y in corners]
+        rows = []
+        for stiffness, damping in corners:
+            balls = self.loop.balls({**known, k: arb(stiffness), b: arb(damping)})
+            rows.append([float(x.mid()) for x in balls])
         size = max(map(len, rows))
-        return [np.array([float(x.mid()) for x in row] + [0.0] * (size - len(row))) for row in rows]
+        # Rows of one length, so that they can be added.
+        return [np.pad(row, (0, size - len(row))) for row in rows]
 
     def limit(self, values: Sequence[float], damping: float) -> float:
         """The stiffness at which the wall begins to shake; 0 where it always does, infinite where

@@ -306,7 +306,8 @@ class Lock:
     @property
     def relative_drift(self) -> float:
         """The largest drift, as a fraction of the largest phasor."""
-        return float(self.drift.max() / np.abs(self.values).max())
+        largest = np.abs(self.values).max()
+        return float(self.drift.max() / largest) if largest else 0.0
 
 
 def lock(
