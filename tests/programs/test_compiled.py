@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from importlib.util import find_spec
+from math import factorial
 from typing import Any
 
 import mpmath
@@ -438,6 +439,25 @@ def test_a_value_with_pi_or_waves_at_an_exact_frequency_is_that_of_digits_and_at
                 assert float(PointValue(f, fmpq(x))) == float(value(mpmath.mpf(x)))
                 if value(mpmath.mpf(x)) > 0:
                     assert float(PointValue(f, fmpq(x), rooted=True)) == float(mpmath.sqrt(value(mpmath.mpf(x))))
+
+
+@pytest.mark.parametrize(("n", "gain"), [(1, 100), (2, 100), (3, -3), (4, -3), (6, 100)])
+def test_at_0_a_delay_without_its_first_terms_is_the_next_term_of_its_series(n: int, gain: int) -> None:
+    """g (exp(-s/50) less its Taylor polynomial of n terms)/s^n is g (-1/50)^n/n! at 0; over one more s it is infinite there."""
+    tau = Fraction(1, 50)
+    terms = [gain * (-tau) ** i / factorial(i) for i in range(n + 2)]
+    known = " + ".join(f"({-x})*s^{i}" for i, x in enumerate(terms[:n]))
+    for power in (n, n + 1):
+        late = hs.Scene(
+            mass_spring_damper(k=1),
+            (series(str(gain)), hs.effects.delay("20 ms"), shunt(Z=known), series(f"1/s^{power}")),
+        )
+        response = late.distortion().perc_response
+        real, imag = (PointValue(f, fmpq(0)) for f in (response.real, response.imag))
+        assert float(real) == pytest.approx(float(terms[power]), rel=1e-15)
+        # c_n/(j omega) is -j c_n/omega: infinite with the sign of -c_n
+        assert float(imag) == (0 if power == n else -float("inf") * (1 if terms[n] > 0 else -1))
+        assert late.distortion().compile()(0.0).perceived_real == pytest.approx(float(terms[power]), rel=1e-14)
 
 
 # Programs in floats

@@ -648,6 +648,63 @@ def test_breakout_is_the_friction_of_the_display_and_a_helicopter_is_let_go_with
     assert named(helicopter, "P_0").margin == 1
 
 
+TABLES = {
+    "14cfr60-a2a": {
+        "pitch": ("2.a.1", "2.b.1", "2", "5"),
+        "roll": ("2.a.2", "2.b.2", "2", "3"),
+        "pedals": ("2.a.3", "2.b.3", "5", "5"),
+        "nosewheel": ("2.a.4", None, "2", "3"),
+    },
+    "14cfr60-c2a": {
+        "cyclic": ("2.a.1", "2.a.5", "0.25", "1"),
+        "collective": ("2.a.2", "2.a.5", "0.5", "1"),
+        "pedals": ("2.a.2", "2.a.5", "0.5", "1"),
+    },
+}
+"""Typed from 14 CFR Part 60, tables A2A and C2A (edition of 1 January 2019): of each control its entries for position
+against force and for dynamics, and the tolerances of breakout and force, lb."""
+
+
+@pytest.mark.parametrize(("rule", "control"), [(rule, control) for rule, rows in TABLES.items() for control in rows])
+def test_every_number_of_the_tables_is_that_of_the_regulation(rule: str, control: str) -> None:
+    static, dynamic, breakout, force = TABLES[rule][control]
+    is_helicopter = rule == "14cfr60-c2a"
+    for share, kept in (("0.999999", True), ("1.000001", False)):
+        friction = Rational(breakout) * Rational(share) * Rational("4.4482216152605")
+        travel = (
+            Rational(force) * Rational(share) * Rational("4.4482216152605") / 40
+        )  # where 40 N/m more are so many pounds
+        scene = stick_on(hs.effects.shunt(k=40), hs.effects.coulomb_friction(friction, "5 cm"))
+        found = hs.control_loading(scene, rule, control, travel=travel, sweeps=["4 s"])
+        rest, off = named(found, "static"), named(found, "breakout")
+        assert (rest.entry, rest.passes, rest.tolerance) == (static, kept, f"10 % or {force} lb")
+        assert (off.entry, off.passes) == (static, kept)
+        assert off.tolerance == f"{breakout} lb" + (" or 25 %" if is_helicopter else "")
+        assert rest.margin == pytest.approx(1 - float(share), abs=1e-12)
+        assert off.margin == pytest.approx(1 - float(share), abs=1e-12)
+        assert (float(off.display), off.environment, off.unit) == (pytest.approx(float(friction)), 0, "N")
+        assert (float(rest.environment), float(rest.display), rest.unit) == (100, 140, "N/m")
+        entries = {x.entry for x in found.trials if x.name.startswith(("P_", "A_", "free response", "overshoots"))}
+        assert entries == ({dynamic} if dynamic else set())
+        sweeps = [(x.entry, x.tolerance) for x in found.trials if x.name.startswith("sweep")]
+        assert sweeps == ([] if is_helicopter or not dynamic else [(dynamic, "10 % or 2 lb above static")])
+        plays = [(x.entry, x.tolerance) for x in found.trials if x.name == "freeplay"]
+        assert plays == ([("2.a.6", "0.10 in")] if is_helicopter else [])
+    alone = stick_on(hs.effects.coulomb_friction(Rational(breakout) * Rational("4.4482216152605"), "5 cm"))
+    assert named(hs.control_loading(alone, rule, control), "breakout").passes is True  # just as much is allowed
+
+
+@pytest.mark.parametrize(("share", "kept"), [("0.999999", True), ("1.000001", False)])
+def test_a_sweep_may_need_two_pounds_more_than_the_environment_does(share: str, kept: bool) -> None:  # noqa: FBT001
+    w = 2 * pi / 2
+    off = 0.9 * w**2  # of half the mass more
+    travel = Rational(str(2 * POUND / off)) * Rational(share)
+    scene = stick_on(hs.effects.shunt(m="0.9"), b=0)
+    trial = named(hs.control_loading(scene, control="pedals", sweeps=["2 s"], travel=travel), "sweep")
+    assert (trial.passes, trial.entry) == (kept, "2.b.3")
+    assert trial.margin == pytest.approx(1 - float(share), abs=1e-9)
+
+
 def test_what_was_not_tested_says_why_and_counts_for_nothing() -> None:
     found = hs.control_loading("sidestick", "14cfr60-c2a", "collective")
     why = {x.name: x.why for x in found.untested}

@@ -21,7 +21,7 @@ import haptisym as hs
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain, Roots
-from haptisym.verbs.simulate.release import Closed, Mode, Release, modes
+from haptisym.verbs.simulate.release import Closed, Mode, Release, modes, rattle
 from haptisym.verbs.simulate.rightmost import QuasiPolynomial, Rightmost, clocked_root, rightmost_pole, rightmost_root
 from haptisym.verbs.stability.held import Held
 
@@ -92,6 +92,46 @@ def test_a_mass_on_a_spring_let_go_swings_as_its_formula_says_from_where_it_was_
     wave = np.exp(root * t)
     a = state[0] - 1j * (state[1] - root.real * state[0]) / root.imag
     assert run.hand_motion[early] == pytest.approx((a * wave).real, abs=2e-5)
+
+
+@pytest.mark.parametrize("k", [0, 40])
+def test_a_hand_with_a_spring_holds_the_display_with_its_own_force_too_until_it_lets_go(k: int) -> None:
+    """0.8 x'' + 3 x' + (30 + k) x = 0 with the hand's 30 N/m, in free air as well; all rests before the force fades."""
+    stick = hs.Scene(hs.environments.mass_spring_damper(m="0.3", b=1, k=k), (), (0, 15))
+    run = hs.release(stick, "1 cm", own("0.5", 2, 30))
+    root = complex(-3 / 1.6, ((30 + k) / 0.8 - (3 / 1.6) ** 2) ** 0.5)
+    assert run.fitted is not None
+    assert run.fitted.s == pytest.approx(root, rel=1e-7)
+    early = run.time < 0.05 / max(abs(root), 5)  # a tenth of the time in which the force fades
+    assert early.any()
+    assert run.hand_motion[early] == pytest.approx(0.01, abs=1e-9)
+    assert run.force[early] == pytest.approx(0.01 * k, abs=1e-4)
+    assert run.hand_motion.max() < 0.01 + 1e-9
+    assert run.hand_motion.min() == pytest.approx(-0.01 * np.exp(np.pi * root.real / root.imag), rel=0.02)
+
+
+@given(st.floats(2, 40), st.floats(1e-4, 1), st.floats(0, 0.3), st.floats(-2, 2), st.floats(-0.02, 0.02))
+def test_a_rattle_has_the_size_change_and_frequency_of_its_swings_whatever_ripples_on_them(
+    omega: float, size: float, ripple: float, middle: float, growth: float
+) -> None:
+    """Ripple up to 0.3 of the swings passes the middle many times in each of them, and no swing is counted twice."""
+    turns = 40
+    t = np.linspace(0, turns * 2 * np.pi / omega, 40_001)
+    swings = np.exp(growth * omega * t / turns) * np.sin(omega * t)
+    found, change, counted = rattle(t, size * (swings + ripple * np.sin(23.3 * omega * t)) + middle)
+    assert counted == pytest.approx(omega, rel=0.02)
+    assert found == pytest.approx(size * np.exp(max(growth, 0) * 2 * np.pi), rel=ripple + 0.01)
+    if ripple < 1e-3:
+        assert change == pytest.approx(growth * np.pi, abs=5e-3)  # over half of the record
+    plain = rattle(t, size * swings)
+    assert plain[1] == pytest.approx(growth * np.pi, abs=5e-3)
+    assert plain[0] == pytest.approx(size * np.exp(max(growth, 0) * 2 * np.pi), rel=0.01)
+
+
+@pytest.mark.parametrize(("turns", "known"), [(19, False), (20, True)])
+def test_a_frequency_is_told_from_twenty_swings_on(turns: int, known: bool) -> None:  # noqa: FBT001
+    t = np.linspace(0, turns * 2 * np.pi, 20_001)
+    assert (rattle(t, -np.cos(t))[2] is not None) is known
 
 
 LAGGED = hs.effects.first_order_lag("6 rad/s"), hs.effects.shunt(m="0.5 kg")

@@ -381,15 +381,29 @@ def test_margins_of_a_sampled_wall_are_where_an_eigenvalue_of_a_period_leaves_th
     device = {p.key: float(p.value) for p in scene.effects[1].parameters}
     held = tuple(float(p.value) + device.get(p.key, 0.0) for p in own.parameters)
 
+    def largest(g: float, more: float) -> complex:
+        found = np.linalg.eigvals(period(400 * g, 0.4 * g, held, 1e-3, late * 1e-3 + more))
+        return complex(found[abs(found).argmax()])
+
     def radius(g: float, more: float) -> float:
-        return float(abs(np.linalg.eigvals(period(400 * g, 0.4 * g, held, 1e-3, late * 1e-3 + more))).max())
+        return abs(largest(g, more))
 
     g, more = float(x.above.value), float(delay.value)
     for low, high in (
-        (radius(g * 0.9999, 0), radius(g * 1.0001, 0)),
-        (radius(1, more * 0.9999), radius(1, more * 1.0001)),
+        (radius(g * (1 - 1e-7), 0), radius(g * (1 + 1e-7), 0)),
+        (radius(1, more * (1 - 1e-7)), radius(1, more * (1 + 1e-7))),
     ):
         assert low < 1 < high
+    row = x.row()
+    assert (row["gain"]["below"], row["gain"]["above"], row["delay"]["above"], row["phase_deg"]) == (
+        None,
+        g,
+        more,
+        None,
+    )
+    for name, at in (("gain", (g, 0.0)), ("delay", (1.0, more))):
+        assert row[name]["omega"] == pytest.approx(abs(np.angle(largest(*at))) / 1e-3, rel=1e-5)
+    assert row["searched"] == {"gain": [1e-3, 1e3], "delay": [0, 1e3]}
     assert all(radius(10 ** (log10(g) * i / 40 - 3 * (i % 2)), 0) < 1 for i in range(40))
     assert all(radius(1, more * i / 40) < 1 for i in range(40))
 
