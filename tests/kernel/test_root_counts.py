@@ -150,7 +150,7 @@ def some(draw: random.Random, most: int = 9) -> Rational:
 
 
 @pytest.mark.few(3)
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", [x for x in range(30) if x != 20])  # 20 has roots on the axis
 def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> None:
     """Several delays, fractional orders, a delay that comes twice; the highest power of s outweighs what is late in it."""
     draw = random.Random(seed)
@@ -168,14 +168,9 @@ def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> 
     if seed % 4 == 0:
         x += draw.choice([-3, -1, 1, 3]) * s**2 * exp(-s * lags[0])
     ring = Ring.of([x.expand()])
-    try:
-        found = count_roots(ring.convert(x.expand()).numerator, ring)
-    except UndecidedError:
-        return
-    true = winding(lambdify(s, x, "numpy"), 60.0)
-    if true is not None and not found.on_axis:
-        assert found.chain is None
-        assert found.right == found.number == true
+    found = count_roots(ring.convert(x.expand()).numerator, ring)
+    assert (found.chain, found.on_axis) == (None, ())
+    assert found.right == found.number == winding(lambdify(s, x, "numpy"), 60.0)
 
 
 @pytest.mark.parametrize(
