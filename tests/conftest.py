@@ -46,12 +46,14 @@ settings.register_profile(
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 
-DEAR = frozenset(
-    line
-    for line in (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines()
-    if line and not line.startswith("#")
-)
-"""Tests, and families of cases by the name before the bracket, that are slow by their measured times alone."""
+DOCSTRINGS = {
+    "haptisym.pages.report.page",
+    "haptisym.verbs.cost.entry.cost",
+    "haptisym.verbs.identify.entry.identify",
+    "haptisym.verbs.require.designmap.design_map",
+    "haptisym.verbs.simulate.release.release",
+}
+"""Docstrings whose examples are slow: a mark cannot be put on them."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -77,20 +79,29 @@ def commit() -> str:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow.
+    """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow,
+    and so are the cases that ``dear`` names.
 
     Of the slow ones a share is kept: what is marked ``core``, and an eighth by a hash of the name and of the commit.
     """
-    if not config.option.file_or_dir and (
-        gone := DEAR - {y for x in items for y in (x.nodeid, x.nodeid.partition("[")[0])}
-    ):
-        raise pytest.UsageError(f"tests/slow.txt names what is no test any more: {sorted(gone)[:3]}")
+    whole = not config.option.file_or_dir
+    if whole and (gone := DOCSTRINGS - {x.name for x in items}):
+        raise pytest.UsageError(
+            f"tests/conftest.py names what is no docstring with an example any more: {sorted(gone)}"
+        )
     families: dict[str, list[pytest.Item]] = {}
+    dear: dict[str, set[str]] = {}
     for item in items:
-        if not DEAR.isdisjoint((item.nodeid, item.nodeid.partition("[")[0])):
+        family, _, case = item.nodeid.partition("[")
+        named = {x for mark in item.iter_markers("dear") for x in mark.args}
+        if item.name in DOCSTRINGS or case[:-1] in named:
             item.add_marker(pytest.mark.slow)
+        if named:
+            dear[family] = dear.get(family, named) - {case[:-1]}
         if item.get_closest_marker("few"):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    if whole and (gone := {x: y for x, y in dear.items() if y}):
+        raise pytest.UsageError(f"marked dear are what is no case any more: {gone}")
     for cases in families.values():
         quick = set(cases_of(cases, next(cases[0].iter_markers("few")).args))
         if not quick and not any("[" in word for word in config.args):

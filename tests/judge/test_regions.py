@@ -140,6 +140,7 @@ def test_a_region_is_left_exactly_where_plain_arithmetic_says_so(case: Case, jnd
     assume(checked)
 
 
+@pytest.mark.slow
 @given(cases(order=3), jnds())
 def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd: dict[str, Any]) -> None:
     assume("shape" in jnd)
@@ -185,6 +186,7 @@ def test_square_disc_and_diamond_stand_beside_the_scenes_own_region() -> None:
     assert "regions" not in hs.evaluate(PAPER).to_dict()
 
 
+@pytest.mark.dear("diamond by its corners")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("name", FACTS)
 def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
@@ -287,6 +289,7 @@ FROM_REST = [{"m": 1}, {"b": 2}, {"m": 1, "b": 2}]
 """Environments that vanish at omega = 0, where a region is judged by the limit of dH/|H_env|, as the square is."""
 
 
+@pytest.mark.few("-1-numbers2")
 @pytest.mark.parametrize("numbers", FROM_REST)
 @pytest.mark.parametrize("gain", ["-1", "3/4", "5/2"])
 def test_a_polygon_that_is_the_square_tells_what_the_square_does_where_the_environment_begins_at_0(

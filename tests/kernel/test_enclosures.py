@@ -375,6 +375,7 @@ def with_powers(draw: random.Random) -> tuple[WaveSum, Callable[[mpmath.mpf], mp
     return found, value
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(20))
 def test_the_first_term_that_stays_is_found_and_no_zero_lies_before_the_place_that_is_said_to_be_clear(

@@ -326,6 +326,7 @@ def long_table(special: dict[int, str]) -> str:
     )
 
 
+@pytest.mark.slow
 def test_a_long_table_is_read_line_by_line_whatever_stands_between(tmp_path: Path) -> None:
     special = {
         900: "# a pause\n",
@@ -452,6 +453,7 @@ CASES = [
 ]
 
 
+@pytest.mark.dear("Joint-hann-0.9-1-0.8")
 @pytest.mark.parametrize(("way", "name", "overlap", "every", "segment"), CASES)
 def test_an_estimate_and_its_discs_are_those_of_segments_that_are_cut_by_hand(
     way: str, name: str, overlap: float, every: int, segment: float | None
@@ -555,6 +557,7 @@ def cube_by_hand(x: Any, f: Any, length: int, shift: int, averages: float) -> fl
     return float(above / below * np.sqrt(2 * (averages - 1) * below))
 
 
+@pytest.mark.few("3-0.8")
 @pytest.mark.parametrize(("seed", "most"), [(1, np.inf), (2, 1.5), (3, 0.8)])
 def test_the_cube_is_what_conditioned_spectra_tell_of_the_predicted_force(seed: int, most: float) -> None:
     rng = np.random.default_rng(seed)
@@ -569,6 +572,7 @@ def test_the_cube_is_what_conditioned_spectra_tell_of_the_predicted_force(seed: 
     assert most > 1 or by_hand < -1.5
 
 
+@pytest.mark.slow
 def test_of_what_does_not_follow_the_motion_no_cube_is_told() -> None:
     x, f = np.random.default_rng(8).normal(size=(2, 4000))
     found = hs.estimated(x, f, 1, segment=50).welch
@@ -711,10 +715,12 @@ def test_discs_hold_the_truth_as_often_as_they_say(estimator: str, closed: bool)
     assert share < 0.97 or estimator in ("H2", "joint")  # whose discs are turned over, or made larger
 
 
+@pytest.mark.slow
 def test_in_a_closed_loop_h1_is_biased_and_its_discs_do_not_know() -> None:
     assert covered(5, "H1", 3, closed=True) < 0.3
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_the_shipped_bench_runs_hold_their_truth(name: str) -> None:
     e = hs.evaluate(f"{name}-bench")
@@ -769,6 +775,7 @@ def test_the_cube_of_linear_records_is_a_standard_normal() -> None:
     assert kstest(found, "norm").pvalue > 0.001
 
 
+@pytest.mark.slow
 def test_of_a_run_that_an_actuator_clipped_it_is_said_that_it_is_not_linear() -> None:
     found = hs.evaluate("fu2019-clipped-bench")
     assert "not linear" in str(found)

@@ -97,6 +97,7 @@ def is_whole(text: str) -> None:
     assert set(read.labels) <= set(read.ids)
 
 
+@pytest.mark.dear("fu2019", "require", "sensitivity")
 @pytest.mark.few("fu2019", "require", "stability", "sensitivity")
 @pytest.mark.parametrize("name", [*SCENES, *ANSWERS])
 def test_a_page_is_well_formed_refers_to_nothing_outside_and_holds_its_record(name: str) -> None:
@@ -117,6 +118,7 @@ def test_a_page_with_its_drawings_is_whole_too_and_small(tmp_path: Path) -> None
     assert text.count("<figure") >= 5
 
 
+@pytest.mark.slow
 @pytest.mark.few("fu2019")
 @pytest.mark.parametrize("name", SCENES)
 def test_every_number_of_the_page_is_one_of_the_document(name: str) -> None:
@@ -287,6 +289,7 @@ evaluation = { band = [1, 12], jnd = "0.1" }
 """
 
 
+@pytest.mark.slow
 @pytest.mark.few("tied")
 @pytest.mark.parametrize("name", FILES)
 def test_the_record_says_where_in_the_file_each_number_stands(name: str) -> None:
@@ -316,6 +319,7 @@ REGIONS: dict[str, tuple[Any, dict[str, Callable[[float], float]]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few("ellipse", "polygon")
 @pytest.mark.parametrize("name", REGIONS)
 def test_the_numbers_of_a_region_are_sliders_or_quotients_that_have_its_values(name: str) -> None:

@@ -42,6 +42,7 @@ FEW = ("fu2019", "integrator", "touches")
 OTHERS = [x for x in (*RATIONAL, *OWN) if x not in FEW]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", [FEW, pytest.param(OTHERS, marks=pytest.mark.slow)], ids=["a few", "the others"])
 def test_the_certificate_of_every_scene_is_accepted_and_that_of_another_scene_is_not(names: Sequence[str]) -> None:
     said = verdicts([(certificate(x), text_of(x)) for x in names])
@@ -79,6 +80,7 @@ def test_a_scene_of_several_environments_is_checked_by_name() -> None:
 REQUIRED = ("from a value on", "up to a value", "none", "a threshold")
 
 
+@pytest.mark.slow
 @pytest.mark.few("stability")
 @pytest.mark.parametrize("kind", ["stability", "requirements"])
 def test_certificates_of_other_questions_are_accepted(kind: str) -> None:
@@ -95,6 +97,7 @@ QUESTIONS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.few("integrator")
 @pytest.mark.parametrize("name", QUESTIONS)
 def test_every_mutant_is_refused(name: str) -> None:
@@ -115,6 +118,7 @@ def test_hostile_documents_are_refused_in_bounded_time_and_memory() -> None:
 # What it reads
 
 
+@pytest.mark.slow
 def test_its_sha_256_is_that_of_the_standard() -> None:
     texts = ["", "abc", "a" * 55, "a" * 56, "a" * 64, "ω Δ \N{SNOWMAN} \U0001f600" * 99]
     code = "const c = require(process.argv[1]); const t = JSON.parse(require('fs').readFileSync(0, 'utf8'));"
@@ -157,6 +161,7 @@ ODD = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_it_reads_toml_as_python_does_or_refuses() -> None:
     texts = [*ODD, *(path.read_text(encoding="utf-8") for path in SCENES.glob("*.toml"))]
     said = run(TOML, texts, 60)
@@ -198,6 +203,7 @@ def inside(e: hs.Evaluation) -> list[tuple[float, str, bool]]:
     return sorted((float(x.omega), x.criterion.name, x.kind is CrossingKind.EXCEEDS) for x in rows)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", [0, pytest.param(200, marks=pytest.mark.slow)])
 def test_all_crossings_of_random_scenes_are_found_exactly(first: int) -> None:
     texts = [random_scene(seed) for seed in range(first, first + (20 if first else 4))]

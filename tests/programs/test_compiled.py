@@ -103,6 +103,7 @@ def against_truth(
     return np.array(rows)
 
 
+@pytest.mark.dear("filter and device mass-2000", "filter-2000", "two filters and a lag-2000")
 @pytest.mark.parametrize("count", [2_000, pytest.param(8_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_certified_values_are_within_one_unit_of_the_last_place(family: str, count: int) -> None:
@@ -110,6 +111,7 @@ def test_certified_values_are_within_one_unit_of_the_last_place(family: str, cou
     assert errors(FAMILIES[family], "certified", int(count * SHARES[family]), count, of).max() <= 1.0
 
 
+@pytest.mark.dear("True-fu2019")
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 @pytest.mark.parametrize("symbolic", [False, True])
 def test_every_shipped_scene_is_certified(name: str, symbolic: bool) -> None:  # noqa: FBT001
@@ -185,6 +187,7 @@ CHAINS: dict[str, tuple[hs.Environment, tuple[hs.Effect, ...], hs.Environment | 
 }  # fmt: skip
 
 
+@pytest.mark.dear("roots of s", "shunts between lags", "three in a row")
 @pytest.mark.few(4)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_shape_of_a_chain_has_all_its_values_whatever_computes_them(name: str) -> None:
@@ -277,6 +280,7 @@ def test_at_negative_frequencies_dynamics_are_conjugate(accuracy: str) -> None:
         f.digits(-2.0, 5)
 
 
+@pytest.mark.dear("fast")
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_no_representable_result_is_lost_to_overflow_or_underflow(accuracy: str) -> None:
     d = hs.distort(mass_spring_damper(1.8, 15, 100), *[second_order_lowpass("8e7 rad/s", 0.5)] * 10)
@@ -389,6 +393,7 @@ def test_compiled_functions_broadcast_their_parameters() -> None:
 # Digits
 
 
+@pytest.mark.dear("40-400")
 @pytest.mark.parametrize("count", [5, 17, 25, 60, 400])
 @pytest.mark.parametrize("points", [3, 40])
 def test_digits_are_those_of_the_truth_correctly_rounded(count: int, points: int) -> None:

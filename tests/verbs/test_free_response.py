@@ -37,6 +37,7 @@ def swing(m: float, b: float, k: float) -> tuple[float, float, float, float]:
     return zero - brentq(lambda t: x(t) - 0.9, 0, zero, xtol=1e-15), zero, 2 * pi / w, exp(-pi * sigma / w)
 
 
+@pytest.mark.slow
 def test_a_second_order_stick_with_residual_inertia_has_the_values_of_the_regulation() -> None:
     """From 90 % of the displacement P_0 is 10.137 % longer and fails; from the release on 9.879 %, and would pass."""
     scene = stick(1.8, 3, 100, hs.effects.shunt(m="0.3384", b="0.6"))
@@ -87,6 +88,7 @@ def integrated(top: Any, bottom: Any, ends: float) -> tuple[Any, Any]:
     return t, x
 
 
+@pytest.mark.slow
 @pytest.mark.few(4)
 @pytest.mark.parametrize("seed", range(16))
 def test_the_whole_response_is_judged_of_higher_orders(seed: int) -> None:
@@ -126,6 +128,7 @@ def test_what_leaps_below_90_per_cent_creeps_from_there(k0: int, more: int) -> N
     assert found.kept is (abs(felt - own) <= own / 10)
 
 
+@pytest.mark.dear("scene1-infinitely many")
 @pytest.mark.parametrize(
     ("scene", "why"),
     [

@@ -45,6 +45,7 @@ def test_a_display_that_nobody_holds_swings_as_its_own_mass_damping_and_stiffnes
     assert (found.fitted.rate, found.fitted.omega) == pytest.approx((-rate, (100 / 2 - rate**2) ** 0.5), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.few("3.6 N*s/m-False")
 @pytest.mark.parametrize(("b", "grows"), [("3.3 N*s/m", True), ("3.6 N*s/m", False)])
 def test_a_delayed_spring_let_go_grows_below_the_critical_damping_and_dies_away_above(b: str, grows: bool) -> None:  # noqa: FBT001
@@ -64,6 +65,7 @@ def test_a_delayed_spring_let_go_grows_below_the_critical_damping_and_dies_away_
     assert run.to_dict()["closed"]["digits"][1].startswith(mpmath.nstr(root.imag, 16)[:12])
 
 
+@pytest.mark.slow
 def test_a_mass_on_a_spring_let_go_swings_as_its_formula_says_from_where_it_was_held() -> None:
     """0.5 x'' + 2 x' + 107 x = 0 after a moment; before that 1 cm is held by 1.07 N, of which the display gives 1 N."""
     scene = hs.Scene(SPRING, (), (0, 15))
@@ -158,6 +160,7 @@ def test_roots_that_coincide_are_enclosed_and_are_those_of_the_motion(
     assert run.to_dict()["closed"]["digits"][1] == "0"
 
 
+@pytest.mark.dear("steering-wheel")
 @pytest.mark.few("sidestick", "steering-wheel")
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=pytest.mark.slow) if x in SLOW else x for x in hs.scene_names()]
@@ -308,6 +311,7 @@ def test_a_display_held_beyond_the_limit_of_its_force_rests_before_it_is_let_go(
         hs.release(scene, "1 cm", LIGHT, extras=["0.1 mm"])
 
 
+@pytest.mark.dear("satellite-contact-1 cm-hand5-do not determine a signal")
 @pytest.mark.parametrize(
     ("scene", "displacement", "hand", "said"),
     [
@@ -348,6 +352,7 @@ def chain(form: Expr) -> float | None:
     return QuasiPolynomial.of(ring.convert(form).numerator, ring).chain
 
 
+@pytest.mark.slow
 def test_the_rightmost_root_of_a_polynomial_is_the_one_that_was_put_there() -> None:
     pick = random.Random(11)
     for n in range(5):
@@ -403,6 +408,7 @@ def test_the_rightmost_root_behind_a_delay_is_lamberts(a: str, tau: str) -> None
         assert list(found.others[: len(upper)]) == pytest.approx(upper, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_roots_at_0_that_cancel_are_none_and_others_are() -> None:
     form = s * (s + 3) * (s + 5)
     assert rightmost(form.expand()).s == 0  # type: ignore[union-attr]

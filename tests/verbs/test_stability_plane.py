@@ -43,6 +43,7 @@ Spans = Mapping[str, tuple[Any, Any]]
 # --- the plane of a hand of one mass, as it is drawn ---------------------------------------------------------------------
 
 
+@pytest.mark.dear("position-force-teleoperation-postural-arm-counts3")
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "hand", "counts"),
@@ -140,6 +141,7 @@ def need_counted(found: hs.Scene, told: HeldPlane, spans: Spans, others: tuple[s
             assert all(unstable_roots(now, x).number == 0 for x in now.hands) is is_stable, values
 
 
+@pytest.mark.few("False-1")
 @pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("varies", [False, True])
 def test_a_plane_of_stiffness_and_damping_is_told_as_the_condition_says(seed: int, *, varies: bool) -> None:
@@ -167,6 +169,7 @@ def test_a_plane_of_stiffness_and_damping_is_told_as_the_condition_says(seed: in
     assert (told.left[..., 1] - told.left[..., 0] == 2.0**-5).all()
 
 
+@pytest.mark.slow
 def test_the_boundary_of_a_late_spring_in_an_arm_lies_in_what_is_left() -> None:
     """36 ms: up to K = 199.8521; in between less than a hundredth of the area."""
     own, spans = SPRING.with_hands(ARM), {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
@@ -178,6 +181,7 @@ def test_the_boundary_of_a_late_spring_in_an_arm_lies_in_what_is_left() -> None:
     need_counted(own, told, spans)
 
 
+@pytest.mark.few("how2-5")
 @pytest.mark.parametrize(("how", "seconds"), [({"most": 20}, None), ({"most": 400}, None), ({}, 5)])
 def test_whatever_ends_the_search_all_of_a_plane_is_told_and_nothing_wrong(
     how: dict[str, int], seconds: int | None
@@ -226,6 +230,7 @@ def test_a_sampled_wall_is_told_all_over_its_plane() -> None:
     need_counted(own, told, spans)
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("hidden", [1, 2])
 def test_what_is_hidden_at_one_value_alone_is_a_root_there_as_at_its_neighbours(hidden: int) -> None:
     """s^2 - c s + 4 over s^2 - s + 4 between hold and sampler: at c = 1, the middle of the first rectangles, alone it cancels."""
@@ -249,6 +254,7 @@ def test_what_shakes_by_more_roots_than_could_be_hidden_is_told_to_shake() -> No
     need_counted(own, told, spans, times=12)
 
 
+@pytest.mark.slow
 def test_stable_in_several_hands_is_stable_in_each() -> None:
     spans = {"tau": ("1 ms", "60 ms"), "environment.k": (10, 1000)}
     loose = hs.Hand("loose", m="0.1 kg", b="3 N*s/m")
@@ -265,6 +271,7 @@ def test_a_plane_into_which_roots_come_from_infinity_is_told_as_open_in_all_hand
         told_of(own, {f"{path}.m": (100, 1000), f"{path}.b": (0, 10)})
 
 
+@pytest.mark.dear("10", "21")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(5, 29))
 def test_no_set_of_values_of_a_random_plane_is_against_it(seed: int) -> None:
