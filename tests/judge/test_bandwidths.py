@@ -50,10 +50,6 @@ def on_a_spring(Z: str, jnd: Any, band: tuple[Any, Any]) -> hs.Scene:
 # --- peaks -----------------------------------------------------------------------------------------------------------
 
 
-def with_threshold(scene: hs.Scene, real: object, imag: object = 1) -> hs.Evaluation:
-    return hs.evaluate(replace(scene, threshold=hs.Threshold(real, imag)))
-
-
 def real_peak() -> hs.Peak:
     [peak] = [p for p in hs.peaks(FU) if p.part is hs.Part.REAL]
     return peak

@@ -541,6 +541,15 @@ def test_a_region_and_its_projections_are_left_where_the_polygon_of_its_border_i
     assert seen >= set(hs.Part)
 
 
+@pytest.mark.parametrize("name", [x for x, (jnd, _) in (TILTS | REGIONS).items() if "shape" in str(jnd)])
+def test_a_region_is_enlarged_in_every_direction_as_much_as_its_border_is_near(name: str) -> None:
+    jnd, times = (TILTS | REGIONS)[name]
+    [criterion] = noticed(read_threshold(jnd))
+    assert criterion.joint is not None
+    found = criterion.joint.enlarged(X[::997], Y[::997], lambda c: float(floats_of(c, 2.0)))
+    assert found == pytest.approx(times[::997], rel=1e-4)
+
+
 def of_any(jnd: Any) -> Any:
     """A gain 1 + omega^2/100 behind a spring: |G - 1| is the radius of the largest circle, and of the smallest around it, where it is."""
     return hs.evaluate(hs.Scene(E.mass_spring_damper(k=1), (F.series("1 - s^2/100"),), (0, 30), jnd)).any_environment

@@ -146,10 +146,6 @@ def test_random_loops_with_a_delay_are_counted_as_their_contour_winds(
     assert roots(loop).number == above
 
 
-def some(draw: random.Random, most: int = 9) -> Rational:
-    return Rational(draw.choice([-1, 1]) * draw.randint(1, most), draw.choice([1, 2, 3, 7]))
-
-
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", [x for x in range(30) if x != 20])  # 20 has roots on the axis
 def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> None:

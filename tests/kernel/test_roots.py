@@ -888,6 +888,7 @@ def test_the_pair_beside_a_lightly_damped_resonance_is_found(k: int) -> None:
     environment = E.mass_spring_damper("1.8 kg", Rational(1, 10**k), "100 N/m")
     scene = hs.Scene(environment, (FILTER, F.delay("1 ms")), (0, 15), hs.Threshold.of("0.05"))
     result = hs.evaluate(scene)
+    assert result.certified
     near = [
         c
         for c in result.crossings

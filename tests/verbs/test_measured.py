@@ -724,9 +724,6 @@ REGIONS: dict[str, Any] = {
 JOINT = {"disc", "ellipse", "narrow", "diamond", "polygon", "formula"}
 
 
-LEAST = {"real": 0.0, "imag": 0.0}
-
-
 @pytest.mark.parametrize("seed", range(4))
 def test_the_way_to_where_a_change_of_one_part_is_noticed_is_that_to_the_ends_of_what_is_not(seed: int) -> None:
     """By the definition in fractions: what grows in magnitude has one limit and what shrinks another; ends are where that changes."""

@@ -473,12 +473,6 @@ def response(env: tuple[Any, ...], perc: tuple[Any, ...]) -> FreeResponse:
     return free_response(hs.distort(swinging(*env), rendered=swinging(*perc)))
 
 
-FEW = st.fractions(Rational(1, 4), 2, max_denominator=30)
-
-
-NEAR = [Rational(5, 6) * (1 + sign * Rational(1, 10**n)) for n in (3, 18, 60) for sign in (-1, 1)]
-
-
 # What is said of hands and environments.
 
 
