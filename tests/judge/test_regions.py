@@ -23,7 +23,7 @@ from haptisym import effects, environments
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import half_widths
-from haptisym.judge.percepts import Property
+from haptisym.judge.percepts import Property, felt_of
 from haptisym.model.jnd import read_threshold
 from haptisym.programs.floats import floats_of
 
@@ -105,6 +105,7 @@ def test_what_neither_part_alone_would_show_is_felt_in_both_the_nearer_one_last(
         [7.922311857140609, 7.978916790174708], rel=1e-15
     )
     assert together.property is Property.MASS  # r_r is nearly 0.1 there, r_i is 0.01
+    assert [felt_of(together, part) for part in (hs.Part.REAL, hs.Part.IMAG)] == ["lower mass", "higher damping"]
     row = next(x for x in found.to_dict()["percepts"] if x["part"] == "joint")
     assert (row["property"], row["change"]) == (["damping", "mass"], ["higher", "lower"])
 

@@ -23,6 +23,7 @@ from sympy import Expr, Integer, Rational, Symbol
 import haptisym as hs
 from haptisym.judge.bindings import stable_in
 from haptisym.kernel.budget import limited, timed_by
+from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
 from haptisym.model.valueranges import ALLOWED
@@ -30,7 +31,7 @@ from haptisym.programs.taylormodels import Array
 from haptisym.verbs.require.designmap import held_rectangles
 from haptisym.verbs.stability.held import held, unstable_roots
 from haptisym.verbs.stability.limits import stable_values
-from haptisym.verbs.stability.margins import margins
+from haptisym.verbs.stability.margins import Turned, margins
 from haptisym.verbs.stability.plane import boundary, plane, wall_plane
 from haptisym.verbs.stability.ranges import HeldPlane, held_plane
 
@@ -348,6 +349,13 @@ def test_a_rational_loop_has_the_margins_of_its_open_loop() -> None:
     angle = mpmath.pi / 2 - mpmath.atan(w) - mpmath.atan(w / 10)
     assert abs(float(phase.value) - float(mpmath.degrees(angle))) < 1e-9
     assert abs(float(delay.value) - float(angle / w)) < 1e-9
+
+
+@pytest.mark.parametrize(("real", "imag"), [(3, 4), (3, -4), (-3, 4), (-3, -4), (5, 0), (-5, 0), (0, 2), (0, -2)])
+def test_a_phase_is_the_angle_to_minus_one_on_either_side(real: int, imag: int) -> None:
+    ratio = tuple(RealFunction(Ring().axis.convert(Integer(x))) for x in (real, imag))
+    found = Turned(ratio, ExactNumber(Integer(7))).ball(64)  # type: ignore[arg-type]
+    assert float(found.mid()) == pytest.approx(float(abs(np.degrees(np.angle(complex(-real, -imag + 0.0))))), abs=1e-12)
 
 
 def period(K: float, B: float, hand: tuple[float, float, float], T: float, late: float) -> np.ndarray:
