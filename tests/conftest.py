@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from threading import current_thread, main_thread
 from typing import Any
 from zlib import crc32
 
@@ -42,12 +46,14 @@ settings.register_profile(
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 
-DEAR = frozenset(
-    line
-    for line in (Path(__file__).parent / "slow.txt").read_text(encoding="utf-8").splitlines()
-    if line and not line.startswith("#")
-)
-"""Tests, and families of cases by the name before the bracket, that are slow by their measured times alone."""
+DOCSTRINGS = {
+    "haptisym.pages.report.page",
+    "haptisym.verbs.cost.entry.cost",
+    "haptisym.verbs.identify.entry.identify",
+    "haptisym.verbs.require.designmap.design_map",
+    "haptisym.verbs.simulate.release.release",
+}
+"""Docstrings whose examples are slow: a mark cannot be put on them."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -58,6 +64,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.option.share = config.option.share or commit()  # what the processes that run the tests are given, too
+    config.pluginmanager.register(EachTest(), "each-test")
 
 
 @cache
@@ -72,20 +79,29 @@ def commit() -> str:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow.
+    """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow,
+    and so are the cases that ``dear`` names.
 
     Of the slow ones a share is kept: what is marked ``core``, and an eighth by a hash of the name and of the commit.
     """
-    if not config.option.file_or_dir and (
-        gone := DEAR - {y for x in items for y in (x.nodeid, x.nodeid.partition("[")[0])}
-    ):
-        raise pytest.UsageError(f"tests/slow.txt names what is no test any more: {sorted(gone)[:3]}")
+    whole = not config.option.file_or_dir
+    if whole and (gone := DOCSTRINGS - {x.name for x in items}):
+        raise pytest.UsageError(
+            f"tests/conftest.py names what is no docstring with an example any more: {sorted(gone)}"
+        )
     families: dict[str, list[pytest.Item]] = {}
+    dear: dict[str, set[str]] = {}
     for item in items:
-        if not DEAR.isdisjoint((item.nodeid, item.nodeid.partition("[")[0])):
+        family, _, case = item.nodeid.partition("[")
+        named = {x for mark in item.iter_markers("dear") for x in mark.args}
+        if item.name in DOCSTRINGS or case[:-1] in named:
             item.add_marker(pytest.mark.slow)
+        if named:
+            dear[family] = dear.get(family, named) - {case[:-1]}
         if item.get_closest_marker("few"):
             families.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    if whole and (gone := {x: y for x, y in dear.items() if y}):
+        raise pytest.UsageError(f"marked dear are what is no case any more: {gone}")
     for cases in families.values():
         quick = set(cases_of(cases, next(cases[0].iter_markers("few")).args))
         if not quick and not any("[" in word for word in config.args):
@@ -125,6 +141,66 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     config.option.loadscopereorder = config.option.markexpr != "not slow"
     return LoadFileScheduling(config, log) if config.getvalue("dist") == "load" else None
+
+
+LIMITS = {"ITIMER_PROF": (120.0, 600.0), "ITIMER_REAL": (900.0, 1800.0)}
+"""Seconds that a quick test and a slow one may take: of this process's time, which is the same whatever else runs, and of
+the clock, for those that wait for another process for ever."""
+
+
+@contextmanager
+def limited(item: pytest.Item) -> Iterator[None]:
+    """Within this a test that takes too long fails; where timers are POSIX's and Python's main thread runs the tests."""
+    if not hasattr(signal, "setitimer") or current_thread() is not main_thread():
+        yield
+        return
+    is_slow = item.get_closest_marker("slow") is not None
+    signals = {"ITIMER_PROF": signal.SIGPROF, "ITIMER_REAL": signal.SIGALRM}
+    before = {}
+    for timer, seconds in LIMITS.items():
+        most, number = seconds[is_slow], signals[timer]
+
+        def over(*_: object, most: float = most, timer: str = timer) -> None:
+            kind = "processor time" if timer == "ITIMER_PROF" else "the clock"
+            pytest.fail(f"{item.nodeid} takes more than {most:.0f} s by {kind}")
+
+        before[number] = signal.signal(number, over)
+        signal.setitimer(getattr(signal, timer), most)
+    try:
+        yield
+    finally:
+        for timer in LIMITS:
+            signal.setitimer(getattr(signal, timer), 0)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+NOT_THERE = "the packages could not be fetched"
+"""What a machine without npm's or Python's registry lacks: the one reason to skip a test in CI on Linux."""
+
+
+class EachTest:
+    """What holds for each test, those in the docstrings of ``src`` too: a time that it may take, and no skipping in CI."""
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_setup(self, item: pytest.Item) -> Any:
+        with limited(item):
+            return (yield)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_call(self, item: pytest.Item) -> Any:
+        with limited(item):
+            return (yield)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item: pytest.Item) -> Any:
+        """In CI a test that is skipped has failed: what it needs is installed there."""
+        report = yield
+        if report.skipped and os.environ.get("CI") and not hasattr(report, "wasxfail") and sys.platform != "win32":
+            reason = str(report.longrepr[-1] if isinstance(report.longrepr, tuple) else report.longrepr)
+            if NOT_THERE not in reason:
+                report.outcome, report.longrepr = "failed", f"{item.nodeid}: {reason}: in CI no test may be skipped"
+        return report
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:

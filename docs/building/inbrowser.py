@@ -2,7 +2,8 @@
 
 ``python docs/building/inbrowser.py FOLDER`` fetches Pyodide from npm and the wheels from PyPI into a folder, once, and
 compiles them, so that SymPy is loaded in 1 s and not in 7; and axe, by which the tests judge whether everybody can use the
-page. A site that is built while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the page; without
+page. Where a registry is out of reach, or npm is missing, it says so and ends with status 69; whatever else goes wrong is an
+error. A site that is built while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the page; without
 it the page says how. By itself:
 ``python docs/building/inbrowser.py FOLDER SITE`` writes SITE/try.
 """
@@ -33,15 +34,36 @@ MOST = 35_000_000
 """Bytes of the page."""
 
 
+OUT_OF_REACH = 69
+"""The exit status that says so, and nothing is wrong here (EX_UNAVAILABLE of sysexits.h)."""
+_NETWORK = (
+    "ENOTFOUND", "EAI_AGAIN", "ECONNREFUSED", "ECONNRESET", "ETIMEDOUT", "ENETUNREACH", "EHOSTUNREACH",
+    "NewConnectionError", "ConnectTimeoutError", "ReadTimeoutError", "Failed to establish a new connection",
+    "Temporary failure in name resolution",
+)  # fmt: skip
+"""What npm and pip print of a registry that does not answer. One that answers that there is no such version is an error."""
+
+
+def download(words: list[str], folder: Path) -> str:
+    """What a command that downloads prints; SystemExit with ``OUT_OF_REACH`` where its registry does not answer."""
+    if not shutil.which(words[0]):
+        print(f"{words[0]} is missing", file=sys.stderr)
+        raise SystemExit(OUT_OF_REACH)
+    done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
+    if done.returncode:
+        print(done.stdout, done.stderr, sep="", file=sys.stderr)
+        raise SystemExit(OUT_OF_REACH if any(x in done.stdout + done.stderr for x in _NETWORK) else 1)
+    return done.stdout
+
+
 def fetch(folder: Path) -> None:
     """Fetch what is missing from a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, version in (("pyodide", PYODIDE), ("axe-core", AXE)):
         if (folder / name).is_dir():
             continue
-        packing = ["npm", "pack", "--silent", f"{name}@{version}"]
-        said = subprocess.run(packing, cwd=folder, check=True, capture_output=True, text=True)
-        archive = folder / said.stdout.split()[-1]
+        packing = ["npm", "pack", "--loglevel=error", f"{name}@{version}"]
+        archive = folder / download(packing, folder).split()[-1]
         with tarfile.open(archive) as packed:
             packed.extractall(folder, filter="data")
         (folder / "package").rename(folder / name)
@@ -50,7 +72,7 @@ def fetch(folder: Path) -> None:
         with TemporaryDirectory() as wheels:
             for name, platform in WHEELS.items():
                 options = ["--quiet", "--no-deps", "--only-binary=:all:", *platform, "--dest", wheels]
-                subprocess.run([sys.executable, "-m", "pip", "download", *options, name], check=True)
+                download([sys.executable, "-m", "pip", "download", *options, name], folder)
             compiler = Path(__file__).with_name("compile.mjs")
             subprocess.run(["node", compiler, folder.resolve(), *sorted(Path(wheels).iterdir())], check=True)
 

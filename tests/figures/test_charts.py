@@ -55,6 +55,7 @@ def test_a_requirement_is_drawn_with_its_worst_case_its_set_and_its_proven_ends(
     assert told(ax) == ["real part", "imaginary part", "threshold", "transparent", "ends, proven"]
 
 
+@pytest.mark.slow
 def test_the_worst_case_of_a_requirement_is_that_of_both_ratios_at_each_value() -> None:
     """Behind a delay of tau they are 1 - cos(tau w) and sin(tau w)."""
     late, ax = hs.Scene(mass_spring_damper(k=100), (delay("20 ms"),), (0, 15), "0.1"), axes()
@@ -83,6 +84,7 @@ def test_what_is_undecided_of_a_requirement_is_hatched_and_open_intervals_end_wi
         assert told(ax).count("undecided") == 1
 
 
+@pytest.mark.slow
 def test_a_number_of_a_hand_is_drawn_though_it_has_no_course_along_the_band() -> None:
     ax = axes()
     draw(ax, requirement_charts.requirement(hs.require("satellite-contact", "hand.m", that=["stable"], hand=HEAVY)))
@@ -98,6 +100,7 @@ def designed(low: float = 1, high: float = 3) -> hs.DesignMap:
     return hs.design_map(DAMPED, ["effects.shunt.b", "environment.k"], [(low, high), (100, 500)], slices=3)
 
 
+@pytest.mark.slow
 def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are() -> None:
     """k = 150 b: what is grey lies above it, what is left open holds it."""
     ax = axes()
@@ -126,6 +129,7 @@ def test_a_map_without_any_value_says_so() -> None:
     assert told(ax) == ["exact slices"]
 
 
+@pytest.mark.slow
 def test_a_map_of_several_things_shows_each_set() -> None:
     ax = axes()
     found = hs.design_map(
@@ -138,6 +142,7 @@ def test_a_map_of_several_things_shows_each_set() -> None:
     assert {"all that is asked, interpolated", "transparent", "passive: ends on no slice"} <= set(told(ax))
 
 
+@pytest.mark.slow
 def test_between_slices_of_different_kind_a_map_is_hatched_and_shows_no_boundary() -> None:
     """It drew one halfway, at 550 kg, where it is at 500 kg."""
     ranges, free = [(400, 800), (0, 6000)], ["hand.m", "hand.b"]
@@ -175,6 +180,7 @@ def swept(x: Any, **unstable: Any) -> xr.Dataset:
     return made
 
 
+@pytest.mark.slow
 def test_curves_of_a_sweep_go_through_its_table_and_break_where_crossings_come_or_go() -> None:
     x = np.linspace(10, 100, 10)
     some, open_ = np.zeros(10, int), np.zeros(10, int)
@@ -202,6 +208,7 @@ def test_values_by_equal_ratios_have_a_logarithmic_axis_and_no_others() -> None:
     assert not any(is_logarithmic(y) for y in others)
 
 
+@pytest.mark.slow
 def test_a_map_of_a_sweep_shows_its_table_its_jumps_and_what_contours_do_not_tell() -> None:
     x, y = np.linspace(10, 100, 10), np.array([1.0, 2.0, 3.0])
     z = np.linspace(2, 6, 10)[None, :] + 0.5 * y[:, None]
@@ -251,6 +258,7 @@ def rows_of(bars: Any) -> list[tuple[float, float, float]]:
     return [(*own, x.get_y() + x.get_height() / 2) for own, x in zip(spans(bars), bars, strict=True)]
 
 
+@pytest.mark.dear("False")
 @pytest.mark.parametrize("hertz", [False, True])
 def test_bars_hold_the_crossings_of_all_values_dots_those_drawn_and_strokes_the_nominal_ones(*, hertz: bool) -> None:
     ax, turn = axes(), 2 * np.pi if hertz else 1
@@ -272,6 +280,7 @@ def test_bars_hold_the_crossings_of_all_values_dots_those_drawn_and_strokes_the_
     assert ax.get_xlabel() == ("frequency (Hz)" if hertz else r"$\omega$ (rad/s)")
 
 
+@pytest.mark.slow
 def test_what_is_met_for_some_values_alone_has_a_bar_to_the_end_of_the_band_and_no_stroke() -> None:
     ax = axes()
     [own] = rows_of(draw(ax, stability_charts.enclosures(found("92 rad/s +- 10 %", (0, 9), samples=0))))
@@ -282,6 +291,7 @@ def test_what_is_met_for_some_values_alone_has_a_bar_to_the_end_of_the_band_and_
             made(found("400 rad/s +- 10 %", samples=2))
 
 
+@pytest.mark.slow
 def test_what_a_further_scene_meets_stands_in_the_row_of_that_or_in_one_of_its_own() -> None:
     """``|jω/(a + jω)|`` is a tenth at a/√99."""
     ax = axes()
@@ -323,6 +333,7 @@ def test_without_a_hand_there_is_no_plane() -> None:
         found().plot(axes(), kind="hands")
 
 
+@pytest.mark.slow
 def test_the_plane_of_a_hand_has_its_boundary_where_roots_lie_on_the_axis() -> None:
     """With -5 N s/m and 100 - 150 N/m at its side a mass is stable for b > 5 and k > 50; to the left a root is at 0."""
     ax, other = axes(), hs.Hand("other", m="2 kg", b="8 N*s/m", k=["70 N/m", "90 N/m"])
@@ -393,6 +404,7 @@ def run() -> hs.Simulation:
     return hs.simulate(lagged, hs.sine("5 cm", "10 rad/s"))
 
 
+@pytest.mark.slow
 def test_a_loop_is_the_ellipse_of_either_dynamics_and_time_is_in_seconds() -> None:
     """x = 0.05 sin(10 t), in mm; f = Im(H 0.05 exp(10 j t)), so (f - Re H x)/Im H is the motion a quarter of a turn on."""
     ax = axes()
@@ -409,6 +421,7 @@ def test_a_loop_is_the_ellipse_of_either_dynamics_and_time_is_in_seconds() -> No
     assert [x.get_ylabel() for x in time.child_axes] == ["motion (mm)"]
 
 
+@pytest.mark.dear("Part.IMAG-imag")
 @pytest.mark.parametrize(("part", "of"), [(hs.Part.REAL, np.real), (hs.Part.IMAG, np.imag)])
 def test_what_is_recovered_are_rings_on_the_closed_form(part: hs.Part, of: Any) -> None:
     ax = axes()
@@ -419,6 +432,7 @@ def test_what_is_recovered_are_rings_on_the_closed_form(part: hs.Part, of: Any) 
     assert "(N/m)" in ax.get_ylabel()
 
 
+@pytest.mark.slow
 def test_a_hand_that_is_let_go_moves_within_its_envelope_in_millimetres() -> None:
     """1 kg on 100 N/m with 2 N s/m: e^-t, at √99 rad/s."""
     ax = axes()
@@ -439,6 +453,7 @@ def test_a_hand_that_is_let_go_moves_within_its_envelope_in_millimetres() -> Non
 # Identified models, sensitivities.
 
 
+@pytest.mark.slow
 def test_an_identified_model_is_drawn_through_its_lines_with_residuals_in_their_errors() -> None:
     w, error = np.array([1.0, 2, 5, 9, 31]), np.array([3 + 1j, -2j, 5, 1 - 1j, -4.0])
     H = 100 - 2 * w**2 + 15j * w + error
@@ -456,6 +471,7 @@ def test_an_identified_model_is_drawn_through_its_lines_with_residuals_in_their_
     assert places(real)[1] + 1j * places(imag)[1] == pytest.approx(a.fit.residuals)
 
 
+@pytest.mark.slow
 def test_bars_of_elasticities_are_as_long_as_they_are_and_named_with_their_values() -> None:
     found = hs.sensitivity(hs.Scene(hs.environments.kelvin_voigt(100, 3), (first_order_lag(20),), (0, 15), "0.1"))
     ax, first = axes(), found.crossings[0]
@@ -492,6 +508,7 @@ def test_marks_stand_at_time_and_digits_and_what_is_wrong_on_the_strip() -> None
     assert ax.xaxis.get_major_formatter()(2e-6, 0) == "2 µs"
 
 
+@pytest.mark.slow
 def test_a_figure_of_costs_has_a_panel_for_each_question() -> None:
     others = (
         CostMeasurement("evaluate", "fast", 14, 1e-7, proven=False),
@@ -533,6 +550,7 @@ def test_a_table_of_hard_cases_counts_right_answers_and_tells_the_worst() -> Non
 # Judgements.
 
 
+@pytest.mark.slow
 def test_a_measured_jnd_is_drawn_with_its_shares_its_curve_and_where_it_is_taken() -> None:
     rows = tuple(LevelAnswers(4.4 + 0.3 * i, k, 40 - 5 * (i % 2)) for i, k in enumerate((3, 9, 14, 20, 25, 30)))
     p, ax = hs.jnd(Answers("answers", rows)), axes()

@@ -89,6 +89,7 @@ FIGURES: dict[str, Callable[[], list[Figure]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few("requirement", "tolerances")
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_one_readable_size_with_words_and_signs_of_print_and_no_text_on_another(name: str) -> None:
@@ -194,6 +195,7 @@ def legended(count: int, height: float = 2.2) -> Panel:
     )
 
 
+@pytest.mark.slow
 def test_a_legend_has_room_above_a_drawing_that_keeps_its_height() -> None:
     few, many = sheet(legended(1)), sheet(legended(4))
     assert few.get_figwidth() == many.get_figwidth() == pytest.approx(pen.WIDTH)
@@ -202,6 +204,7 @@ def test_a_legend_has_room_above_a_drawing_that_keeps_its_height() -> None:
     assert all(x.axes[0].get_legend().get_window_extent().y1 <= x.bbox.y1 + 1 for x in (few, many))
 
 
+@pytest.mark.slow
 def test_a_drawing_at_equal_scales_is_as_high_as_it_needs() -> None:
     figure = sheet(Panel([], DrawnAxis(ends=(0, 4)), DrawnAxis(ends=(0, 2)), 2.6, equal=True))
     box = figure.axes[0].get_window_extent()
@@ -209,6 +212,7 @@ def test_a_drawing_at_equal_scales_is_as_high_as_it_needs() -> None:
     assert figure.get_figheight() < 2.6
 
 
+@pytest.mark.slow
 def test_drawings_above_each_other_share_their_frequencies_whose_numbers_stand_below_the_last() -> None:
     figure = sheet(legended(1, 1), legended(1, 2))
     first, last = figure.axes
@@ -264,6 +268,7 @@ def test_a_family_saves_its_worst_case_and_its_regions_where_they_were_asked_for
     assert sorted({x.stem for x in save_figures(found, tmp_path)}) == sorted(names)
 
 
+@pytest.mark.slow
 def test_the_square_drawn_is_of_the_middle_of_the_first_percept() -> None:
     [ax] = draw_figure(paper(), "jnd-square").axes
     middle = (float(paper().percepts[0].band.low.omega) + float(paper().percepts[0].band.high.omega)) / 2

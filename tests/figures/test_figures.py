@@ -103,6 +103,7 @@ def test_crossings_are_marked_on_the_threshold_and_labelled_and_each_is_a_sample
     assert {float(c.omega) for c in e.crossings} <= set(places(curves(ax)[0])[0])
 
 
+@pytest.mark.slow
 def test_of_many_crossings_the_lowest_are_labelled_and_the_others_counted() -> None:
     ax, e = drawn(NOTCH, evaluation_charts.ratios), evaluated(NOTCH)
     assert len(e.crossings) == 6
@@ -112,6 +113,7 @@ def test_of_many_crossings_the_lowest_are_labelled_and_the_others_counted() -> N
     assert sum(len(x.get_xdata()) for x in marked(ax, "o")) == 6
 
 
+@pytest.mark.dear("(0, 15)1", "(0, 15)3")
 @pytest.mark.parametrize("scene", [PAPER, NOTCH, ROTATION, IDENTITY, STIFFENED], ids=lambda x: str(x.band))
 def test_grey_bands_are_where_all_is_transparent_and_each_ratio_has_its_threshold(scene: hs.Scene) -> None:
     ax, document = drawn(scene, evaluation_charts.ratios), evaluated(scene).to_dict()
@@ -130,6 +132,7 @@ def test_a_peak_of_500_that_is_a_thousandth_of_the_band_wide_is_drawn_to_its_top
     assert "500 at 10" in words(ax)
 
 
+@pytest.mark.dear("paper")
 @pytest.mark.parametrize(
     "scene", [PAPER, LIGHTLY_DAMPED, pytest.param(NOTCH, marks=pytest.mark.slow)], ids=["paper", "peak", "notch"]
 )
@@ -151,6 +154,7 @@ def test_an_unbounded_ratio_leaves_the_axes_and_says_where() -> None:
     assert "∞ at 10" in words(ax)
 
 
+@pytest.mark.slow
 def test_closed_forms_and_peaks_are_drawn_on_the_same_curves() -> None:
     for found, chart in ((hs.derive(PAPER), evaluation_charts.formulas), (hs.peaks(PAPER), evaluation_charts.peaks)):
         ax = axes()
@@ -160,6 +164,7 @@ def test_closed_forms_and_peaks_are_drawn_on_the_same_curves() -> None:
         assert ratio == pytest.approx(exact, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_an_axes_keeps_its_unit_of_frequency() -> None:
     ax = axes()
     draw(ax, evaluation_charts.ratios(hs.evaluate("steering-wheel")))
@@ -197,6 +202,7 @@ def test_both_dynamics_are_traced_and_thirds_of_the_band_bear_the_same_marker() 
         assert f"{at:g} rad/s" in told(ax)
 
 
+@pytest.mark.dear("band3-marked_at3")
 @pytest.mark.parametrize(
     ("band", "marked_at"),
     [
@@ -227,6 +233,7 @@ def test_arrows_point_towards_higher_frequencies() -> None:
     assert all(x.xy[1] > x.xyann[1] and x.xy[0] < x.xyann[0] for x in arrows)
 
 
+@pytest.mark.dear("a pole at 10")
 @pytest.mark.parametrize("scene", [RINGING, RINGING_AT_SQRT_50], ids=["a pole at 10", "a pole at no float"])
 def test_a_pole_of_the_dynamics_breaks_the_curve_and_spares_the_axes(scene: hs.Scene) -> None:
     ax = drawn(scene, evaluation_charts.nyquist)
@@ -306,6 +313,7 @@ def test_words_stand_in_the_middle_of_their_band_or_are_numbered_there() -> None
     assert told(ax)[3:] == [f"mass instead of stiffness, with {x} force" for x in ("lower", "higher")]
 
 
+@pytest.mark.dear("active", "taken away")
 @pytest.mark.parametrize(
     ("scene", "part", "word"),
     [
@@ -409,6 +417,7 @@ def test_a_frequency_off_the_band_or_at_a_pole_has_no_square() -> None:
         draw(axes(), evaluation_charts.square(evaluated(RINGING), 10.0))
 
 
+@pytest.mark.slow
 def test_units_are_those_of_the_motion_and_large_numbers_are_told_in_thousands() -> None:
     for scene, unit in ((ROTATION, "(N·m/rad)"), (PAPER, "(N/m)"), (PAPER.with_band(1000, 5000), "(kN/m)")):
         for chart, *more in (
@@ -568,6 +577,7 @@ def test_where_none_is_transparent_the_legend_tells_of_no_ground() -> None:
     assert not ax.patches
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("names", "band", "ends"),
     [
@@ -644,6 +654,7 @@ def test_measured_lines_stand_in_the_plane_by_what_they_tell() -> None:
         assert extents == pytest.approx(box, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_changes_of_measured_lines_stand_about_the_border_of_a_region() -> None:
     jnd = {"shape": "ellipse", "real": "0.2", "imag": "0.3"}
     ax = axes()
@@ -660,6 +671,7 @@ def test_changes_of_measured_lines_stand_about_the_border_of_a_region() -> None:
 # Measures.
 
 
+@pytest.mark.slow
 def test_measures_are_the_two_ratios_the_whole_change_and_that_of_the_size() -> None:
     ax = axes()
     four = draw(ax, effect_charts.measures(hs.metrics(LAGGED)))
@@ -671,6 +683,7 @@ def test_measures_are_the_two_ratios_the_whole_change_and_that_of_the_size() -> 
     assert told(ax)[-1] == "$c = 0.1$"
 
 
+@pytest.mark.slow
 def test_verdicts_are_bars_where_they_hold_one_row_for_each() -> None:
     m, ax = hs.metrics("fu2019"), axes()
     made, rows = draw(ax, effect_charts.verdicts(m)), verdict_bands(m)
@@ -701,6 +714,7 @@ def influences(ax: Axes, found: hs.Relevance, part: Part) -> list[Line2D]:
     return [x for x in made if len(set(x.get_ydata())) != 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("part", Part)
 def test_each_curve_is_how_far_a_ratio_moves_when_that_effect_is_left_out(part: Part) -> None:
     ax = axes()
@@ -715,6 +729,7 @@ def test_each_curve_is_how_far_a_ratio_moves_when_that_effect_is_left_out(part: 
     assert (ax.get_ylabel(), ax.get_xlabel()) == (rf"change of $r_\mathrm{{{symbol}}}$", r"$\omega$ (rad/s)")
 
 
+@pytest.mark.slow
 def test_names_stand_beside_the_ends_of_their_curves_and_what_matters_is_dark() -> None:
     ax = axes()
     made = influences(ax, effects(), Part.REAL)
@@ -728,6 +743,7 @@ def test_names_stand_beside_the_ends_of_their_curves_and_what_matters_is_dark() 
     assert all(a.y1 <= b.y0 + 1 for a, b in pairwise(boxes))
 
 
+@pytest.mark.slow
 def test_a_part_that_nothing_changes_is_an_empty_chart() -> None:
     """A spring alone leaves the imaginary part as it is; with a tolerance of 0 nothing at all is above 0."""
     alone = hs.relevance(hs.Scene(mass_spring_damper(k=100), (shunt(k=1),), (0, 15), "0.1"), 0)

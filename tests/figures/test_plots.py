@@ -72,6 +72,7 @@ def test_every_kind_of_answer_can_be_drawn() -> None:
     assert set(ANSWERS) - {"hardcosts"} == set(schema_names()) - {"answers", "scenes", "schemas", "sweep"}
 
 
+@pytest.mark.dear("derivation", "published", "requirement")
 @pytest.mark.few("published", "hardcosts", "derivation", "requirement")
 @pytest.mark.parametrize("name", ANSWERS)
 def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
@@ -95,6 +96,7 @@ def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
         one.plot(axes(), kind="what")
 
 
+@pytest.mark.dear("ratios-ratio")
 @pytest.mark.parametrize(
     ("kind", "label"),
     [
@@ -106,6 +108,7 @@ def test_a_kind_of_an_evaluation_has_the_axis_that_its_name_says(kind: str, labe
     assert label in evaluated().plot(axes(), kind=kind).get_ylabel()
 
 
+@pytest.mark.slow
 def test_parts_of_effects_and_of_families_are_those_of_their_names() -> None:
     effects, family = hs.relevance(SPRING.with_values({"k": 100})), hs.evaluate_all(hs.SceneFamily({"one": PAPER}))
     for kind, symbol in (("real", r"r_\mathrm{r}"), ("imag", r"r_\mathrm{i}"), ("", r"r_\mathrm{r}")):
@@ -130,6 +133,7 @@ def test_style_goes_to_the_curves_and_their_entries_and_color_to_the_scene() -> 
         evaluated().plot(axes(), nonsense=1)
 
 
+@pytest.mark.slow
 def test_further_scenes_without_a_label_are_numbered_and_have_the_next_colour() -> None:
     ax, p = axes(), ANSWERS["jnd"](PAPER)
     for kind in ("ratios", "ratios", "ratios"):
@@ -143,6 +147,7 @@ def test_further_scenes_without_a_label_are_numbered_and_have_the_next_colour() 
     assert "#009900" in {to_hex(x.get_color()) for x in other.lines}
 
 
+@pytest.mark.slow
 def test_curves_of_a_further_family_have_entries_in_the_legend_that_look_like_them() -> None:
     """Its entries bore the colours of the first, or, without a label, were missing."""
     effects = (hs.effects.first_order_lag(20), hs.effects.shunt(m="0.1"))

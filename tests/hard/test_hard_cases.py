@@ -151,6 +151,7 @@ def test_a_rational_crossing_on_the_end_of_the_band_is_found_once_on_either_side
         assert c.omega.digits(20).rstrip("0") == "0.15"
 
 
+@pytest.mark.slow
 @given(
     m=decades, b=decades, k=decades, omega_n=decades, zeta=decades,
     omega=st.integers(-150, 150), digit=st.floats(1, 10, exclude_max=True),
@@ -171,6 +172,7 @@ def test_certified_values_are_right_over_eighteen_decades_of_every_parameter(
 # The usual ways fail in public; a stable form that were replaced by the naive one would fail with them.
 
 
+@pytest.mark.slow
 def test_the_naive_form_loses_every_digit_below_1e_7_rad_s() -> None:
     low = [x for x in hard_cases("low frequencies") if x.question.omegas[0] <= 1e-7]
     assert len(low) >= 6
@@ -200,6 +202,7 @@ def test_fast_floats_keep_their_digits_for_short_delays(tau: str) -> None:
     assert naive < 3
 
 
+@pytest.mark.slow
 def test_a_grid_misses_what_lies_between_its_points() -> None:
     [case] = [x for x in hard_cases("resonance behind a delay") if "10^-6" in x.name]
     grid, proven = put(case, [CROSSINGS["grid of 10^4 + Brent"], CROSSINGS["certified, 15 digits"]])
@@ -230,6 +233,7 @@ def test_the_condition_number_of_a_crossing_is_c_over_omega_times_the_slope() ->
     assert question.condition == pytest.approx(0.2 / (10 * 800 * 10 / 500**2), rel=1e-12)
 
 
+@pytest.mark.slow
 def test_the_condition_number_of_a_touch_is_infinite() -> None:
     [touch] = [x for x in hard_cases("tangency ladder") if x.name == "touch"]
     assert touch.question.condition == inf

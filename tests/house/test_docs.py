@@ -176,6 +176,22 @@ def test_a_site_without_the_packages_of_the_browsers_page_says_how_they_are_had(
     assert [*script("building/outside.py").outside(tmp_path)] == []
 
 
+@pytest.mark.parametrize(
+    ("does", "status"),
+    [("print('npm error code ENOTFOUND'); exit(1)", 69), ("print('npm error code ETARGET'); exit(1)", 1), ("1/0", 1)],
+)
+def test_a_registry_that_is_out_of_reach_is_told_from_what_is_broken(tmp_path: Path, does: str, status: int) -> None:
+    """.ci/run leaves tests out for the one and fails for the other."""
+    module = script("building/inbrowser.py")
+    with pytest.raises(SystemExit) as stop:
+        module.download([sys.executable, "-c", does], tmp_path)
+    assert stop.value.code == status
+    with pytest.raises(SystemExit) as stop:
+        module.download(["no-such-program"], tmp_path)
+    assert stop.value.code == module.OUT_OF_REACH == 69
+    assert module.download([sys.executable, "-c", "print('a.tgz')"], tmp_path).split() == ["a.tgz"]
+
+
 def test_what_a_page_loads_from_outside_is_found(tmp_path: Path) -> None:
     outside = script("building/outside.py")
     good = '<a href="https://x.org">x</a><img src="a.png"><link rel="stylesheet" href="_static/a.css">'

@@ -441,6 +441,7 @@ def samples(case: Case, count: int, seed: int = 0) -> list[Fraction]:
     return sorted({low + (high - low) * Fraction(pick.whole(1, 99_999), 100_000) ** 2 for _ in range(count)})
 
 
+@pytest.mark.dear("3", "4")
 @pytest.mark.few("3", "1", "4")
 @pytest.mark.parametrize("seed", range(5))
 def test_the_polynomial_of_the_oracle_is_that_of_sympy_s_real_and_imaginary_parts(seed: int) -> None:
@@ -497,6 +498,7 @@ def check_at(case: Case, result: hs.Evaluation, omega: Fraction) -> None:
         assert percepts_at(result, part, omega) == expected_percepts(part, facts[part]), (omega, case)
 
 
+@pytest.mark.dear("0", "2", "34")
 @pytest.mark.few(*quick_seeds)
 @each_seed
 def test_crossings_of_random_scenes_are_as_many_as_sturm_counts_and_at_each_the_ratio_is_the_threshold(
@@ -511,6 +513,7 @@ def test_crossings_of_random_scenes_are_as_many_as_sturm_counts_and_at_each_the_
         assert abs(ratio - digits_of(case.c[part])) < MP.mpf(10) ** -35, (crossing, case)
 
 
+@pytest.mark.dear("0", "2")
 @pytest.mark.few(*quick_seeds)
 @each_seed
 def test_kind_sign_and_multiplicity_of_a_crossing_are_those_of_exact_values_on_either_side(seed: int) -> None:
@@ -557,6 +560,7 @@ def test_between_changeovers_the_real_part_keeps_its_sign(seed: int) -> None:
             assert a * b == (-1) ** changes or a == b == 0, (low, high, case)
 
 
+@pytest.mark.dear("3")
 @pytest.mark.few(10)
 @pytest.mark.parametrize("seed", range(40))
 def test_where_zeros_poles_and_ends_coincide_the_evaluation_is_still_right(seed: int) -> None:
@@ -587,6 +591,7 @@ def with_pi(seed: int) -> tuple[Case, hs.Evaluation]:
     return case, evaluate(case)
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(5)
 @pytest.mark.parametrize("seed", range(24))
 def test_scenes_with_pi_have_the_crossings_of_mpmath(seed: int) -> None:
@@ -707,6 +712,7 @@ def test_two_shunts_are_one(case: Case, one: Fraction, other: Fraction) -> None:
     )
 
 
+@pytest.mark.slow
 @given(cases(order=3), rationals(), rationals())
 def test_two_springs_in_a_row_are_one(case: Case, one: Fraction, other: Fraction) -> None:
     chain = [*map(effect_of, case.between)]

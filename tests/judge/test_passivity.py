@@ -41,6 +41,7 @@ def imaginary(scene: hs.Scene, omega: np.ndarray) -> np.ndarray:
     return np.asarray(scene.distortion().compile()(omega).perceived_imag)
 
 
+@pytest.mark.dear("position-force-teleoperation", "sampled-wall")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("name", ACTIVE_ABOVE_THE_BAND)
 def test_activity_just_above_the_band_is_found(name: str) -> None:
@@ -133,6 +134,7 @@ def test_what_is_said_of_a_display_is_what_samples_of_its_energy_show(seed: int)
     assert found.holds is not True or (imag > -1e-9 * GRID).all()
 
 
+@pytest.mark.dear("organ-tissue-1.46113193-86.7188", "position-force-teleoperation-24.23-99.88")
 @pytest.mark.parametrize(
     ("name", "damping", "omega"),
     [
@@ -432,6 +434,7 @@ OBJECT = hs.environments.mass_spring_damper("0.5 kg", "4 N*s/m", "300 N/m")
 HOLD = hs.effects.zero_order_hold("1 ms")
 
 
+@pytest.mark.dear("chain1", "chain2")
 @pytest.mark.parametrize("chain", [(LINK,), (LINK, DEVICE), (LINK, DEVICE, SECOND), (LINK, TORSION)])
 def test_what_is_made_of_passive_parts_suits_every_passive_hand(chain: tuple[hs.Effect, ...]) -> None:
     scene = hs.Scene(OBJECT, chain)
@@ -711,6 +714,7 @@ def test_what_a_hand_holds_needs_both_damping_and_stiffness() -> None:
     assert held_by(-5, "-0.005", [(0, 6), ("0.004", 6), ("0.005", 6), ("0.006", 6)]) == [False, False, False, True]
 
 
+@pytest.mark.dear("-1")
 @pytest.mark.parametrize("b", [-1, Rational(-1, 200)])
 def test_a_hand_makes_up_for_the_negative_damping_of_a_device_where_the_clock_asks_for_none(b: Rational) -> None:
     """A wall of -5 N/m asks for -0.01 N s/m: what damps together must only be above 0, so the hand more than -b."""

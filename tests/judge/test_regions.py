@@ -23,7 +23,7 @@ from haptisym import effects, environments
 from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import half_widths
-from haptisym.judge.percepts import Property
+from haptisym.judge.percepts import Property, felt_of
 from haptisym.model.jnd import read_threshold
 from haptisym.programs.floats import floats_of
 
@@ -105,6 +105,7 @@ def test_what_neither_part_alone_would_show_is_felt_in_both_the_nearer_one_last(
         [7.922311857140609, 7.978916790174708], rel=1e-15
     )
     assert together.property is Property.MASS  # r_r is nearly 0.1 there, r_i is 0.01
+    assert [felt_of(together, part) for part in (hs.Part.REAL, hs.Part.IMAG)] == ["lower mass", "higher damping"]
     row = next(x for x in found.to_dict()["percepts"] if x["part"] == "joint")
     assert (row["property"], row["change"]) == (["damping", "mass"], ["higher", "lower"])
 
@@ -130,13 +131,17 @@ def test_a_region_is_left_exactly_where_plain_arithmetic_says_so(case: Case, jnd
     found = judged(jnd, scene(case))
     spans = [(float(x.low.omega), float(x.high.omega)) for x in found.transparent]
     assume(not found.unbounded)
+    checked = 0
     for omega in between(found):
         H, G = numeric(case, omega)
         by = margin(jnd, H, G, omega)
         if abs(by) > 1e-9 * (1 + abs(G / H)):
+            checked += 1
             assert (by <= 0) == any(low <= omega <= high for low, high in spans), (omega, by)
+    assume(checked)
 
 
+@pytest.mark.slow
 @given(cases(order=3), jnds())
 def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd: dict[str, Any]) -> None:
     assume("shape" in jnd)
@@ -182,6 +187,7 @@ def test_square_disc_and_diamond_stand_beside_the_scenes_own_region() -> None:
     assert "regions" not in hs.evaluate(PAPER).to_dict()
 
 
+@pytest.mark.dear("diamond by its corners")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("name", FACTS)
 def test_side_by_side_each_region_says_what_it_says_alone(name: str) -> None:
@@ -253,6 +259,30 @@ def test_a_region_beside_others_has_no_bandwidth_where_it_is_left_from_the_start
         assert (x.crossing, x.bandwidth, x.transparent) == (None, None, ())
 
 
+@pytest.mark.parametrize(("more", "band", "begins"), [("1/(s/9 + 1)^2", (0, 60), False), ("1/(s/9 + 1)^2", (20, 60), False), ("(s/30)^2", (0, 60), True), ("1/20", (0, 60), True)])  # fmt: skip
+@pytest.mark.parametrize("jnd", [0.1, {"shape": "ellipse", "real": 0.2, "imag": 0.1, "tilt": -0.6}])
+def test_what_is_noticed_from_the_bands_low_end_on_has_no_bandwidth_in_any_region(
+    more: str,
+    band: tuple[int, int],
+    begins: bool,  # noqa: FBT001
+    jnd: Any,
+) -> None:
+    """A change that dies away with frequency is noticed first and not later: an interval that begins inside is no bandwidth."""
+    found = hs.evaluate(hs.Scene(E.mass_spring_damper(k=100), (F.series(f"1 + {more}"),), band, jnd), regions=True)
+    assert len(found.regions) == 4
+    for x in (found, *found.regions):
+        assert x.transparent
+        assert (x.bandwidth is not None) == begins
+        assert (float(x.transparent[0].low.omega) == band[0]) == begins
+        if begins and more != "1/20":
+            assert x.bandwidth is x.transparent[0].high.omega
+            assert 1 < float(x.bandwidth) < 20
+    for x in found.regions:
+        alone = judged(x.threshold, found.scene)
+        assert [str(y) for y in x.transparent] == [str(y) for y in alone.transparent]
+        assert (x.bandwidth and float(x.bandwidth)) == (alone.bandwidth and float(alone.bandwidth))
+
+
 # --- environments that begin at 0 or give way ------------------------------------------------------------------------
 
 
@@ -260,6 +290,7 @@ FROM_REST = [{"m": 1}, {"b": 2}, {"m": 1, "b": 2}]
 """Environments that vanish at omega = 0, where a region is judged by the limit of dH/|H_env|, as the square is."""
 
 
+@pytest.mark.few("-1-numbers2")
 @pytest.mark.parametrize("numbers", FROM_REST)
 @pytest.mark.parametrize("gain", ["-1", "3/4", "5/2"])
 def test_a_polygon_that_is_the_square_tells_what_the_square_does_where_the_environment_begins_at_0(
@@ -462,6 +493,62 @@ REGIONS: dict[str, tuple[Any, Any]] = {
     "turned polygon": ({"shape": "polygon", "corners": TURNED}, polygon(TURNED)),
 }
 """Each with how many times it must be enlarged to reach 1 in each direction."""
+
+
+def border(real: float, imag: float, tilt: float) -> Any:
+    """How many times an ellipse must be enlarged to reach 1 in each direction: as a polygon of 1,000 corners on its border."""
+    t = np.linspace(0, 2 * np.pi, 1001)[:-1]
+    x, y = real * np.cos(t), imag * (tilt * np.cos(t) + np.sqrt(1 - tilt * tilt) * np.sin(t))
+    turns = np.unwrap(np.arctan2(y, x))
+    at = np.arctan2(Y, X) % (2 * np.pi)
+    i = np.searchsorted(turns - turns[0], (at - turns[0]) % (2 * np.pi), side="right") - 1
+    a, b, c, d = x[i], y[i], x[(i + 1) % 1000], y[(i + 1) % 1000]
+    return (X * (d - b) - Y * (c - a)) / (a * d - b * c)
+
+
+TILTS = {
+    f"ellipse tilted by {t}": ({"shape": "ellipse", "real": a, "imag": b, "tilt": t}, border(a, b, t))
+    for a, b, t in ((0.3, 0.6, 0.6), (0.5, 0.2, -0.6), (0.3, 0.3, 0.9), (0.4, 0.3, 0.0))
+}
+
+
+@pytest.mark.parametrize("name", [*TILTS, *REGIONS])
+def test_a_region_and_its_projections_are_left_where_the_polygon_of_its_border_is(name: str) -> None:
+    """A change (-a w^2 + c, b w) of a stick on a bench of 10 N/m and 2 N s/m, to each of four sides: what is felt, and as what."""
+    jnd, times = (TILTS | REGIONS)[name]
+    joint = isinstance(jnd, dict) and "shape" in jnd
+
+    def enlarged(x: float, y: float) -> float:
+        at = np.arctan2(y, x) % (2 * np.pi) / (2 * np.pi) * (len(ANGLES) - 1)
+        return float(np.hypot(x, y) * np.interp(at, np.arange(len(ANGLES)), times))
+
+    seen = set()
+    for a, b, c in ((0.5, 1.5, 0), (-0.4, -0.9, 0), (0.7, -1.1, 3), (-0.2, 0.6, -1)):
+        device = F.shunt(Z=f"{a}*s^2 + ({b})*s + ({c})")
+        found = judged(jnd, hs.Scene(E.kelvin_voigt(10, 2), (device,), (0, 12)))
+        for omega in between(found):
+            size = abs(10 + 2j * omega)
+            x, y = (c - a * omega**2) / size, b * omega / size
+            out = [enlarged(*at) for at in ((x, y), (x, 0), (0, y))]
+            if min(abs(z - 1) for z in out) < 1e-4:
+                continue
+            told = {z.part for z in found.felt if float(z.band.low.omega) <= omega <= float(z.band.high.omega)}
+            parts = {p for p, z in zip(hs.Part, out[1:], strict=True) if z > 1} if out[0] > 1 or not joint else set()
+            assert told == (parts or ({None} if joint and out[0] > 1 else set())), (a, b, c, omega)
+            seen |= told
+            for p in found.percepts:
+                if p.part is None and float(p.band.low.omega) < omega < float(p.band.high.omega):
+                    assert (p.property is Property.DAMPING) == (out[2] > out[1]), (a, b, c, omega)
+    assert seen >= set(hs.Part)
+
+
+@pytest.mark.parametrize("name", [x for x, (jnd, _) in (TILTS | REGIONS).items() if "shape" in str(jnd)])
+def test_a_region_is_enlarged_in_every_direction_as_much_as_its_border_is_near(name: str) -> None:
+    jnd, times = (TILTS | REGIONS)[name]
+    [criterion] = noticed(read_threshold(jnd))
+    assert criterion.joint is not None
+    found = criterion.joint.enlarged(X[::997], Y[::997], lambda c: float(floats_of(c, 2.0)))
+    assert found == pytest.approx(times[::997], rel=1e-4)
 
 
 def of_any(jnd: Any) -> Any:

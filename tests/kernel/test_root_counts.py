@@ -127,6 +127,7 @@ LOOPS = [
 ]  # fmt: skip
 
 
+@pytest.mark.dear("s**2*(1 + 3*exp(-s)/2 + 3*exp(-2*s)/4) + 400")
 @pytest.mark.parametrize("loop", LOOPS, ids=str)
 def test_roots_of_loops_with_delays_and_powers_are_those_that_a_sampled_contour_winds_around(loop: Expr) -> None:
     f = lambdify(s, loop)
@@ -145,12 +146,8 @@ def test_random_loops_with_a_delay_are_counted_as_their_contour_winds(
     assert roots(loop).number == above
 
 
-def some(draw: random.Random, most: int = 9) -> Rational:
-    return Rational(draw.choice([-1, 1]) * draw.randint(1, most), draw.choice([1, 2, 3, 7]))
-
-
 @pytest.mark.few(3)
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", [x for x in range(30) if x != 20])  # 20 has roots on the axis
 def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> None:
     """Several delays, fractional orders, a delay that comes twice; the highest power of s outweighs what is late in it."""
     draw = random.Random(seed)
@@ -168,16 +165,12 @@ def test_roots_on_the_right_are_those_that_a_contour_winds_around(seed: int) -> 
     if seed % 4 == 0:
         x += draw.choice([-3, -1, 1, 3]) * s**2 * exp(-s * lags[0])
     ring = Ring.of([x.expand()])
-    try:
-        found = count_roots(ring.convert(x.expand()).numerator, ring)
-    except UndecidedError:
-        return
-    true = winding(lambdify(s, x, "numpy"), 60.0)
-    if true is not None and not found.on_axis:
-        assert found.chain is None
-        assert found.right == found.number == true
+    found = count_roots(ring.convert(x.expand()).numerator, ring)
+    assert (found.chain, found.on_axis) == (None, ())
+    assert found.right == found.number == winding(lambdify(s, x, "numpy"), 60.0)
 
 
+@pytest.mark.dear("1 + 3*exp(-s)/2 + 3*exp(-2*s)/4-None", "1 + exp(-pi*s)/3 + exp(-s)/2-None")
 @pytest.mark.parametrize(
     ("chain", "where"),
     [
@@ -207,6 +200,7 @@ def test_a_delayed_mass_is_held_by_no_lighter_one(hand: str) -> None:
     assert found.chain is expected
 
 
+@pytest.mark.dear("0.5-4")
 @pytest.mark.parametrize(("gap", "number"), [("0.5", 4), ("2", 2), ("9.8", 2), ("9.9", 0), ("652", 2)])
 def test_beside_a_chain_roots_are_counted_up_to_where_the_late_terms_are_outweighed(gap: str, number: int) -> None:
     """500 kg late by 0.108 s in a slightly heavier hand: A + B exp(-s tau) turns with A from where |A| > |B| on."""
@@ -247,6 +241,7 @@ def test_a_delayed_spring_in_a_hand_is_stable_from_the_damping_that_the_field_kn
         ) == (2, 0)
 
 
+@pytest.mark.dear("0")
 @pytest.mark.parametrize("seed", range(2))
 def test_what_is_known_to_have_no_root_on_the_right_is_counted_like_anything_else(seed: int) -> None:
     """None but one at 0; and a chain that comes near to the axis is seen."""

@@ -212,6 +212,7 @@ def drawn_dyadic(chance: random.Random) -> Fraction:
     return Fraction(chance.randint(0, 1 << 20), 1 << chance.randint(14, 24))
 
 
+@pytest.mark.dear("2")
 @pytest.mark.parametrize("step", [1, 2])
 def test_each_interval_holds_one_zero_and_none_is_left_out(step: int) -> None:
     chance, seen = random.Random(10 + step), 0
@@ -468,6 +469,7 @@ def test_a_piece_is_cut_where_the_function_is_not_zero() -> None:
         assert [round(float(zero) * 256) for zero in found] == sorted(roots)
 
 
+@pytest.mark.dear("pi-False", "pi-True")
 @pytest.mark.parametrize("above", [True, False])
 @pytest.mark.parametrize("place", [Integer(2), Rational(1, 3), pi], ids=str)
 def test_a_number_clear_of_a_zero_of_known_order_has_no_other_zero_before_it(place: Expr, *, above: bool) -> None:
@@ -773,6 +775,7 @@ def test_where_the_highest_waves_touch_0_nothing_is_said() -> None:
 # What is positive where all pieces of some term are
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(16))
 def test_signs_of_a_lattice_are_those_of_its_pieces(seed: int) -> None:
@@ -865,6 +868,7 @@ PAPER = E.mass_spring_damper("1.8 kg", "15 N*s/m", "100 N/m")
 FILTER = F.second_order_lowpass("80 rad/s", "0.5")
 
 
+@pytest.mark.dear("four-channel and delay-11")
 @pytest.mark.few(8)
 @pytest.mark.parametrize("turn", range(12))
 @pytest.mark.parametrize("family", FAMILIES)
@@ -884,6 +888,7 @@ def test_the_pair_beside_a_lightly_damped_resonance_is_found(k: int) -> None:
     environment = E.mass_spring_damper("1.8 kg", Rational(1, 10**k), "100 N/m")
     scene = hs.Scene(environment, (FILTER, F.delay("1 ms")), (0, 15), hs.Threshold.of("0.05"))
     result = hs.evaluate(scene)
+    assert result.certified
     near = [
         c
         for c in result.crossings
@@ -1148,6 +1153,7 @@ def excess(d: hs.Distortion, part: hs.Part) -> RealFunction:
     return found
 
 
+@pytest.mark.dear("delay on a spring-real", "lag on a spring-real")
 @pytest.mark.few(
     "delay on a spring-real", "delay on a damper-imag", "lag on a spring-real", "mass beside a spring-real"
 )

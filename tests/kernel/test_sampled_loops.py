@@ -525,6 +525,7 @@ def test_a_pair_on_the_axis_is_seen_and_no_other(c: list[float], *, none: bool) 
     assert has_no_pair([arb(x) for x in c]) is none
 
 
+@pytest.mark.dear("9")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_no_polynomial_within_balls_without_a_pair_has_one(seed: int) -> None:

@@ -200,6 +200,7 @@ def at(expression: Expr, omega: float) -> complex:
 frequencies = st.floats(0.05, 40)
 
 
+@pytest.mark.dear("expression", "prony", "two-mass")
 @pytest.mark.parametrize("model", ENVIRONMENT)
 @given(data=st.data(), omega=frequencies)
 def test_environments_are_their_formulas(model: str, data: st.DataObject, omega: float) -> None:
@@ -209,6 +210,16 @@ def test_environments_are_their_formulas(model: str, data: st.DataObject, omega:
     assert at(ENVIRONMENTS[model].build(**given_values).H, omega) == pytest.approx(expected, rel=1e-11)
 
 
+@pytest.mark.dear(
+    "first-order-lag",
+    "pade-delay",
+    "position-force-teleoperator",
+    "sampled-loop",
+    "series",
+    "two-port",
+    "wave-variables",
+    "zero-order-hold",
+)
 @pytest.mark.few(9)
 @pytest.mark.parametrize("model", EFFECT)
 @given(data=st.data(), omega=frequencies, H=st.complex_numbers(min_magnitude=1, max_magnitude=100))
@@ -398,6 +409,7 @@ def number(form: Expr, w: float) -> complex:
     return complex(lambdify(free, form, "numpy")(*(known[x] for x in free)))
 
 
+@pytest.mark.slow
 @pytest.mark.few("delay", "rendered", "tissue")
 @pytest.mark.parametrize("name", SCENES)
 def test_every_closed_form_is_what_complex_arithmetic_gives(name: str) -> None:
@@ -501,6 +513,7 @@ def held(H, T: float, method: str, delay: int, omega: float) -> complex:  # type
     return step * sum(cmath.exp(-1j * omega * T * (i + 0.5) / pieces) for i in range(pieces)) / pieces
 
 
+@pytest.mark.dear("0-backward-difference", "3-tustin")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("method", ["backward-difference", "tustin"])
 @pytest.mark.parametrize("delay", [0, 1, 3])
@@ -520,6 +533,7 @@ def test_a_spring_is_rendered_alike_by_all_methods() -> None:
     assert felt == {hs.distort(spring, hs.effects.zero_order_hold("4 ms")).perceived}
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.integers(-5, 9), min_size=1, max_size=3),
     st.lists(st.integers(1, 9), min_size=1, max_size=3),
@@ -545,6 +559,7 @@ def test_a_difference_equation_is_the_dynamics_with_what_the_method_makes_of_s(
     assert found == pytest.approx(hold * parts[0] / parts[1], rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["backward-difference", "tustin"])
 @pytest.mark.parametrize("rendered", ["k + b*s", "k + b*s*w/(s + w)"])
@@ -648,6 +663,7 @@ SAME = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("SciPy's zeros and poles")
 @pytest.mark.parametrize(("system", "wanted"), SAME.values(), ids=SAME.keys())
 def test_a_system_comes_in_exactly(system: Any, wanted: Expr) -> None:
     found = interop.dynamics(system)

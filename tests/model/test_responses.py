@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from contextlib import nullcontext
+from itertools import product
 from pathlib import Path
 from statistics import NormalDist
 from typing import Any
@@ -344,6 +345,7 @@ def long_table(special: dict[int, str]) -> str:
     )
 
 
+@pytest.mark.slow
 def test_a_long_table_is_read_line_by_line_whatever_stands_between(tmp_path: Path) -> None:
     special = {
         900: "# a pause\n",
@@ -470,6 +472,7 @@ CASES = [
 ]
 
 
+@pytest.mark.dear("Joint-hann-0.9-1-0.8")
 @pytest.mark.parametrize(("way", "name", "overlap", "every", "segment"), CASES)
 def test_an_estimate_and_its_discs_are_those_of_segments_that_are_cut_by_hand(
     way: str, name: str, overlap: float, every: int, segment: float | None
@@ -573,6 +576,7 @@ def cube_by_hand(x: Any, f: Any, length: int, shift: int, averages: float) -> fl
     return float(above / below * np.sqrt(2 * (averages - 1) * below))
 
 
+@pytest.mark.few("3-0.8")
 @pytest.mark.parametrize(("seed", "most"), [(1, np.inf), (2, 1.5), (3, 0.8)])
 def test_the_cube_is_what_conditioned_spectra_tell_of_the_predicted_force(seed: int, most: float) -> None:
     rng = np.random.default_rng(seed)
@@ -587,6 +591,7 @@ def test_the_cube_is_what_conditioned_spectra_tell_of_the_predicted_force(seed: 
     assert most > 1 or by_hand < -1.5
 
 
+@pytest.mark.slow
 def test_of_what_does_not_follow_the_motion_no_cube_is_told() -> None:
     x, f = np.random.default_rng(8).normal(size=(2, 4000))
     found = hs.estimated(x, f, 1, segment=50).welch
@@ -729,10 +734,12 @@ def test_discs_hold_the_truth_as_often_as_they_say(estimator: str, closed: bool)
     assert share < 0.97 or estimator in ("H2", "joint")  # whose discs are turned over, or made larger
 
 
+@pytest.mark.slow
 def test_in_a_closed_loop_h1_is_biased_and_its_discs_do_not_know() -> None:
     assert covered(5, "H1", 3, closed=True) < 0.3
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring"])
 def test_the_shipped_bench_runs_hold_their_truth(name: str) -> None:
     e = hs.evaluate(f"{name}-bench")
@@ -787,6 +794,7 @@ def test_the_cube_of_linear_records_is_a_standard_normal() -> None:
     assert kstest(found, "norm").pvalue > 0.001
 
 
+@pytest.mark.slow
 def test_of_a_run_that_an_actuator_clipped_it_is_said_that_it_is_not_linear() -> None:
     found = hs.evaluate("fu2019-clipped-bench")
     assert "not linear" in str(found)
@@ -820,3 +828,97 @@ NO_RECORDS: list[tuple[str, dict[str, Any], str]] = [
 def test_what_is_no_record_is_refused(tmp_path: Path, text: str, ways: dict[str, Any], told: str) -> None:
     (tmp_path / "run.csv").write_text(text, encoding="utf-8")
     assert told in refusal(hs.measured, tmp_path / "run.csv", **({"estimator": "H1"} | ways))
+
+
+# --- every way to write one response, and one record -------------------------------------------------------------------
+
+AS_MEASURED = {
+    "stiffness": (lambda w, h: h, "N/mm", 1e-3),
+    "impedance": (lambda w, h: h / (1j * w), "N*s/m", 1),
+    "apparent-mass": (lambda w, h: -h / w**2, "kg", 1),
+    "receptance": (lambda w, h: 1 / h, "mm/N", 1e3),
+    "mobility": (lambda w, h: 1j * w / h, "m/N/s", 1),
+    "accelerance": (lambda w, h: -(w**2) / h, "1/kg", 1),
+}
+"""Each quantity of force per position, the unit in which it is written, and how many of that are one in SI."""
+FORMS = ("real,imag", "magnitude,phase", "decibel,phase", "H")
+CERTAIN = ("", "coherence", "percent", "radius")
+ORDERS = ("rising", "falling")
+
+
+def written(quantity: str, form: str, certain: str, order: str, at_hertz: bool) -> tuple[str, Any]:  # noqa: FBT001
+    """A table of a stick of 1.8 kg, 15 N s/m and 100 N/m on seven lines, and the radius of each line in force per position."""
+    w = np.array([0.5, 1.25, 3, 4.75, 8, 11, 14.5])
+    coherence = np.array([0.5, 0.99, 0.9, 0.8, 0.97, 0.6, 0.93])
+    h = 100 - 1.8 * w**2 + 15j * w
+    of, unit, size = AS_MEASURED[quantity]
+    y = of(w, h) * size
+    frequency = ("frequency [Hz]", w / (2 * np.pi)) if at_hertz else ("omega [rad/s]", w)
+    phase = ("phase [rad]", np.angle(y)) if at_hertz else ("phase [deg]", np.degrees(np.angle(y)))
+    columns = {
+        "real,imag": [(f"real [{unit}]", y.real), (f"imag [{unit}]", y.imag)],
+        "magnitude,phase": [(f"magnitude [{unit}]", abs(y)), phase],
+        "decibel,phase": [(f"magnitude [dB re 1 {unit}]", 20 * np.log10(abs(y))), phase],
+        "H": [(f"H [{unit}]", y)],
+    }[form]
+    share = np.sqrt(
+        fisher(2, 2 * 40 - 2).ppf(0.95) / (40 - 1) * (1 - coherence) / coherence
+    )  # of |y|, from 40 averages
+    more: list[Any] = []
+    if certain == "radius":
+        more = [(f"radius [{unit}]", share * abs(y))]
+    elif certain:
+        more = [("coherence [%]", 100 * coherence) if certain == "percent" else ("coherence", coherence)]
+    # about 1/y a disc of the relative radius share lies within share/(1 - share)
+    share = share / (1 - share) if quantity in ("receptance", "mobility", "accelerance") else share
+    rows = list(zip(*(x.tolist() for _, x in (frequency, *columns, *more)), strict=True))
+    rows = rows[::-1] if order == "falling" else rows
+    head = ";".join(name for name, _ in (frequency, *columns, *more))
+    text = "\n".join([head, *(";".join(map(repr, row)).replace("(", "").replace(")", "") for row in rows)])
+    return text + "\n", (w, h, share * abs(h) if certain else None)
+
+
+@pytest.mark.parametrize("quantity", AS_MEASURED)
+def test_a_response_is_the_same_in_whatever_order_columns_and_units_it_is_written(
+    tmp_path: Path, quantity: str
+) -> None:
+    """All forms of a response, of its certainty and of its order, by turns over rad/s and Hz, and with the force turned round."""
+    path = tmp_path / "bench.csv"
+    for i, (form, certain, order) in enumerate(product(FORMS, CERTAIN, ORDERS)):
+        at_hertz, sign = i % 3 == 0, -1 if i % 5 == 0 else 1
+        text, (w, h, radius) = written(quantity, form, certain, order, at_hertz)
+        path.write_text(text, encoding="utf-8")
+        more = {"averages": 40} if certain in ("coherence", "percent") else {}
+        found = hs.measured(path, quantity=quantity, sign=sign, **more)
+        what = (form, certain, order, at_hertz)
+        assert found.omega == pytest.approx(w, rel=1e-12), what
+        assert pytest.approx(sign * h, rel=1e-11) == found.H, what
+        assert (found.discs is None) == (radius is None), what
+        if radius is not None:
+            assert found.discs == pytest.approx(radius, rel=1e-8), what
+        assert ("sorted" in found.understood) == (order == "falling"), what
+
+
+DAY = 86_400.0
+EPOCHS = [0.0, 1200 * DAY, 7000 * DAY, 12_500 * DAY, 20_600 * DAY, 47_000 * DAY]
+"""Seconds since 1970: at once, in 1973, 1989, 2004, 2026 and 2098."""
+
+
+@pytest.mark.parametrize("epoch", EPOCHS)
+def test_a_record_has_the_rate_of_its_stamps_whatever_they_count_and_since_when(tmp_path: Path, epoch: float) -> None:
+    """Stamps without a unit count ms, us or ns where they are of a clock since 1970, and else seconds."""
+    rng, path = np.random.default_rng(5), tmp_path / "run.csv"
+    x, f = rng.normal(size=(2, 200)).round(6).tolist()
+    clocks = [("t", 1e3, "ms"), ("t", 1e6, "us"), ("t", 1e9, "ns")] if epoch else []
+    for header, ticks, clock in [*clocks, ("t", 1, ""), ("t [ms]", 1e3, ""), ("t [us]", 1e6, "")]:
+        stamps = [round((epoch + i / 50) * ticks) if ticks > 1 else epoch + i / 50 for i in range(200)]
+        rows = [f"{t!r},{p!r},{q!r}\n" for t, p, q in zip(stamps, x, f, strict=True)]
+        path.write_text(f"{header},position [mm],force [N]\n{''.join(rows)}", encoding="utf-8")
+        found = read_record(path, "H1", segment="0.64 s")
+        assert found.welch is not None
+        assert found.welch.rate == pytest.approx(50, rel=1e-4), (header, ticks)
+        plain = hs.estimated(np.array(x) / 1000, f, 50, segment=0.64)
+        assert found.omega == pytest.approx(plain.omega, rel=1e-4)
+        said = f"time in {clock} since 1970" if clock else "since 1970"
+        assert (said in found.understood) == bool(clock)
+        assert pytest.approx(plain.H, rel=1e-9) == found.H

@@ -245,6 +245,7 @@ CALLS: dict[str, Callable[[Any], str]] = {
 TIMED = {"cost"}  # minutes of measuring
 
 
+@pytest.mark.dear("require", "stability")
 @pytest.mark.few("evaluate", "derive", "require", "stability")
 @pytest.mark.parametrize("name", [x for x in CALLS if x not in TIMED])
 def test_a_name_or_a_path_is_as_good_as_the_scene(name: str, tmp_path: Path) -> None:
@@ -264,6 +265,7 @@ NO_SCENE: dict[str, tuple[Callable[[], object], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("the name of a family")
 @pytest.mark.parametrize("what", NO_SCENE)
 def test_what_is_no_scene_is_refused_by_every_verb_with_what_to_call(what: str) -> None:
     made, message = NO_SCENE[what]
@@ -282,6 +284,7 @@ def test_every_verb_that_takes_a_scene_takes_a_name_or_a_path() -> None:
     assert asking - {"load_scene", "load_scenes", "design", "fit_zwidth"} == set(CALLS)
 
 
+@pytest.mark.slow
 def test_several_environments_are_evaluated_by_name_path_or_one_scene(tmp_path: Path) -> None:
     expected = hs.evaluate_all(hs.load_scenes("palpation-device")).to_json()
     path = tmp_path / "mine.toml"
@@ -461,6 +464,7 @@ def own(knob: Knob) -> Any:
     return knob.interval or knob.value
 
 
+@pytest.mark.dear("control-stick-in-detail")
 @pytest.mark.few("fu2019", "steering-wheel", "sampled-wall", "palpation-device:fat", "control-stick-in-detail")
 @pytest.mark.parametrize("name", SCENES)
 def test_each_name_means_one_number_its_own_value_changes_nothing_and_verbs_take_it(name: str) -> None:
@@ -484,6 +488,7 @@ def test_each_name_means_one_number_its_own_value_changes_nothing_and_verbs_take
     assert scene.with_values(together) == scene
 
 
+@pytest.mark.slow
 def test_code_and_slopes_take_every_name() -> None:
     for knob in PAPER.parameters:
         texts = {hs.scene_code(PAPER, hs.Language.C, parameters=[name]) for name in names(knob, PAPER)}
@@ -507,6 +512,7 @@ TAKERS: dict[str, Callable[[hs.Scene, str], Any]] = {
 }
 
 
+@pytest.mark.dear("effects.filter.omega_c-effects.filter.omega_n-sensitivity")
 @pytest.mark.parametrize("taker", TAKERS.values(), ids=TAKERS)
 @pytest.mark.parametrize(
     ("name", "nearest"),
@@ -643,6 +649,7 @@ def test_a_damper_that_is_called_c_is_no_threshold() -> None:
         scene.knobs["c"]
 
 
+@pytest.mark.dear("assumed0")
 @pytest.mark.parametrize("assumed", [{}, {"positive": True}])
 def test_a_symbol_that_is_called_c_may_stand_for_any_number_of_a_distortion(assumed: dict[str, bool]) -> None:
     """With m, c, k = symbols("m c k") what was computed had no numbers: c was taken for a threshold, which a distortion has not."""
@@ -745,6 +752,7 @@ def test_values_move_together() -> None:
     assert ties(moved) == ties(wall())
 
 
+@pytest.mark.slow
 def test_a_requirement_moves_both() -> None:
     # the least k at which r_r = c at the high end W: (b W^2 w/(W^2 + w^2))^2/c^2 - b^2 W^2
     W = Rational(120)
@@ -772,11 +780,13 @@ def test_a_tolerance_is_that_of_both() -> None:
     assert x.count == 1
 
 
+@pytest.mark.slow
 def test_a_sweep_moves_both() -> None:
     found = hs.sweep(wall(), {"environment.k": [400.0, 600.0]}).first_crossing_real
     assert found.values.tolist() == pytest.approx([crossing(400), crossing(600)], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_map_moves_both() -> None:
     found = hs.design_map(wall(), ["rendered.w", "environment.k"], [("40 Hz", "60 Hz"), (100, 9000)], slices=2)
     W = Rational(120)
@@ -785,6 +795,7 @@ def test_a_map_moves_both() -> None:
         assert x.requirement.feasible[0].low.digits(12) == str(least.evalf(12))  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["k", "b"])
 def test_what_refers_to_another_is_that_other(key: str) -> None:
     path, other = f"rendered.{key}", f"environment.{key}"
@@ -968,6 +979,7 @@ VERBS: dict[str, Callable[[Scene], Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("sensitivity", "stability")
 @pytest.mark.few("evaluate", "sensitivity", "stability")
 @pytest.mark.parametrize("verb", [x for x in VERBS if x != "sweep"])
 def test_verbs_that_take_the_nominal_values_say_so(verb: str) -> None:
@@ -982,6 +994,7 @@ FREE: list[tuple[tuple[str, ...], set[str]]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.dear("free0-besides0", "free2-besides2")
 @pytest.mark.few(3)
 @pytest.mark.parametrize(("free", "besides"), FREE)
 def test_a_requirement_says_what_is_nominal_but_for_what_it_is_about(free: tuple[str, ...], besides: set[str]) -> None:

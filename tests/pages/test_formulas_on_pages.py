@@ -119,6 +119,7 @@ def truth(case: Case, omega: float) -> dict[str, complex]:
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few("lag", "two-port", "clock", "long delay")
 @pytest.mark.parametrize("name", SCENES)
 def test_every_closed_form_of_a_derivation_has_the_value_that_the_physics_has(name: str) -> None:
@@ -137,6 +138,7 @@ def test_every_closed_form_of_a_derivation_has_the_value_that_the_physics_has(na
     assert told >= set(truth(case, 1)) - {"H_env"}
 
 
+@pytest.mark.few("no effect")
 @pytest.mark.parametrize("name", SCENES)
 def test_threshold_polynomials_are_positive_exactly_where_a_ratio_exceeds(name: str) -> None:
     case = SCENES[name]
@@ -260,6 +262,7 @@ GAINS: dict[str, tuple[Any, Any, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.few("lag")
 @pytest.mark.parametrize("name", GAINS)
 def test_every_quantity_of_a_distortion_has_its_value(name: str) -> None:
     """With an amplitude of 2.5 m and a threshold of an eighth."""
@@ -406,6 +409,7 @@ def clear(of: dict[str, list[Any]]) -> Any:
     return np.all([abs(x) > 1e-9 for rows in of.values() for x in rows], axis=0)
 
 
+@pytest.mark.dear("in_report-each way", "when-floor", "when-moving polygon")
 @pytest.mark.few("when-moving polygon", "when-floor", "in_report-ellipse", "in_report-each way")
 @pytest.mark.parametrize("name", REGIONS)
 @pytest.mark.parametrize("page", [when, in_report])
@@ -425,6 +429,7 @@ def test_a_region_is_left_exactly_where_the_page_says_that_its_functions_are_pos
     assert len({said(x.left) for x in lines if said(x.left).startswith("p_")}) == len(functions) == words.count(" > 0")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "diamond", "polygon", "moving polygon"])
 def test_the_border_of_a_region_in_both_relative_parts_is_positive_exactly_outside(name: str) -> None:
     _, lines = when(name)

@@ -57,6 +57,7 @@ ANSWERS: dict[str, Callable[[], Any]] = {
 DEAR = ("map", "tolerances", "metrics", "derivation", "identification", "simulation")
 
 
+@pytest.mark.dear("family", "requirement", "sensitivities")
 @pytest.mark.parametrize("name", often(ANSWERS, lambda name: name not in DEAR))
 def test_an_answer_is_one_short_line_and_a_page_of_html_that_loads_nothing(name: str) -> None:
     answer = ANSWERS[name]()
@@ -87,6 +88,7 @@ def test_hostile_titles_stay_text_and_on_one_line() -> None:
         assert "&lt;script&gt;&amp;" in html
 
 
+@pytest.mark.slow
 def test_what_was_evaluated_can_be_pickled_and_copied_and_answers_the_same() -> None:
     found = hs.evaluate(PAPER, 20, tolerance="1 %")
     for x in (PAPER, hs.load_scenes("palpation-device")):
@@ -116,6 +118,7 @@ LINES: dict[str, tuple[Callable[[], Any], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("values that will do")
 @pytest.mark.parametrize("name", LINES)
 def test_a_value_is_shown_as_a_person_would_write_it(name: str) -> None:
     made, line = LINES[name]
@@ -156,6 +159,7 @@ def test_a_formula_is_set_with_its_values_and_units(name: str) -> None:
     assert made()._repr_latex_() == rf"$\displaystyle {told}$"
 
 
+@pytest.mark.slow
 def test_the_formulas_of_a_distortion_have_their_values() -> None:
     known = {"m": 1.8, "b": 15.0, "k": 100.0, "omega_n": 80.0, "zeta": 0.5, "omega": 10.0, "s": 10j}
     shown = SYMBOLIC._repr_html_()

@@ -134,12 +134,25 @@ def golden(name: str, told: str) -> None:
     assert f"{told.rstrip()}\n" == path.read_text(encoding="utf-8"), why
 
 
+@pytest.mark.dear(
+    "derive-ellipse",
+    "effects",
+    "evaluate-rotation",
+    "identify",
+    "require-delay",
+    "require-none",
+    "sensitivity",
+    "stability-clock",
+    "stability",
+    "tolerances",
+)
 @pytest.mark.parametrize("name", CASES)
 def test_a_page_is_the_one_that_was_read_and_accepted(name: str) -> None:
     """But for what rounding makes of a simulation: that differs between machines."""
     golden(f"{name}.txt", re.sub(r"\d\.\de-(?:09|1\d)", "rounding", text(name)))
 
 
+@pytest.mark.few("tolerances")
 @pytest.mark.parametrize("name", TEX)
 def test_a_document_of_latex_is_the_one_that_was_read_and_accepted(name: str) -> None:
     golden(f"{name}.page.tex", latex(answer(name).document()))
@@ -188,6 +201,9 @@ def numerals(told: str) -> Iterator[tuple[float, float]]:
         yield float(f"{digits}e{power or 0}"), unit
 
 
+@pytest.mark.dear(
+    "derive-ellipse", "effects", "evaluate-rotation", "identify", "require-none", "sensitivity", "stability-clock"
+)
 @pytest.mark.parametrize("name", CASES)
 def test_every_number_of_a_table_is_one_of_the_answer_and_its_digits_are_its_value(name: str) -> None:
     """As it is, in hertz, or in per cent; ends may be rounded outwards, by one unit of the last digit."""

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from importlib.util import find_spec
+from math import factorial
 from typing import Any
 
 import mpmath
@@ -102,6 +103,7 @@ def against_truth(
     return np.array(rows)
 
 
+@pytest.mark.dear("filter and device mass-2000", "filter-2000", "two filters and a lag-2000")
 @pytest.mark.parametrize("count", [2_000, pytest.param(8_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_certified_values_are_within_one_unit_of_the_last_place(family: str, count: int) -> None:
@@ -109,6 +111,7 @@ def test_certified_values_are_within_one_unit_of_the_last_place(family: str, cou
     assert errors(FAMILIES[family], "certified", int(count * SHARES[family]), count, of).max() <= 1.0
 
 
+@pytest.mark.dear("True-fu2019")
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 @pytest.mark.parametrize("symbolic", [False, True])
 def test_every_shipped_scene_is_certified(name: str, symbolic: bool) -> None:  # noqa: FBT001
@@ -184,6 +187,7 @@ CHAINS: dict[str, tuple[hs.Environment, tuple[hs.Effect, ...], hs.Environment | 
 }  # fmt: skip
 
 
+@pytest.mark.dear("roots of s", "shunts between lags", "three in a row")
 @pytest.mark.few(4)
 @pytest.mark.parametrize("name", CHAINS)
 def test_every_shape_of_a_chain_has_all_its_values_whatever_computes_them(name: str) -> None:
@@ -276,6 +280,7 @@ def test_at_negative_frequencies_dynamics_are_conjugate(accuracy: str) -> None:
         f.digits(-2.0, 5)
 
 
+@pytest.mark.dear("fast")
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_no_representable_result_is_lost_to_overflow_or_underflow(accuracy: str) -> None:
     d = hs.distort(mass_spring_damper(1.8, 15, 100), *[second_order_lowpass("8e7 rad/s", 0.5)] * 10)
@@ -392,6 +397,7 @@ def test_compiled_functions_broadcast_their_parameters() -> None:
 # Digits
 
 
+@pytest.mark.dear("40-400")
 @pytest.mark.parametrize("count", [5, 17, 25, 60, 400])
 @pytest.mark.parametrize("points", [3, 40])
 def test_digits_are_those_of_the_truth_correctly_rounded(count: int, points: int) -> None:
@@ -442,6 +448,25 @@ def test_a_value_with_pi_or_waves_at_an_exact_frequency_is_that_of_digits_and_at
                 assert float(PointValue(f, fmpq(x))) == float(value(mpmath.mpf(x)))
                 if value(mpmath.mpf(x)) > 0:
                     assert float(PointValue(f, fmpq(x), rooted=True)) == float(mpmath.sqrt(value(mpmath.mpf(x))))
+
+
+@pytest.mark.parametrize(("n", "gain"), [(1, 100), (2, 100), (3, -3), (4, -3), (6, 100)])
+def test_at_0_a_delay_without_its_first_terms_is_the_next_term_of_its_series(n: int, gain: int) -> None:
+    """g (exp(-s/50) less its Taylor polynomial of n terms)/s^n is g (-1/50)^n/n! at 0; over one more s it is infinite there."""
+    tau = Fraction(1, 50)
+    terms = [gain * (-tau) ** i / factorial(i) for i in range(n + 2)]
+    known = " + ".join(f"({-x})*s^{i}" for i, x in enumerate(terms[:n]))
+    for power in (n, n + 1):
+        late = hs.Scene(
+            mass_spring_damper(k=1),
+            (series(str(gain)), hs.effects.delay("20 ms"), shunt(Z=known), series(f"1/s^{power}")),
+        )
+        response = late.distortion().perc_response
+        real, imag = (PointValue(f, fmpq(0)) for f in (response.real, response.imag))
+        assert float(real) == pytest.approx(float(terms[power]), rel=1e-15)
+        # c_n/(j omega) is -j c_n/omega: infinite with the sign of -c_n
+        assert float(imag) == (0 if power == n else -float("inf") * (1 if terms[n] > 0 else -1))
+        assert late.distortion().compile()(0.0).perceived_real == pytest.approx(float(terms[power]), rel=1e-14)
 
 
 # Programs in floats

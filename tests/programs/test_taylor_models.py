@@ -160,6 +160,7 @@ def test_a_sum_and_a_product_hold_those_of_all_that_the_operands_may_be(
         assert known(found)[:, 0].mean() > 0.98
 
 
+@pytest.mark.dear("3-300-2")
 @pytest.mark.parametrize(("sides", "boxes", "order"), [(1, 1000, 2), (3, 300, 2), (3, 300, 1)])
 @with_many_digits
 def test_a_quotient_holds_those_of_all_that_the_operands_may_be(sides: int, boxes: int, order: int) -> None:
@@ -192,6 +193,7 @@ def test_of_numerator_and_denominator_that_vary_alike_a_quotient_loses_nothing()
     assert found.r[0, 0] < 0.1 * (a * narrow * (b.number(1.0) / (b * narrow))).r[0, 0]
 
 
+@pytest.mark.few("1-2")
 @pytest.mark.parametrize(("sides", "order"), [(1, 2), (3, 2), (3, 1)])
 @with_many_digits
 def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int, order: int) -> None:
@@ -206,6 +208,7 @@ def test_a_sum_with_a_number_holds_it_and_a_number_has_no_slopes(sides: int, ord
         assert [array.shape for array in own.arrays] == [array.shape for array in x.arrays]
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("order", [2, 1])
 @with_many_digits
 def test_exact_numbers_that_have_no_float_near_them_are_held_where_they_are_put_in(order: int) -> None:
@@ -246,6 +249,7 @@ def test_a_function_to_a_power_holds_that_of_all_that_both_may_be(slopes: int) -
     assert (low >= -1e-10 * high).all()
 
 
+@pytest.mark.few("1-2")
 @pytest.mark.parametrize(("sides", "order"), [(1, 2), (3, 2), (3, 1)])
 @with_many_digits
 def test_a_product_with_a_number_and_a_negative_hold_them(sides: int, order: int) -> None:
@@ -622,6 +626,7 @@ def test_a_coefficient_is_bounded_over_pieces_of_all_ranges(order: Ranges) -> No
     assert form(s - Rational(3, 4) * (1 - P) ** 4 * (1 - Q) ** 4, order).reach in (1, 2)
 
 
+@pytest.mark.dear("-1/2-True")
 @pytest.mark.parametrize(
     ("low", "left"), [("1/8", False), ("-1/2", True), pytest.param("0", True, marks=pytest.mark.slow)]
 )

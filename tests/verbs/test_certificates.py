@@ -51,6 +51,7 @@ UNSTABLE = {"unstable", "pole on the axis", "integrator"}
 LEFT_OPEN = {"stick-with-friction", "a device", *DELAYED, *RAISED}
 
 
+@pytest.mark.dear("a clock", "a spring-pot", "fu2019", "zener-tissue")
 @pytest.mark.parametrize("name", often([*RATIONAL, *OWN, *DELAYED, *RAISED], QUICK.__contains__))
 def test_the_certificate_of_a_scene_is_accepted_and_claims_its_crossings(name: str) -> None:
     e, claim = evaluated(name), json.loads(certificate(name))["claim"]
@@ -69,6 +70,7 @@ def evaluation_of(text: str) -> str:
     return hs.evaluate(hs.parse_scene(text)).certificate()
 
 
+@pytest.mark.dear("10", "15", "5")
 @pytest.mark.parametrize("seed", often(range(0, 300, 5), {0, 5, 10, 15}.__contains__))
 def test_certificates_of_random_scenes_are_accepted(seed: int) -> None:
     text = random_scene(seed)
@@ -85,6 +87,7 @@ def test_certificates_of_random_scenes_with_delays_and_powers_are_accepted(
     assert verdict(evaluation_of(text), text).startswith("Proven")
 
 
+@pytest.mark.few("imposed", "on the axis")
 @pytest.mark.parametrize("name", HELD)
 def test_certificates_about_stability_are_accepted_and_claim_what_was_counted(name: str) -> None:
     proof, text = of_stability(name)
@@ -94,6 +97,7 @@ def test_certificates_about_stability_are_accepted_and_claim_what_was_counted(na
     assert [x["unstable"] for x in claim["held"]] == [x.unstable for x in found.held]
 
 
+@pytest.mark.dear("a parameter of a formula", "from a value on", "none", "up to a value")
 @pytest.mark.parametrize("name", often(ASKED, lambda x: x not in WAVED and x != "two intervals"))
 def test_certificates_of_requirements_are_accepted_and_leave_no_value_out(name: str) -> None:
     """Where the answer says that a set ends, the claim goes from what fails to what holds."""
@@ -116,6 +120,7 @@ def inward(x: RealNumber, side: int) -> Fraction:
     return Fraction(x.enclosure(15)[side])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", often(range(0, 40, 4), (8,).__contains__))
 def test_certificates_of_requirements_about_random_scenes_are_accepted(seed: int) -> None:
     text, accepted = random_scene(seed), 0
@@ -143,6 +148,7 @@ def in_known_hand(polynomial: str) -> str:
     return expression(f"({polynomial}) - 3*s^2 - 2*s - 5") + "[hand]\nm = 3\nb = 2\nk = 5\n"
 
 
+@pytest.mark.dear("0")
 @pytest.mark.parametrize("seed", often(range(40), (0, 2).__contains__))
 def test_roots_are_counted_where_it_is_known_how_many_there_are(seed: int) -> None:
     polynomial, count = known_roots(seed)
@@ -155,6 +161,7 @@ def test_roots_are_counted_where_it_is_known_how_many_there_are(seed: int) -> No
     assert verdict(proof, text).startswith(f"Proven: {count} poles"), polynomial
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("seed", often(range(8), (0, 1).__contains__))
 def test_poles_are_counted_where_powers_are_missing(seed: int) -> None:
     """So that the real or the imaginary part on the axis begins late, ends early or is 0: against NumPy's roots."""
@@ -181,6 +188,7 @@ def test_poles_are_counted_where_powers_are_missing(seed: int) -> None:
 # Hands and environments of a file
 
 
+@pytest.mark.slow
 def test_a_hand_of_the_scene_is_that_of_the_scene() -> None:
     text = in_known_hand("s^3 + 2*s^2 + 3*s + 4")
     proof = hs.stability(hs.parse_scene(text)).certificate()
@@ -216,6 +224,7 @@ def test_one_of_several_environments_is_checked_by_its_name() -> None:
 # The commands
 
 
+@pytest.mark.few("asked2-lines2")
 @pytest.mark.parametrize(
     ("asked", "lines"),
     [
@@ -243,6 +252,7 @@ def test_a_command_writes_one_that_says_what_is_proven(
     assert [x for x in said if x in lines] == lines
 
 
+@pytest.mark.slow
 def test_the_checker_is_a_program_that_proves_refuses_or_says_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
     proof, scene = tmp_path / "proof.json", SCENES / "fu2019.toml"
     proof.write_text(certificate("fu2019"), encoding="utf-8")
@@ -323,6 +333,7 @@ NONE: dict[str, tuple[Callable[[], Any], str]] = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("another verb")
 @pytest.mark.few(
     "built in Python", "changed", "another verb", "a diamond", "a thousand digits", "digits beside a delay",
     "stability, friction", "values, stable", "values, half a JND",
@@ -334,6 +345,7 @@ def test_what_the_format_has_no_room_for_is_said(what: str) -> None:
         ask().certificate()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "digits"), often([("fu2019", 1000), ("zener-tissue", 90)], lambda x: x[1] == 90))
 def test_digits_that_a_certificate_has_room_for_are_accepted(name: str, digits: int) -> None:
     proof = hs.evaluate(hs.parse_scene(text_of(name)), digits=digits).certificate()

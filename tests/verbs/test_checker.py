@@ -93,6 +93,7 @@ def joined(sign_of: str, x: Fraction, y: Fraction) -> Fraction:
     return x + y if sign_of == "+" else x - y if sign_of == "-" else x * y if sign_of == "*" else x / y
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_formulas_have_the_values_that_python_gives_them(seed: int) -> None:
@@ -138,6 +139,7 @@ def test_units_mean_what_haptisym_takes_them_for() -> None:
         assert factor == mine.value.numerator * pi**mine.pi / mine.value.denominator, name
 
 
+@pytest.mark.dear("10", "9")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_quantities_are_those_of_pint(seed: int) -> None:
@@ -614,6 +616,7 @@ def merged(line: list[Any]) -> list[tuple[int, int, Any]]:
     return found
 
 
+@pytest.mark.dear("seeds10", "seeds11", "seeds9")
 @pytest.mark.few(4)
 @pytest.mark.parametrize("seeds", [range(n, n + 25) for n in range(0, 300, 25)])
 def test_what_is_claimed_of_a_band_is_what_signs_at_and_between_zeros_say(seeds: range) -> None:
@@ -902,6 +905,7 @@ def test_an_end_belongs_to_a_slab_where_a_factor_is_not_zero_there() -> None:
         assert refused(made.side, Fraction(0), Fraction(1), fits[::-1])
 
 
+@pytest.mark.dear("0-True", "1-False")
 @pytest.mark.parametrize(
     ("seed", "waved"), often([(n, w) for w in (False, True) for n in range(6)], lambda x: x[0] < 2 - x[1])
 )
@@ -974,6 +978,7 @@ def drawn_waves(draw: random.Random, least: int = 0) -> tuple[tuple[Fraction, ..
     return delays, tuple(Fraction(n, 10) for n in draw.sample(range(1, 10), draw.randint(not delays, 1)))
 
 
+@pytest.mark.dear("6")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_taylors_sums_hold_a_factor_with_waves_and_its_signs_are_those_of_mpmath(seed: int) -> None:

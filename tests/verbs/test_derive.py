@@ -50,6 +50,7 @@ def paper() -> hs.Derivation:
 SHORT = ["fu2019", "delayed-spring", UNDAMPED, "zener-tissue", "stick-with-friction"]
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.parametrize("name", often(SHORT, {"fu2019", "delayed-spring"}.__contains__))
 def test_every_quantity_in_symbols_has_the_numeric_scenes_value(name: str) -> None:
     scene = hs.load_scene(name)
@@ -92,6 +93,7 @@ def test_the_sign_of_a_threshold_polynomial_is_that_of_ratio_minus_threshold() -
         assert (value > 0) - (value < 0) == expected, (name, w)
 
 
+@pytest.mark.few("b", "k")
 @pytest.mark.parametrize("parameter", ["m", "b", "k", "omega_n", "zeta"])
 def test_a_sensitivity_is_the_slope_of_the_certified_crossing(parameter: str) -> None:
     d = paper()
@@ -145,6 +147,7 @@ def chained(scene: hs.Scene, at: Any) -> Any:
     return found - H
 
 
+@pytest.mark.slow
 @pytest.mark.few("7")
 @pytest.mark.parametrize("seed", [1, 3, 5, 7, 10])
 def test_what_is_judged_is_told_by_its_pieces_and_each_piece_by_its_factors(seed: int) -> None:
@@ -202,6 +205,7 @@ COUPLED: dict[str, tuple[list[hs.Effect], list[str]]] = {
 }
 
 
+@pytest.mark.dear("a delay-3", "one behind a cable-1")
 @pytest.mark.few("a lag-1", "a delay-3", "a hold-0", "wave variables-1", "one behind a cable-1")
 @pytest.mark.parametrize("order", [0, 1, 3])
 @pytest.mark.parametrize("name", COUPLED)
@@ -322,6 +326,7 @@ def test_the_papers_five_parameters_become_three_groups_and_there_and_back_is_th
     assert (found.back(form) ** 2 - original**2).together().expand() == 0
 
 
+@pytest.mark.dear("stick-with-friction")
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_values(name: str) -> None:
     """Exact: tenth powers of all units, so that the roots in the groups come out even; as many groups as Buckingham counts."""
@@ -408,6 +413,7 @@ def test_what_is_kept_as_a_symbol_is_what_was_asked_for() -> None:
     assert hs.derive("fu2019", keep=())["H_perc"].free_symbols == {s}
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("kept", [(), ("omega_n",), ("m", "zeta"), ("m", "b", "k", "omega_n", "zeta")])
 def test_the_table_of_parameters_says_which_stay_symbols_and_what_all_are_in_the_scene(kept: tuple[str, ...]) -> None:
@@ -420,6 +426,7 @@ def test_the_table_of_parameters_says_which_stay_symbols_and_what_all_are_in_the
         assert row[-1 - len(state) :] == [value, *state]
 
 
+@pytest.mark.slow
 @pytest.mark.few("delayed-spring")
 @pytest.mark.parametrize("name", often(hs.scene_names(), QUICK_SCENES.__contains__))
 def test_every_shipped_scene_has_a_page_in_each_form(name: str, call: Any) -> None:
@@ -432,6 +439,7 @@ def test_every_shipped_scene_has_a_page_in_each_form(name: str, call: Any) -> No
             ElementTree.fromstring(f"<div>{out}</div>")
 
 
+@pytest.mark.slow
 @pytest.mark.few("delayed-spring")
 @pytest.mark.parametrize("name", ["delayed-spring", "fu2019"])
 def test_the_json_of_a_page_says_the_same_as_its_text(name: str, call: Any) -> None:
@@ -468,6 +476,7 @@ def test_a_wrong_request_is_one_clear_message(arguments: tuple[str, ...], call: 
     assert "Traceback" not in err
 
 
+@pytest.mark.dear("d omega_r/d m")
 @pytest.mark.parametrize("name", ["omega_env", "omega_perc", "omega_i", "d omega_r/d m", "F_si_perc", "F_d_env"])
 def test_solutions_slopes_and_forces_can_be_asked_for(name: str, call: Any) -> None:
     status, out, err = call("derive", "delayed-spring" if name == "omega_i" else "fu2019", "--of", name)

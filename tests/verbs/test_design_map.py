@@ -63,6 +63,7 @@ def spans(r: Any) -> list[tuple[float, float]]:
 # --- slices ---------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("within", [None, *(pytest.param(x, marks=pytest.mark.slow) for x in ("0.02", "0.002"))])
 def test_slices_are_exact_go_where_the_boundary_bends_and_lines_are_off_by_what_is_estimated(
     within: str | None,
@@ -152,6 +153,7 @@ def test_the_command_line_takes_what_belongs_to_a_map_with_a_map_alone_and_one_w
 # --- all sets of a map ----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_map_tells_each_of_its_sets_by_itself_and_all_together() -> None:
     ranges: list[Any] = [(100, 400), (0, 4)]
     asked: Any = {"that": ["stable", "transparent"], "jnd": ["5 %", "0.05"]}
@@ -369,6 +371,7 @@ def test_what_stays_open_at_an_end_of_the_range_is_as_near_as_that_end() -> None
     assert all(x is not None and x < 0.01 * 3990 for x in bounds)
 
 
+@pytest.mark.dear("asked0")
 @pytest.mark.parametrize("asked", [{"any_environment": True}, {"that": ["passive"]}])
 def test_where_no_models_are_nothing_is_claimed_between_slices(asked: dict[str, Any]) -> None:
     found = hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=2, uniform=True, **asked)
@@ -397,6 +400,7 @@ def test_what_several_planes_keep_is_kept_in_each_wherever_their_ranges_begin() 
 # --- the plane of a hand --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.few("1")
 @pytest.mark.parametrize("seed", range(3))
 def test_all_pixels_of_a_cell_of_the_plane_of_a_hand_have_the_roots_that_are_counted_in_it(seed: int) -> None:

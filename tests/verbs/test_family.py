@@ -76,6 +76,7 @@ def exceeding(name: str, w: float) -> set[tuple[str, str]]:
     return {(key, part) for key in ROWS[name]["environments"] for part, x in excess(name, key, w).items() if x > 0}
 
 
+@pytest.mark.dear("a region", "first from the low end", "twins behind a delay")
 @pytest.mark.parametrize("name", ROWS)
 def test_the_common_set_ends_where_the_first_environment_exceeds_and_that_one_is_named(name: str) -> None:
     e = found(name)
@@ -100,6 +101,7 @@ def test_the_common_set_ends_where_the_first_environment_exceeds_and_that_one_is
     assert bool(expected) or width == 60
 
 
+@pytest.mark.dear("a region")
 @pytest.mark.parametrize("name", ROWS)
 def test_the_document_of_a_family_is_its_answer(name: str) -> None:
     e = found(name)
@@ -144,6 +146,7 @@ def test_the_common_bandwidth_is_the_smallest_of_all(rows: list[tuple[int, int]]
         assert float(own[x.environment]) == float(e.bandwidth)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_fractional_and_a_rational_tissue_share_one_chart() -> None:
     e = hs.evaluate_all(hs.load_scenes("organ-tissue", ["organ-tissue", "zener-tissue"]))
     own = {name: hs.evaluate(e.family[name]) for name in e.family}
@@ -302,6 +305,7 @@ def test_one_scene_is_one_environment_and_scenes_of_different_displays_are_no_fa
 # --- the command -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_document_and_the_page_hold_each_evaluation_and_the_worst_case(call: Any) -> None:
     status, out, err = call("evaluate", "palpation-device", "--json")
     document = json.loads(out)
@@ -317,6 +321,7 @@ def test_the_document_and_the_page_hold_each_evaluation_and_the_worst_case(call:
         assert words in " ".join(out.split())
 
 
+@pytest.mark.slow
 def test_environments_come_from_other_files_and_one_of_several_is_evaluated_as_ever(call: Any, tmp_path: Path) -> None:
     own = tmp_path / "wall.toml"
     own.write_text('[environment]\nmodel = "kelvin-voigt"\nk = "2 kN/m"\nb = 3\n', encoding="utf-8")
@@ -349,6 +354,7 @@ def test_what_cannot_be_done_is_said(call: Any, arguments: tuple[str, ...], word
     assert "Traceback" not in err
 
 
+@pytest.mark.slow
 def test_the_shipped_families_are_listed_beside_the_scenes(call: Any) -> None:
     rows = {row["name"]: row["environments"] for row in json.loads(call("scenes", "--json")[1])["scenes"]}
     assert (rows["palpation-device"], rows["fu2019"]) == (4, 1)

@@ -48,6 +48,7 @@ def told(base: str) -> Any:
     return json.loads(true(base)[0])
 
 
+@pytest.mark.few("twice", "mass", "constant", "late values")
 @pytest.mark.parametrize("base", BASES)
 def test_what_forgeries_are_made_of_is_accepted(base: str) -> None:
     assert verdict(*true(base)).startswith("Proven")
@@ -193,6 +194,23 @@ def keys_of(document: Any, path: str) -> Iterator[str | int]:
         yield int(word) if word.isdigit() else word.replace("/", ".")
 
 
+@pytest.mark.dear(
+    "2, cells-5",
+    "3, enclosures-4",
+    "4, claims-12",
+    "4, claims-14",
+    "4, claims-4",
+    "6, values-0",
+    "6, values-10",
+    "6, values-11",
+    "6, values-12",
+    "6, values-14",
+    "6, values-15",
+    "6, values-16",
+    "6, values-17",
+    "6, values-2",
+    "the document-12",
+)
 @pytest.mark.parametrize(("rule", "number"), [(rule, i) for rule, rows in FORGED.items() for i in range(len(rows))])
 def test_each_rule_refuses_what_it_is_there_for(rule: str, number: int) -> None:
     base, changes, why = FORGED[rule][number]
@@ -391,6 +409,9 @@ def other_spellings() -> Forgeries:
         yield wrong, text
 
 
+@pytest.mark.dear(
+    "enclosure_at_the_end", "hands", "no_band", "orders_that_are_another_ones", "past_infinity", "values_beside_delays"
+)
 @pytest.mark.parametrize("make", [x for x, _ in MADE], ids=lambda x: x.__name__)
 def test_forged_documents_are_refused_for_the_reason_that_they_were_made_for(make: Callable[[], Forgeries]) -> None:
     why = dict(MADE)[make].split("|")
@@ -418,6 +439,7 @@ OTHERS: dict[str, list[tuple[str, str, str]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.few("fu2019", "powers alone")
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_certificate_is_none_of_a_scene_with_other_numbers(name: str) -> None:
@@ -471,6 +493,7 @@ QUESTIONS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("about", "count"),
     [
@@ -530,6 +553,7 @@ def test_a_claim_is_told_in_lines_that_no_name_of_a_scene_can_forge() -> None:
 # Work
 
 
+@pytest.mark.slow
 @pytest.mark.few("deep", "slabs without end")
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_documents_are_refused_within_twenty_seconds_of_work_and_600_megabytes(

@@ -108,6 +108,7 @@ ODD: list[tuple[hs.Scene, dict[str, Any], bool]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.dear("scene5-hand5-True", "scene6-hand6-False", "scene9-hand9-True")
 @pytest.mark.few(5)
 @pytest.mark.parametrize(("scene", "hand", "stable"), ODD)
 def test_displays_at_the_edge_of_sense_get_an_answer(scene: hs.Scene, hand: dict[str, Any], *, stable: bool) -> None:
@@ -193,6 +194,7 @@ BOXES = [
 ]
 
 
+@pytest.mark.dear("delayed-spring-m0-b0-k0-all")
 @pytest.mark.few("delayed-spring-m2-b2-k2-all", "delayed-spring-m3-b3-k3-none")
 @pytest.mark.parametrize(("name", "m", "b", "k", "share"), BOXES)
 def test_a_box_of_hands_is_decided_as_a_whole(name: str, m: Any, b: Any, k: Any, share: str) -> None:
@@ -231,6 +233,7 @@ def range_of(draw: Random, low: float, high: float) -> Any:
     return draw.choice([a, [a, b], [0, b]])
 
 
+@pytest.mark.dear("19", "29")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(40))
 def test_what_is_said_of_a_box_of_hands_holds_for_each_of_them(seed: int) -> None:
@@ -271,6 +274,7 @@ def test_what_is_said_of_a_box_of_hands_holds_for_each_of_them(seed: int) -> Non
         assert k - m_high * w * w - slack <= -H.real <= k_high - m * w * w + slack
 
 
+@pytest.mark.few("b2-none-None")
 @pytest.mark.parametrize(
     ("b", "share", "omega"),
     [([3, 4], "some", 13.320697368492448), (["3.46359973277", 9], "all", None), ([1, "3.46359973276"], "none", None)],
@@ -367,6 +371,7 @@ ANSWERS: dict[str, tuple[Any, Any, bool]] = {
 }  # fmt: skip
 
 
+@pytest.mark.few("no hand", "friction")
 @pytest.mark.parametrize("case", ANSWERS)
 def test_a_document_holds_what_the_answer_says_and_is_certified_where_nothing_was_left_open(case: str) -> None:
     scene, hands, certified = ANSWERS[case]
@@ -620,6 +625,7 @@ class Hidden:
         return bool((np.sort(np.abs(self.sizes() - 1))[self.on :] > 1e-5).all())
 
 
+@pytest.mark.dear("19")
 @pytest.mark.few(12)
 @pytest.mark.parametrize("seed", range(40))
 def test_roots_are_those_of_the_whole_loop(seed: int) -> None:
@@ -642,6 +648,7 @@ def test_a_damper_in_series_with_a_spring_holds_no_handle_also_behind_a_hold() -
     assert hs.require(late, "hand.b", ("0.1", "20"), that=("stable",)).feasible == ()
 
 
+@pytest.mark.slow
 def test_a_handle_without_mass_damping_and_stiffness_at_the_end_of_a_search_ends_no_answer() -> None:
     felt, loop = hs.environments.expression("1.2 + s/2"), hs.effects.sampled_loop("1 s", "backward-difference")
     found = hs.stability(hs.Scene(felt, (loop,), hands=(hs.Hand("mover", b=1),)))

@@ -71,6 +71,7 @@ def paper() -> hs.Identification:
     return hs.identify(noisy("fu2019", 0.01, 5), "mass-spring-damper", ["second-order-lowpass"])
 
 
+@pytest.mark.slow
 def test_a_linear_model_is_that_of_linear_least_squares() -> None:
     felt = noisy("fu2019", 0.02, 3)
     found = hs.identify(felt, "mass-spring-damper")
@@ -86,6 +87,7 @@ def test_a_linear_model_is_that_of_linear_least_squares() -> None:
     assert found.verdict.fits is False
 
 
+@pytest.mark.slow
 @pytest.mark.few("own1-mass-spring-damper:k-effects1", "own2-zener-effects2")
 @pytest.mark.parametrize(
     ("own", "environment", "effects"),
@@ -126,6 +128,7 @@ def test_the_box_of_the_scene_file_holds_the_truth_and_tolerances_takes_it() -> 
         assert float(own.low) < float(crossing.omega) < float(own.high)
 
 
+@pytest.mark.slow
 def test_a_model_that_misses_something_does_not_fit_and_gets_no_ranges() -> None:
     found = hs.identify(noisy("fu2019", 0.01, 5), "mass-spring-damper", ["delay"])
     assert found.verdict.fits is False
@@ -225,6 +228,7 @@ def test_a_delay_that_the_lines_speak_against_is_none_at_all() -> None:
     assert found.verdict.neighbours_chance == pytest.approx(norm.sf(correlation * np.sqrt(2 * freedom)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Path) -> None:
     noisy("fu2019", 0.01, 5).to_csv(tmp_path / "device.csv")
     path = tmp_path / "bench.toml"
@@ -243,6 +247,7 @@ def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Pat
         hs.identify(path, "mass-spring-damper")
 
 
+@pytest.mark.dear("words2-do not identify")
 @pytest.mark.few(10)
 @pytest.mark.parametrize(
     ("words", "told"),
@@ -306,6 +311,7 @@ def test_what_is_meant_is_named(call: Called, words: list[str], told: str) -> No
     assert told in err
 
 
+@pytest.mark.slow
 def test_a_record_in_time_is_named_as_what_it_is(call: Called) -> None:
     record = str(Path(hs.__file__).parent / "benches" / "fu2019-bench.csv")
     status, out, err = call("identify", record, "--environment", "mass-spring-damper")
@@ -394,6 +400,7 @@ def test_what_cannot_be_wanted_is_told(environment: str | None, effects: list[st
     assert bool(told) == bool(said)
 
 
+@pytest.mark.few("0-0")
 @pytest.mark.parametrize(("above", "below"), [(0, 0), (1, 2), (3, 1)])
 def test_a_fraction_is_a_polynomial_over_one_that_begins_with_1(above: int, below: int) -> None:
     found = wanted(None, ["delay"], (above, below), None)
@@ -698,6 +705,7 @@ def test_an_environment_is_written_as_it_is(own: hs.Environment) -> None:
     ]
 
 
+@pytest.mark.slow
 @example({"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
 @example({"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
 @example({"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})
@@ -733,6 +741,7 @@ def test_a_number_is_written_exactly_and_in_hertz_where_pi_is_in_it() -> None:
 # What is given.
 
 
+@pytest.mark.slow
 def test_a_measured_scene_gives_what_should_be_felt_its_band_its_jnd_and_its_title() -> None:
     own = hs.environments.kelvin_voigt("290 N/m", 6)
     scene = hs.MeasuredScene(own, lines_of("radius"), (2, 15), 0.2, title="On the bench")

@@ -73,6 +73,7 @@ def loss(mu: mp.mpf, sigma: mp.mpf) -> mp.mpf:
     return total
 
 
+@pytest.mark.slow
 def test_the_curve_is_the_most_likely_one_to_twelve_digits() -> None:
     with mp.workdps(40):
         mu, sigma = mp.findroot(
@@ -86,6 +87,7 @@ def test_the_curve_is_the_most_likely_one_to_twelve_digits() -> None:
     assert found.jnd.value == pytest.approx(0.39459214346893773, abs=1e-8)  # as published elsewhere, by a minimiser
 
 
+@pytest.mark.slow
 def test_the_ends_of_the_interval_are_where_the_profile_of_the_likelihood_has_fallen_by_half_of_chi_squared() -> None:
     found = hs.jnd(DATA, confidence=0.95)
     with mp.workdps(30):
@@ -110,12 +112,14 @@ def test_the_interval_reaches_to_curves_whose_middle_is_far_away() -> None:
         assert abs(2 * (top - likelihood(told, *best_probit(told, slope))) - CHI_95) < 1e-6
 
 
+@pytest.mark.slow
 def test_another_proportion_is_the_same_sigma() -> None:
     at_71, at_84 = (hs.jnd(DATA, proportion=p).jnd.value for p in (0.71, 0.84))
     assert at_84 / at_71 == pytest.approx(1.79704616, abs=1e-8)
     assert 19 * at_84 / at_71 == pytest.approx(34.14387697, abs=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("alternatives", [2, 3, 4])
 def test_a_forced_choice_has_its_threshold_at_the_proportion_asked_for(alternatives: int) -> None:
@@ -144,6 +148,7 @@ def test_lapses_that_are_there_are_found_where_they_may_be() -> None:
     assert none.jnd.value > 1.1 * free.jnd.value
 
 
+@pytest.mark.few("1000.0-0.02")
 @pytest.mark.parametrize("lapse", [None, 0.02])
 @pytest.mark.parametrize("times", [1e3, 1e5])
 def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, times: float) -> None:
@@ -156,12 +161,14 @@ def test_answers_given_many_times_over_have_the_same_curve(lapse: float | None, 
     assert (often.mu, often.sigma) == pytest.approx((once.mu, once.sigma), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_curve_that_does_not_fit_is_said_not_to() -> None:
     rows = tuple(LevelAnswers(float(x), k, 40) for x, k in enumerate((2, 30, 8, 33, 12, 38)))
     found = hs.jnd(Answers("two people", rows))
     assert found.to_dict()["deviance"]["fits"] is False
 
 
+@pytest.mark.slow
 def test_the_fit_is_tested_by_chi_squared_of_what_the_likelihood_lacks_to_that_of_the_shares() -> None:
     found = hs.jnd(DATA)
     kept = sum(k * mp.log(mp.mpf(k) / TRIALS) + (TRIALS - k) * mp.log(1 - mp.mpf(k) / TRIALS) for k in COUNTS)
@@ -172,12 +179,14 @@ def test_the_fit_is_tested_by_chi_squared_of_what_the_likelihood_lacks_to_that_o
     assert found.deviance.p == pytest.approx(chi2(4).sf(float(lacking)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_two_levels_fit_exactly_and_cannot_be_tested() -> None:
     found = hs.jnd(Answers("two", (LevelAnswers(1.0, 10, 40), LevelAnswers(2.0, 30, 40))))
     assert found.jnd.value == pytest.approx(0.5, abs=1e-12)  # 25 % at 1, 75 % at 2
     assert found.deviance.p is None
 
 
+@pytest.mark.slow
 def test_single_answers_are_put_together_before_the_fit_is_tested() -> None:
     random = np.random.default_rng(7)
     level = random.uniform(4, 6, 300)
@@ -336,6 +345,7 @@ def test_lines_without_an_answer_are_left_out_and_counted(file: Callable[..., Pa
     assert found.notes == ("2 lines without a level or an answer left out",)
 
 
+@pytest.mark.slow
 def test_what_psignifit_saves_is_read_with_what_it_was_told(file: Callable[..., Path]) -> None:
     settings = {"experiment_type": "nAFC", "experiment_choices": 2, "sigmoid": "norm"}
     found = {"threshold": 0.0046, "width": 0.0047, "lambda": 0.0, "gamma": 0.5, "eta": 0.0}
@@ -360,6 +370,7 @@ def test_psignifit_itself_finds_what_it_is_known_to_find(file: Callable[..., Pat
     assert found.to_dict()["method"] == "psignifit 4"
 
 
+@pytest.mark.slow
 def test_a_table_may_come_through_a_pipe() -> None:
     read, write = os.pipe()
     os.write(write, TABLE.encode())
@@ -400,6 +411,7 @@ BAD = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("a jump", "another JSON", "flat", "one level in between", "the wrong answers")
 @pytest.mark.parametrize(("text", "told"), BAD.values(), ids=BAD)
 def test_what_cannot_be_read_or_fitted_is_said_in_a_sentence(text: str, told: str, file: Callable[..., Path]) -> None:
     with pytest.raises(hs.SceneError) as raised:
@@ -442,6 +454,7 @@ def test_the_line_for_a_scene_is_one_with_the_interval_as_its_range_and_its_prop
     assert float(there.real) == pytest.approx(hs.jnd(DATA, reference=5, proportion=0.84).fraction.value, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted() -> None:
     rows = tuple(LevelAnswers(0.04 * i, k, 40) for i, k in enumerate((20, 24, 31, 36, 40)))
     found = hs.jnd(Answers("choices", rows), alternatives=2, reference=1)
@@ -452,6 +465,7 @@ def test_the_line_of_a_forced_choice_tells_no_proportion_that_could_be_converted
         ).threshold.at_proportion("0.84")
 
 
+@pytest.mark.slow
 def test_the_command_says_the_same_as_python(file: Callable[..., Path]) -> None:
     path = file(TABLE)
     done = CliRunner().invoke(app, ["jnd", str(path), "--reference", "5", "--json"])
@@ -461,11 +475,12 @@ def test_the_command_says_the_same_as_python(file: Callable[..., Path]) -> None:
     assert (document["schema"], document["certified"]) == ("haptisym.jnd/1", False)
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
     """Without guesses and lapses minus the log-likelihood is convex in a and b of Phi(a + b x): it has one bottom."""
-    draw = np.random.default_rng(seed)
+    draw, checked = np.random.default_rng(seed), 0
     for _ in range(4):
         many = int(draw.integers(2, 9))
         levels = np.sort(draw.choice(np.arange(1, 300), many, replace=False)) / 100
@@ -475,7 +490,9 @@ def test_no_curve_is_likelier_than_the_one_that_is_found(seed: int) -> None:
         counts = draw.binomial(trials, shares)
         found = Likelihood(rows_of(levels, counts, trials), 0, 0.0).best()
         if not (found.steep or found.flat or found.outside):
+            checked += 1
             assert found.loss <= convex_bottom(levels, counts, trials) + 1e-7
+    assert checked
 
 
 def rows_of(levels: Array, counts: Array, trials: Array) -> tuple[LevelAnswers, ...]:
@@ -540,6 +557,7 @@ def by_mpmath(rows: tuple[LevelAnswers, ...], mu: Any, spread: Any, guess: Any, 
     return total
 
 
+@pytest.mark.slow
 @given(
     BLOCKS, st.integers(-8, 8), st.integers(-8, 8), st.sampled_from([0.0, 0.1, 0.5]), st.sampled_from([0.0, 0.02, 0.3])
 )
@@ -583,6 +601,7 @@ CHOICES = (
 )
 
 
+@pytest.mark.slow
 def test_counting_the_other_answers_on_levels_the_other_way_round_is_the_mirrored_curve() -> None:
     """Of levels that are too high mu is as far below them as above those of the mirror; so is what is held."""
     way = 5.0
@@ -606,6 +625,7 @@ def test_counting_the_other_answers_on_levels_the_other_way_round_is_the_mirrore
             assert held.loss >= best.loss - 1e-9
 
 
+@pytest.mark.slow
 def test_the_interval_of_a_forced_choice_ends_where_its_profile_has_fallen_by_half_of_chi_squared() -> None:
     found = hs.jnd(Answers("choices", CHOICES), alternatives=2, proportion=0.8, lapse=0.02, confidence=0.9)
     z = NormalDist().inv_cdf((0.8 - 0.5) / 0.5)
@@ -655,6 +675,7 @@ def test_a_number_without_an_end_has_a_line_without_a_range() -> None:
         }
 
 
+@pytest.mark.slow
 def test_a_jnd_of_a_forced_choice_is_above_zero() -> None:
     rows = tuple(LevelAnswers(float(x), k, 40) for x, k in zip(range(-8, -2), (20, 22, 28, 33, 38, 40), strict=True))
     assert "x: the JND would be -" in refusal(hs.jnd, Answers("x", rows), alternatives=2)
@@ -799,6 +820,7 @@ def answers(folder: Path, rows: list[tuple[float, str]]) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_jnd_of_a_forced_choice_is_a_size(tmp_path: Path) -> None:
     found = hs.jnd(answers(tmp_path, STAIR), alternatives=2, proportion=0.707, reference=1)
     assert found.jnd.value > 0
@@ -807,6 +829,7 @@ def test_a_jnd_of_a_forced_choice_is_a_size(tmp_path: Path) -> None:
     assert "-" not in str(found).partition("fit ")[0].partition("JND")[2].replace("—", "")
 
 
+@pytest.mark.slow
 def test_with_guesses_the_page_says_which_curve_a_jnd_is_of(tmp_path: Path) -> None:
     shares = [(x / 2, 0.1 + 0.8 * norm.cdf(x / 2 / 1.5)) for x in range(-8, 9)]
     rows = [(x, "1" * round(40 * share) + "0" * (40 - round(40 * share))) for x, share in shares]

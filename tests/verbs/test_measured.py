@@ -210,6 +210,7 @@ def check_coverage(draws: int, judged: int, seed: int) -> None:
     assert (wrong <= 0.05 * judged + 4 * np.sqrt(0.05 * 0.95 * judged)).all()
 
 
+@pytest.mark.slow
 def test_discs_cover_the_truth_as_often_as_they_say() -> None:
     check_coverage(2000, 100, 7)
 
@@ -639,6 +640,7 @@ def test_what_nobody_measures_is_not_asked_for_and_what_is_told_needs_nothing() 
     assert two.radius.all == pytest.approx(0.01, rel=1e-9)  # of the part that is nearer
 
 
+@pytest.mark.slow
 def test_a_limit_that_grows_with_the_frequency_is_met_where_it_is_as_large_as_the_change() -> None:
     """Nothing moves but the limit, 0.1 + omega/100: a change by x is noticed below 100 x - 10, and what is told ends next to that."""
     for x, error in ((0.203, 0.0), (0.131, 0.02)):
@@ -662,6 +664,7 @@ def test_of_a_display_that_gives_energy_away_stiffness_has_a_name_and_damping_ha
         assert {part for part in hs.Part if e.named(part).any()} == named | ({IMAG} if imag == 40 else set())
 
 
+@pytest.mark.slow
 def test_the_document_tells_bounds_what_contradicts_them_and_how_large_discs_grow() -> None:
     felt = hs.measured([1, 2, 3], [100, 100, 180], radius=[1, 2, 1], slope="10 N*s/m")
     scene = hs.MeasuredScene(SPRING, felt, threshold=0.1)
@@ -719,9 +722,6 @@ REGIONS: dict[str, Any] = {
 
 
 JOINT = {"disc", "ellipse", "narrow", "diamond", "polygon", "formula"}
-
-
-LEAST = {"real": 0.0, "imag": 0.0}
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -782,6 +782,7 @@ EDGE = np.exp(2j * np.pi * np.arange(48) / 48)
 DISC = np.concatenate([[0], *(share * EDGE for share in (0.25, 0.5, 0.75, 1 - 1e-9))])
 
 
+@pytest.mark.slow
 @example(seed=109, name="diamond", measured_too=False)
 @given(st.integers(0, 10_000), st.sampled_from(sorted(REGIONS)), st.booleans())
 def test_a_verdict_of_a_region_holds_for_every_truth_within_the_discs(seed: int, name: str, measured_too: bool) -> None:  # noqa: FBT001
@@ -821,6 +822,7 @@ def _close(name: str, omega: float, env: complex, perc: complex, radius: float, 
     return bool(differ or rings[0].all() != rings[1].all() or rings[0].any() != rings[1].any())
 
 
+@pytest.mark.dear("polygon")
 @pytest.mark.parametrize("name", sorted(set(REGIONS) - {"formula"}))
 def test_exact_lines_are_judged_by_a_region_as_the_proven_crossings_say(name: str) -> None:
     omega = np.linspace(0.1, 15, 150)
@@ -989,6 +991,7 @@ def proven_crossing(part: hs.Part) -> float:
     return float(crossing.omega)
 
 
+@pytest.mark.slow
 def test_what_is_told_of_an_exact_scene_is_what_its_proven_crossings_say() -> None:
     omega = np.linspace(0.5, 15, 1000)
     e = evaluated(omega, hs.sampled("fu2019", omega).H, f"{steepest():.17g} N*s/m")
@@ -1021,6 +1024,7 @@ def margins(w: float, lines: list[tuple[float, complex, float]], slope: float, p
     return [abs(abs((c - env).real if part is hs.Part.REAL else (c - env).imag) - 0.1 * abs(env)) - r for c, r in discs]
 
 
+@pytest.mark.slow
 def test_stretches_end_where_no_swept_disc_tells_any_more() -> None:
     omega, slope = np.linspace(1, 15, 40), 75.0
     H, radius = hs.sampled("fu2019", omega).H, np.full(40, 0.4)
@@ -1119,11 +1123,13 @@ def check_told(seed: int, *, relative: bool) -> float:
     return told / (2 * len(bench.at))
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10**6), st.booleans())
 def test_what_is_told_between_random_lines_is_true(seed: int, relative: bool) -> None:  # noqa: FBT001
     check_told(seed, relative=relative)
 
 
+@pytest.mark.slow
 def test_something_is_told() -> None:
     assert np.mean([check_told(seed, relative=bool(seed % 2)) for seed in range(6)]) > 0.25
 
@@ -1135,6 +1141,7 @@ def test_without_a_bound_nothing_is_told_between_the_lines() -> None:
     assert "verdicts at these points alone, none between them" in " ".join(str(e).split())
 
 
+@pytest.mark.slow
 def test_lines_that_contradict_the_bound_are_said_to_and_nothing_is_told_there() -> None:
     e = evaluated([2, 4, 6], [93 + 30j, 93 + 31j, 300 + 30j], "20 N*s/m")
     assert e.between is not None
@@ -1202,6 +1209,7 @@ def steep(folder: Path, slope: str, unit: str = "N/m") -> Path:
     return bench(folder, f"omega,real,imag,radius\nrad/s,{unit},{unit},{unit}\n{rows}", slope=slope)
 
 
+@pytest.mark.slow
 def test_a_bound_may_be_stated_per_hertz_and_as_a_share(tmp_path: Path) -> None:
     per_hertz = hs.evaluate(steep(tmp_path, '"408.4070449666731 N/m/Hz"')).to_dict()["between"]
     assert per_hertz["slope"]["perceived"]["bound"] == pytest.approx(65, rel=1e-12)

@@ -53,6 +53,7 @@ def value(m: Metrics, name: str, start: str) -> float:
 # Ratio and relative distortion
 
 
+@pytest.mark.slow
 def test_the_3_db_edge_is_where_scipy_sees_half_the_power() -> None:
     [edge] = [x for x in hs.metrics(hs.load_scene("fu2019"))["transmitted impedance ratio"].values if "edge" in x.what]
     low, high = (float(x) for x in edge.value.enclosure(12))  # type: ignore[union-attr]
@@ -74,6 +75,7 @@ def test_a_resonant_filter_has_three_edges_and_the_set_between_them() -> None:
     )
 
 
+@pytest.mark.slow
 def test_the_relative_distortion_crosses_c_where_the_physics_says() -> None:
     m = hs.metrics(hs.load_scene("fu2019"))
     [band] = m["relative distortion"].values[0].value  # type: ignore[misc, union-attr]
@@ -164,6 +166,7 @@ BEYOND = {"never negative": {1}, "negative again and again": {1, -1}}
 """What is said of Im H_perc far out, and which signs it then has there."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["fu2019", pytest.param("position-force-teleoperation", marks=pytest.mark.slow), "sidestick"]
 )
@@ -182,6 +185,7 @@ def test_what_is_said_of_passive_hands_is_what_samples_show(name: str) -> None:
     assert rows["stable under prescribed motion"] == "yes"
 
 
+@pytest.mark.slow
 def test_a_heavy_filtered_device_fails_the_free_response_while_the_jnd_is_kept() -> None:
     scene = hs.load_scene("sidestick").with_band(0, 20)
     m = hs.metrics(scene)
@@ -193,6 +197,7 @@ def test_a_heavy_filtered_device_fails_the_free_response_while_the_jnd_is_kept()
 # Output
 
 
+@pytest.mark.slow
 def test_the_document_of_the_papers_example(call) -> None:  # type: ignore[no-untyped-def]
     status, out, err = call("metrics", "fu2019", "--json")
     document = json.loads(out)
@@ -221,6 +226,7 @@ def test_the_document_of_the_papers_example(call) -> None:  # type: ignore[no-un
 OTHERS = ("delayed-spring", "stick-with-friction", "organ-tissue", "wave-variable-link", "sampled-wall")
 
 
+@pytest.mark.dear("stick-with-friction")
 @pytest.mark.parametrize("name", often(OTHERS, QUICK_SCENES.__contains__))
 def test_scenes_that_are_not_rational_are_measured_too(name: str) -> None:
     m = hs.metrics(hs.load_scene(name))
@@ -277,6 +283,7 @@ def points(scene: hs.Scene, count: int = 5) -> list[float]:
     return (low + (high - low) * (np.arange(count) + 0.37) / count).tolist()
 
 
+@pytest.mark.few("filter")
 @pytest.mark.parametrize("name", SCENES)
 def test_every_closed_form_has_the_value_of_complex_arithmetic_in_numbers_and_in_symbols(name: str) -> None:
     scene = SCENES[name]
@@ -318,6 +325,7 @@ def row(m: Metric, start: str) -> MetricValue:
     return found
 
 
+@pytest.mark.few("rendered")
 @pytest.mark.parametrize("name", SCENES)
 def test_bands_and_largest_values_are_those_of_complex_arithmetic(name: str) -> None:
     scene, m = SCENES[name], measured(name)
@@ -395,6 +403,7 @@ def _sizes(name: str, w: Any) -> list[Any]:
     return [abs(felt / env - 1), abs(det / (c * rendered + d) ** 2), abs(b / d), most, width]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_effective_properties_stand_at_both_ends_and_at_every_crossing_with_their_units(name: str) -> None:
     scene, m = SCENES[name], measured(name)
@@ -425,6 +434,7 @@ def test_effective_properties_stand_at_both_ends_and_at_every_crossing_with_thei
         m["transparency"]
 
 
+@pytest.mark.few("twist", "rendered")
 @pytest.mark.parametrize("name", SCENES)
 def test_what_one_measure_says_and_another_does_not_is_noted(name: str) -> None:
     scene, m = SCENES[name], measured(name)
@@ -444,6 +454,7 @@ def test_what_one_measure_says_and_another_does_not_is_noted(name: str) -> None:
     assert {key for key in told if any(key in note for note in m.notes)} == {key for key, x in told.items() if x}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "blind"), [("/(s + 9)", True), ("*5", True), ("*(s + 9)", False), ("*(-1)", True), ("+ 1", False)]
 )
@@ -460,12 +471,6 @@ def swinging(sigma: Any, omega: Any, more: str = "") -> hs.Environment:
 
 def response(env: tuple[Any, ...], perc: tuple[Any, ...]) -> FreeResponse:
     return free_response(hs.distort(swinging(*env), rendered=swinging(*perc)))
-
-
-FEW = st.fractions(Rational(1, 4), 2, max_denominator=30)
-
-
-NEAR = [Rational(5, 6) * (1 + sign * Rational(1, 10**n)) for n in (3, 18, 60) for sign in (-1, 1)]
 
 
 # What is said of hands and environments.
@@ -504,6 +509,7 @@ def test_what_is_said_of_every_passive_hand_and_environment_is_what_the_axis_and
     assert {key: table[key] for key in holds} == {key: "holds" if x else "does not hold" for key, x in holds.items()}
 
 
+@pytest.mark.dear("scene0-set at")
 @pytest.mark.parametrize(
     ("scene", "where"),
     [
@@ -531,6 +537,7 @@ def test_what_a_hand_must_damp_is_the_most_that_is_given_away_at_any_frequency(s
         assert given_away.unit == "N/m"
 
 
+@pytest.mark.slow
 def test_the_first_edge_is_told_beside_the_bandwidth_of_the_jnd() -> None:
     def said(**keys: Any) -> str:
         scene = hs.Scene(**{"environment": STICK, "effects": (LOWPASS,), "band": (0, 15), "threshold": 0.1} | keys)
@@ -545,6 +552,7 @@ def test_the_first_edge_is_told_beside_the_bandwidth_of_the_jnd() -> None:
     assert said(effects=(effects.delay("5 ms"), LOWPASS)).startswith("no 3 dB edge")  # with delays on the band alone
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("form", "share"), [("(s^2 + 14*s + 31)/(s + 5)^2", 1), ("(s + 5)^2/(s^2 + 14*s + 31)", -1)])
 def test_where_3_db_are_touched_and_not_exceeded_there_is_no_edge(form: str, share: int) -> None:
     """``|G|^2`` is 2 - (w^2 - 17)^2/(w^2 + 25)^2, or one over that; a little more or less, and there are two edges about it."""
@@ -562,6 +570,7 @@ def test_where_3_db_are_touched_and_not_exceeded_there_is_no_edge(form: str, sha
             assert float(x.value) == pytest.approx(17**0.5, abs=0.3)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_with_delays_edges_are_looked_for_on_the_band_and_without_up_to_a_hundred_times_its_end() -> None:
     for more, reach, upto in (((), 1500, "100 times the band's high end"), ((effects.delay("5 ms"),), 15, "the band")):
         scene = hs.Scene(STICK, (*more, LOWPASS), (0, 15))
@@ -646,6 +655,63 @@ def test_breakout_is_the_friction_of_the_display_and_a_helicopter_is_let_go_with
     assert named(aeroplane, "breakout").margin == pytest.approx(1 - 1.2 / (2 * POUND))
     assert named(aeroplane, "free response").passes is None
     assert named(helicopter, "P_0").margin == 1
+
+
+TABLES = {
+    "14cfr60-a2a": {
+        "pitch": ("2.a.1", "2.b.1", "2", "5"),
+        "roll": ("2.a.2", "2.b.2", "2", "3"),
+        "pedals": ("2.a.3", "2.b.3", "5", "5"),
+        "nosewheel": ("2.a.4", None, "2", "3"),
+    },
+    "14cfr60-c2a": {
+        "cyclic": ("2.a.1", "2.a.5", "0.25", "1"),
+        "collective": ("2.a.2", "2.a.5", "0.5", "1"),
+        "pedals": ("2.a.2", "2.a.5", "0.5", "1"),
+    },
+}
+"""Typed from 14 CFR Part 60, tables A2A and C2A (edition of 1 January 2019): of each control its entries for position
+against force and for dynamics, and the tolerances of breakout and force, lb."""
+
+
+@pytest.mark.parametrize(("rule", "control"), [(rule, control) for rule, rows in TABLES.items() for control in rows])
+def test_every_number_of_the_tables_is_that_of_the_regulation(rule: str, control: str) -> None:
+    static, dynamic, breakout, force = TABLES[rule][control]
+    is_helicopter = rule == "14cfr60-c2a"
+    for share, kept in (("0.999999", True), ("1.000001", False)):
+        friction = Rational(breakout) * Rational(share) * Rational("4.4482216152605")
+        travel = (
+            Rational(force) * Rational(share) * Rational("4.4482216152605") / 40
+        )  # where 40 N/m more are so many pounds
+        scene = stick_on(hs.effects.shunt(k=40), hs.effects.coulomb_friction(friction, "5 cm"))
+        found = hs.control_loading(scene, rule, control, travel=travel, sweeps=["4 s"])
+        rest, off = named(found, "static"), named(found, "breakout")
+        assert (rest.entry, rest.passes, rest.tolerance) == (static, kept, f"10 % or {force} lb")
+        assert (off.entry, off.passes) == (static, kept)
+        assert off.tolerance == f"{breakout} lb" + (" or 25 %" if is_helicopter else "")
+        assert rest.margin == pytest.approx(1 - float(share), abs=1e-12)
+        assert off.margin == pytest.approx(1 - float(share), abs=1e-12)
+        assert (float(off.display), off.environment, off.unit) == (pytest.approx(float(friction)), 0, "N")
+        assert (float(rest.environment), float(rest.display), rest.unit) == (100, 140, "N/m")
+        entries = {x.entry for x in found.trials if x.name.startswith(("P_", "A_", "free response", "overshoots"))}
+        assert entries == ({dynamic} if dynamic else set())
+        sweeps = [(x.entry, x.tolerance) for x in found.trials if x.name.startswith("sweep")]
+        assert sweeps == ([] if is_helicopter or not dynamic else [(dynamic, "10 % or 2 lb above static")])
+        plays = [(x.entry, x.tolerance) for x in found.trials if x.name == "freeplay"]
+        assert plays == ([("2.a.6", "0.10 in")] if is_helicopter else [])
+    alone = stick_on(hs.effects.coulomb_friction(Rational(breakout) * Rational("4.4482216152605"), "5 cm"))
+    assert named(hs.control_loading(alone, rule, control), "breakout").passes is True  # just as much is allowed
+
+
+@pytest.mark.parametrize(("share", "kept"), [("0.999999", True), ("1.000001", False)])
+def test_a_sweep_may_need_two_pounds_more_than_the_environment_does(share: str, kept: bool) -> None:  # noqa: FBT001
+    w = 2 * pi / 2
+    off = 0.9 * w**2  # of half the mass more
+    travel = Rational(str(2 * POUND / off)) * Rational(share)
+    scene = stick_on(hs.effects.shunt(m="0.9"), b=0)
+    trial = named(hs.control_loading(scene, control="pedals", sweeps=["2 s"], travel=travel), "sweep")
+    assert (trial.passes, trial.entry) == (kept, "2.b.3")
+    assert trial.margin == pytest.approx(1 - float(share), abs=1e-9)
 
 
 def test_what_was_not_tested_says_why_and_counts_for_nothing() -> None:

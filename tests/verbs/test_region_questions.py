@@ -62,6 +62,7 @@ REQUIRED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few("limits for each way")
 @pytest.mark.parametrize("name", often(REQUIRED, lambda name: name in ("ellipse", "polygon", "limits for each way")))
 def test_a_requirement_is_where_a_scan_of_the_band_leaves_the_region(name: str) -> None:
@@ -109,6 +110,7 @@ def test_with_a_delay_a_corner_is_known_to_any_digits() -> None:
     assert abs((G - H).real) == pytest.approx(abs(H) / 20, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.few("polygon", "lower")
 @pytest.mark.parametrize(
     ("jnd", "condition"),
@@ -205,6 +207,7 @@ def test_any_region_binds_a_requirement_where_plain_arithmetic_says_so(jnd: dict
         assert inside == (by < 0) or (inside is False and by < 0 and by > -2e-3 and not marks), (value, by)
 
 
+@pytest.mark.dear("ellipse")
 @pytest.mark.parametrize("shape", ["ellipse", "diamond"])
 def test_a_free_threshold_of_a_region_is_how_many_times_that_of_one_must_be_enlarged(shape: str) -> None:
     unit = (
@@ -232,6 +235,7 @@ MOVED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few(2)
 @pytest.mark.parametrize("name", often(MOVED, lambda name: name in ("ellipse", "diamond", "floor", "limit that jumps")))
 def test_slopes_are_those_of_certified_crossings_nearby(name: str) -> None:
@@ -284,6 +288,7 @@ PEAKED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.few("limits for each way")
 @pytest.mark.parametrize("name", PEAKED)
 def test_peaks_are_where_the_region_must_be_enlarged_most_by_a_dense_scan(name: str) -> None:
@@ -345,6 +350,7 @@ def test_a_disc_behind_a_filter_has_its_crossing_as_a_formula() -> None:
     assert told(hs.derive(with_jnd(ELLIPSE), ["zeta"]), "omega_joint") == []
 
 
+@pytest.mark.few("{'shape': 'diamond', 'real': 0.1, 'imag': 0.12}")
 @pytest.mark.parametrize("jnd", [DIAMOND, POLYGON, SIDED, {"real": 0.1, "imag": 0.12, "floor": 3}], ids=str)
 def test_each_crossing_behind_a_delay_is_among_the_solutions_or_where_a_limit_changes(jnd: Any) -> None:
     spring = hs.environments.mass_spring_damper(k=100)
@@ -357,6 +363,7 @@ def test_each_crossing_behind_a_delay_is_among_the_solutions_or_where_a_limit_ch
         assert c.get("limit") == "changes" or min(min(x, 1 - x) for x in once) < 1e-9, c
 
 
+@pytest.mark.dear("polygon")
 @pytest.mark.few("polygon", "diamond")
 @pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, POLYGON, PENTAGON], ids=["ellipse", "diamond", "polygon", "moving"])
 def test_the_border_of_a_region_is_derived_as_it_is_defined(jnd: dict[str, Any]) -> None:
@@ -367,6 +374,7 @@ def test_the_border_of_a_region_is_derived_as_it_is_defined(jnd: dict[str, Any])
         assert (max(f(x, y, w) for f in borders) > 0) == (outside(jnd, x, y, w) > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.few("Language.C", "Language.NUMPY")
 @pytest.mark.parametrize("language", Language)
 def test_generated_code_is_the_same_for_every_region(language: Language) -> None:
@@ -398,6 +406,7 @@ def test_what_a_region_leaves_open_is_refused_and_never_answered_for_the_square(
         assert "\n" not in str(refused.value)
 
 
+@pytest.mark.dear("jnd2")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("jnd", [ELLIPSE, DIAMOND, POLYGON, FLOOR, SIDED, FORMULA])
 def test_the_disc_inside_a_region_is_where_no_environment_can_be_noticed(jnd: Any) -> None:
@@ -496,6 +505,7 @@ def _hold(pick: Random) -> bool:
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.few("10")
 @pytest.mark.parametrize("seed", range(11))
 def test_values_in_a_polygon_are_those_between_the_extremes_of_parabolas(seed: int) -> None:

@@ -55,6 +55,7 @@ TURNS: list[tuple[hs.Scene, str, Any, Callable[[Any], Any], Any]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.few("a hold")
 @pytest.mark.parametrize(
     ("told", "path", "asked", "f", "near"), TURNS, ids=["a hold", "beyond a quarter turn", "two limits"]
 )
@@ -219,6 +220,7 @@ def answer(name: str) -> Any:
     return hs.require(own.scene, own.path, own.asked)
 
 
+@pytest.mark.dear("a delay of a mass", "a hold of a fluid")
 @pytest.mark.few("a delay of a mass", "a hold of a fluid", "a lag of a spring-pot")
 @pytest.mark.parametrize("name", SCANS)
 def test_a_set_is_where_a_scan_in_complex_numbers_stays_below_the_thresholds(name: str) -> None:
@@ -299,6 +301,7 @@ FAR: dict[str, tuple[hs.Scene, str, list[Any]]] = {
 }
 
 
+@pytest.mark.dear("a mass, from none", "a stiffness")
 @pytest.mark.few("a mass, from none", "a stiffness", "what has left the conditions", "what has left them, too late")
 @pytest.mark.parametrize("name", FAR)
 def test_of_all_values_those_that_do_are_told_however_small_or_large(name: str) -> None:

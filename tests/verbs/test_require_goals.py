@@ -86,6 +86,7 @@ def lagged(k: Any, b: Any, m: Any, d: Any, band: tuple[int, int] = (0, 10), *han
     return hs.Scene(environments.mass_spring_damper(k=k, b=b), chain, band, hands=hands)
 
 
+@pytest.mark.few("4")
 @pytest.mark.parametrize("seed", range(8))
 def test_a_lag_is_stable_as_routh_says_and_fit_for_passive_hands_where_dampers_make_up_for_it(seed: int) -> None:
     """Im H/omega is d + (b w - k) w/(omega^2 + w^2); with a hand (d + m w)(b + d) > m k."""
@@ -264,6 +265,7 @@ REGIONS: list[tuple[Any, bool]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.dear("0.1-True")
 @pytest.mark.parametrize(("jnd", "told"), REGIONS)
 def test_which_value_comes_nearest_is_told_of_two_ratios_with_a_threshold_alone(jnd: Any, *, told: bool) -> None:
     lag = hs.Scene(environments.kelvin_voigt(90, 3), (effects.first_order_lag(5),), (1, 5), jnd)
@@ -309,6 +311,7 @@ def growth(K: float, B: float, T: float, delay: int, hand: hs.Hand) -> float:
     return float(max(abs(np.linalg.eigvals(M))))
 
 
+@pytest.mark.dear("damped", "held")
 @pytest.mark.few("late", "held", "damped")
 @pytest.mark.parametrize("name", STIFFEST)
 def test_with_a_clock_the_stiffest_wall_is_where_the_step_of_its_states_begins_to_grow(name: str) -> None:

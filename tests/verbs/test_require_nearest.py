@@ -45,6 +45,7 @@ NOWHERE: dict[str, tuple[str, str, tuple[int, int] | None, Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.few("filter")
 @pytest.mark.parametrize("case", NOWHERE)
 def test_the_nearest_value_fails_by_what_is_said_and_none_by_less(case: str) -> None:
@@ -66,6 +67,7 @@ def test_what_binds_at_the_nearest_value_is_said() -> None:
     assert (x.value, x.binding.part, x.binding.kind, x.binding.omega.digits(4)) == (100, Part.IMAG, Kind.EDGE, "15.00")
 
 
+@pytest.mark.dear("tau-None")
 @pytest.mark.parametrize(("path", "own"), [("tau", None), ("Mm", Rational(1, 2))])
 def test_a_ratio_that_no_value_changes_bounds_them_all_and_the_scenes_own_is_as_near_as_any(
     path: str, own: Any
@@ -88,6 +90,7 @@ def spring(gain: str, band: tuple[int, int], real: Any, imag: Any, **more: str) 
     return hs.Scene(E.mass_spring_damper(k=100), (effect,), band, hs.Threshold(str(real), str(imag)))
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(8)
 @pytest.mark.parametrize("seed", range(24))
 def test_of_parabolas_that_a_number_moves_up_and_down_the_middle_one_is_nearest(seed: int) -> None:
@@ -209,6 +212,7 @@ def test_nothing_stays_open_beside_a_limit_or_a_resonance_for_a_thousand_times_t
     need_evaluated(found, [Rational(10 ** draw.uniform(-reach, reach)) * found.free.value for _ in range(4)])
 
 
+@pytest.mark.slow
 def test_where_a_hold_is_kept_at_frequency_0_the_ends_are_found_beyond() -> None:
     found = hs.require("virtual-wall", "environment.b")
     assert found.undecided == ()

@@ -72,6 +72,7 @@ def test_behind_a_lag_a_damper_must_make_up_for_the_spring_at_rest_or_for_the_ma
     assert kinds(r)[0] & {"start", "far-out"} == {"start" if at_rest > far else "far-out"}
 
 
+@pytest.mark.few("0")
 @pytest.mark.parametrize("seed", range(3))
 def test_the_set_of_a_rational_display_is_that_of_samples_with_all_of_its_ends(seed: int) -> None:
     """s (s^4 - q s^2 + c)/(s + 1)^4 beside b s."""
@@ -109,6 +110,7 @@ def test_what_is_touched_at_one_frequency_binds_there() -> None:
     assert "tangency" in kinds(r)[0]
 
 
+@pytest.mark.dear("s + s/(s^2 + (q - 3)*s + 4)-3.23606797749979-tangency")
 @pytest.mark.parametrize(
     ("formula", "least", "kind"),
     [
@@ -152,6 +154,7 @@ def test_a_value_at_which_alone_no_damping_lacks_is_told_where_it_is_a_fraction_
 # --- delays and powers of s -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.few("tau-span3", "environment.k-span0")
 @pytest.mark.parametrize(
     ("free", "span"),
@@ -187,6 +190,7 @@ def test_a_range_that_ends_where_passivity_does_is_told_up_to_its_end(seed: int)
     assert (r.undecided, ends(r)) == ((), [near((b, 2 * b))])
 
 
+@pytest.mark.dear("3")
 @pytest.mark.few("3", "4")
 @pytest.mark.parametrize("seed", range(12))
 def test_a_value_is_in_the_set_of_a_late_or_lagging_display_just_where_samples_of_im_h_are_positive(seed: int) -> None:
@@ -220,6 +224,7 @@ def test_a_value_is_in_the_set_of_a_late_or_lagging_display_just_where_samples_o
     assert left < 0.01 * own[name] * 10
 
 
+@pytest.mark.dear("(5 - g)*s + s^1.5 + 100-span6")
 @pytest.mark.parametrize(
     ("formula", "span"),
     [
@@ -254,6 +259,7 @@ def test_where_all_that_prevails_far_out_comes_late_no_delay_will_do(scene: str,
     assert (r.certified, ends(r)) == (True, values)
 
 
+@pytest.mark.few("k + 4*s + 2*s^0.5 + s^2/4-chain2-effects.shunt.m--0.25")
 @pytest.mark.parametrize(
     ("felt", "chain", "free", "least"),
     [
@@ -295,6 +301,7 @@ def test_a_pole_on_the_right_is_no_passivity_though_the_axis_shows_none() -> Non
     assert r.feasible == ()
 
 
+@pytest.mark.dear("scene1-effects.shunt.m")
 @pytest.mark.parametrize(
     ("scene", "free"),
     [
@@ -388,6 +395,7 @@ def imaginary(top: Expr, bottom: Expr, omega: Any, value: Any) -> Any:
     return ((top.subs(at) * bottom.subs(at).conjugate()).evalf(60)).as_real_imag()[1]
 
 
+@pytest.mark.few("3")
 @pytest.mark.parametrize("seed", range(6))
 def test_what_is_told_of_a_cell_and_of_rest_and_far_out_is_what_digits_say(seed: int) -> None:
     """Of random N and D with delays: clear at all frequencies, active at one, rising from rest, negative again and again."""
@@ -421,6 +429,7 @@ def test_what_is_told_of_a_cell_and_of_rest_and_far_out_is_what_digits_say(seed:
                 assert min(imaginary(top, bottom, 10**4 + n / 3, value) for n in range(60)) < 0
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("seed", range(2))
 def test_what_is_clear_or_active_with_some_room_is_told_to_be(seed: int) -> None:
     """A spring k late by tau, a damper q and a mass: Im H/omega = q - k tau sinc(omega tau)."""
@@ -468,6 +477,7 @@ def test_what_has_friction_or_a_power_that_changes_is_not_told() -> None:
             Energy.of(Ring.of([Q, exp(-s), held]).convert(top), Q)
 
 
+@pytest.mark.few("1")
 @pytest.mark.parametrize("seed", range(3))
 def test_signs_of_a_polynomial_are_those_between_the_zeros_that_were_placed(seed: int) -> None:
     pick = Random(seed)
@@ -503,6 +513,7 @@ def wall(
     return hs.Scene(E.expression("k + b*s", parameters={"k": K, "b": B}), (loop, F.shunt(m="40 g", b=b)))
 
 
+@pytest.mark.few("effects.shunt.b-None-span3")
 @pytest.mark.parametrize(
     ("free", "asked", "span"),
     [
@@ -528,6 +539,7 @@ def test_one_sample_late_the_worst_angle_lies_inside() -> None:
     assert kinds(r) == [{"tangency"}]
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few("1", "2")
 @pytest.mark.parametrize("seed", range(12))
 def test_the_set_of_a_sampled_wall_is_that_of_a_scan_over_all_angles(seed: int) -> None:
@@ -551,6 +563,7 @@ def test_the_set_of_a_sampled_wall_is_that_of_a_scan_over_all_angles(seed: int) 
     assert r.certified
 
 
+@pytest.mark.dear("m--0.4")
 @pytest.mark.parametrize(("key", "least"), [("m", -0.4), ("k", -3)])
 def test_of_two_devices_one_may_lack_what_the_other_has(key: str, least: float) -> None:
     """What is not negative is the mass, and the stiffness, of both together; beyond the condition does not apply."""

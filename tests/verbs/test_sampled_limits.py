@@ -87,6 +87,7 @@ def angles(p: Any) -> list[Any]:
     return [0.0, np.pi, np.arccos(float(p) / 2)]
 
 
+@pytest.mark.dear("0")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(16))
 def test_the_nearest_critical_values_are_where_roots_were_put_on_the_circle(seed: int) -> None:
@@ -131,6 +132,7 @@ def largest(C: Expr, value: float) -> float:
     return float(abs(np.roots([float(c.subs(k, value)) for c in Poly(C, w).all_coeffs()[::-1]])).max())
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_all_values_are_told_for_which_roots_by_numpy_lie_inside(seed: int) -> None:
@@ -150,6 +152,7 @@ def test_all_values_are_told_for_which_roots_by_numpy_lie_inside(seed: int) -> N
     assert sum(is_in(x) is None for x in np.linspace(-9, 9, 121)) < 12
 
 
+@pytest.mark.dear("-1-2", "-1-8")
 @pytest.mark.parametrize("digits", [2, 8, pytest.param(17, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_two_changes_that_are_close_to_each_other_are_never_passed_by(sign: int, digits: int) -> None:
@@ -162,6 +165,7 @@ def test_two_changes_that_are_close_to_each_other_are_never_passed_by(sign: int,
     assert above == pytest.approx([first], abs=1e-12) or (not above and told_up_to(near, 0.5)[1] <= first)
 
 
+@pytest.mark.slow
 @pytest.mark.few("pair-3")
 @pytest.mark.parametrize("start", [3, "1/70"])
 @pytest.mark.parametrize(
@@ -255,6 +259,7 @@ def spring(K: Any, B: Any = 0, hand: hs.Hand = NOTHING, T: Any = "1 ms", m: str 
     return hs.Scene(felt, (F.sampled_loop(T, "backward-difference"), F.shunt(m=m, b=b)), hands=(hand,))
 
 
+@pytest.mark.dear("18284.7872144337-keys1")
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("K", "keys"),
@@ -312,6 +317,7 @@ def test_a_number_given_in_hertz_may_go_as_far_as_one_in_radians() -> None:
     assert len(told("50 Hz")) == 1
 
 
+@pytest.mark.dear("4-b")
 @pytest.mark.few("4-b", "2-k")
 @pytest.mark.parametrize("free", ["k", "b"])
 @pytest.mark.parametrize("seed", range(10))
@@ -415,6 +421,7 @@ def test_every_number_of_a_sampled_wall_is_told_where_eigenvalues_leave_the_circ
         assert all(radius(**{paths[path]: float(x)}) < 1 for x in between), path
 
 
+@pytest.mark.slow
 def test_where_a_number_has_no_end_on_a_side_nothing_is_said_to_be_left() -> None:
     hand = hs.Hand("hand", m="0.2", b="1.6", k=200)
     scene = spring(900, hand=hand, T="4 ms", m="0.05", b="0.3")
@@ -464,6 +471,7 @@ def test_with_tustins_rule_a_spring_beside_a_damper_is_told_for_all_values(seed:
             assert (counted(scene, "environment.k", x) == 0) is is_in(x), x
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("T", "late"), [("1 ms", 0), pytest.param("4 ms", 1, marks=pytest.mark.slow)])
 def test_the_corner_of_a_filter_is_told_for_all_values_and_at_0_by_what_is_left_there(T: str, late: int) -> None:
     """At a corner of 0 the filter passes nothing, and the spring alone is held; below it its own pole grows, unless T jumps over it."""
@@ -524,6 +532,7 @@ k = "50 N*m/rad"
 """A resonance without damping between clock and hand."""
 
 
+@pytest.mark.dear("effects.torsion-bar.k-known0")
 @pytest.mark.few("effects.torsion-bar.k-known0", "hand.k-known2")
 @pytest.mark.parametrize(("path", "known"), [("effects.torsion-bar.k", [356.501596]), ("hand.b", []), ("hand.k", [])])
 def test_with_a_resonance_between_clock_and_hand_a_number_may_still_go_far(path: str, known: list[float]) -> None:

@@ -262,6 +262,7 @@ def test_a_box_of_hands_holds_a_sampled_wall_or_does_not(K: int, b: list[int], s
     assert row["whole_box"] == share
 
 
+@pytest.mark.dear("0")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_said_of_a_box_of_hands_with_a_clock_holds_for_each_of_them(seed: int) -> None:

@@ -35,6 +35,7 @@ def changed(scene: hs.Scene, name: str, value: Expr) -> hs.Evaluation:
     return hs.evaluate(scene.with_values({name: value}))
 
 
+@pytest.mark.dear("fu2019", "sidestick")
 @pytest.mark.parametrize("name", often(SCENES, {"fu2019", "delayed-spring", "sidestick"}.__contains__))
 def test_a_sensitivity_is_the_slope_of_certified_crossings(name: str) -> None:
     scene = hs.load_scene(name)
@@ -52,6 +53,7 @@ def test_a_sensitivity_is_the_slope_of_certified_crossings(name: str) -> None:
     assert {row.name for row in found.parameters} >= {p.symbol.name for p in scene.parameters}
 
 
+@pytest.mark.dear("m")
 @pytest.mark.few("m", "zeta")
 @pytest.mark.parametrize("name", ["m", "b", "k", "omega_n", "zeta"])
 def test_changeovers_move_as_certified_changeovers_do(name: str) -> None:
@@ -74,6 +76,7 @@ def sums(scene: hs.Scene, x: Sensitive) -> dict[str, Fraction]:
     return total
 
 
+@pytest.mark.dear("steering-wheel", "stick-with-friction")
 @pytest.mark.few("delayed-spring", "steering-wheel", "stick-with-friction")
 @pytest.mark.parametrize("name", ["fu2019", "delayed-spring", "steering-wheel", "stick-with-friction", FLEXIBLE])
 def test_elasticities_keep_the_sum_rules_of_dimensional_analysis(name: str) -> None:
@@ -90,6 +93,7 @@ POSITIVE = st.fractions(Fraction(1, 20), Fraction(20), max_denominator=50)
 DAMPING = st.fractions(Fraction(1, 10), Fraction(2), max_denominator=20)
 
 
+@pytest.mark.slow
 @examples(8)
 @given(m=POSITIVE, b=POSITIVE, k=POSITIVE, omega_n=POSITIVE, zeta=DAMPING)
 def test_the_sum_rules_hold_for_any_values(
@@ -123,6 +127,7 @@ def elasticities(x: Sensitive) -> dict[str, Fraction | None]:
     }
 
 
+@pytest.mark.slow
 @given(VALUES, VALUES, VALUES, st.integers(1, 9), st.integers(1, 9))
 def test_frequencies_that_are_powers_of_parameters_have_these_powers_as_elasticities(
     k: Fraction, m: Fraction, b: Fraction, p: int, q: int
@@ -172,6 +177,7 @@ def test_one_threshold_for_both_parts_is_one_parameter_and_a_formula_is_had_by_a
         e.formula(hs.Part.REAL, "q")
 
 
+@pytest.mark.slow
 def test_the_formula_and_the_numbers_are_one() -> None:
     found = hs.sensitivity(hs.load_scene("fu2019"))
     x, values = found.crossings[1], {p.symbol: p.value for p in found.evaluation.scene.parameters}
@@ -219,6 +225,7 @@ def test_a_slope_is_told_to_as_many_digits_as_wanted() -> None:
 # --- regions ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.dear("jnd2-<lambda>")
 @pytest.mark.parametrize(
     ("jnd", "border"),
     [
@@ -391,6 +398,9 @@ def frequencies(e: hs.Evaluation, kind: str, near: float) -> list[str]:
     return [x.digits(40) for x in found if abs(float(x) - near) < 0.1]
 
 
+@pytest.mark.dear(
+    "a crossing at the least damping", "a delay at its least value", "a pole at a frequency in Hz moves with it"
+)
 @pytest.mark.parametrize("name", MEETINGS)
 def test_a_derivative_from_one_side_is_the_slope_of_certified_frequencies_there(name: str) -> None:
     """And where there is none, no single frequency is seen to move away from here on either side."""
@@ -420,6 +430,7 @@ def test_a_derivative_from_one_side_is_the_slope_of_certified_frequencies_there(
         assert derivative == pytest.approx(expected, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_one_sided_derivatives_are_said_in_text_and_document() -> None:
     found = hs.sensitivity(filtered(0))
     assert " above" in str(found)

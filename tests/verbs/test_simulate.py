@@ -73,6 +73,19 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     assert set(CATALOGUE) == {*ENVIRONMENTS, *EFFECTS}
 
 
+@pytest.mark.dear(
+    "a delay inside a loop",
+    "a delayed force through two derivatives",
+    "delay",
+    "four-channel-teleoperator",
+    "friction through a delay",
+    "pade-delay",
+    "position-force-teleoperator",
+    "position-position-teleoperator",
+    "sampled-loop",
+    "wave-variables",
+    "zero-order-hold",
+)
 @pytest.mark.parametrize("name", often([*CATALOGUE, *LOOPS], lambda name: name not in DEAR))
 def test_a_sine_comes_out_of_every_model_and_of_loops_as_the_closed_form_says(name: str) -> None:
     scene = CATALOGUE[name] if name in CATALOGUE else hs.Scene(MSD, LOOPS[name])
@@ -86,6 +99,7 @@ def test_simulation_and_closed_form_agree_along_the_band_for_every_model(name: s
     agree(hs.check(scene, count=3), 1e-7)
 
 
+@pytest.mark.dear("sidestick")
 @pytest.mark.parametrize("name", often(sorted(hs.scene_names()), {"fu2019", "sidestick"}.__contains__))
 def test_simulation_and_closed_form_agree_for_every_shipped_scene(name: str) -> None:
     agree(hs.check(hs.load_scene(name), count=3), 1e-6)
@@ -130,6 +144,7 @@ def test_the_force_of_a_lag_on_a_spring_is_the_known_steady_wave() -> None:
     assert run.force[late] == pytest.approx(wave[late], abs=1e-10)
 
 
+@pytest.mark.slow
 def test_a_delay_line_repeats_the_force_exactly() -> None:
     plain = hs.simulate(hs.Scene(SOFT), hs.sine("1 cm", 10), duration=8)
     late = hs.simulate(hs.Scene(SOFT, (effects.delay("0.1 s"),)), hs.sine("1 cm", 10), duration=8)
@@ -150,6 +165,7 @@ def test_a_held_force_is_a_staircase_that_changes_only_on_the_clock() -> None:
             assert held[0] == pytest.approx(2 * np.sin(10 * t) + 0.5 * np.cos(10 * t), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lags", [("17", "4"), ("17.3",)])  # in one grid with the clock, and beside it
 def test_a_held_force_that_comes_late_goes_through_a_lag_from_step_to_step_of_the_clock(lags: tuple[str, ...]) -> None:
     """Between steps the lag falls towards what is held, by exp(-40 t) of the difference."""
@@ -178,6 +194,7 @@ def test_what_friction_adds_comes_out_of_a_delay_line_that_much_later() -> None:
     assert (run.force[run.time < 0.037] == 0).all()
 
 
+@pytest.mark.slow
 def test_friction_on_a_prescribed_motion_switches_where_the_velocity_changes_sign() -> None:
     run = hs.simulate(CATALOGUE["coulomb-friction"], hs.sine("5 cm", 4), duration=6)
     alone = hs.simulate(hs.Scene(MSD, (effects.first_order_lag(30),)), hs.sine("5 cm", 4), duration=6)
@@ -197,6 +214,7 @@ def jenkins(x: Any, k: float, limit: float) -> Any:
     return np.array(found)
 
 
+@pytest.mark.dear("between0")
 @pytest.mark.parametrize("between", [(), (effects.compliance(300),)])
 def test_friction_behind_a_spring_sticks_first_and_then_slips_and_sticks(between: tuple[hs.Effect, ...]) -> None:
     """Two springs in a row are one; what friction drags has no mass, so that its force can slip no other way."""
@@ -212,6 +230,7 @@ def test_friction_behind_a_spring_sticks_first_and_then_slips_and_sticks(between
     assert (np.abs(run.force) < 0.9).any()
 
 
+@pytest.mark.slow
 def test_a_stuck_mass_does_not_move_and_then_slips() -> None:
     scene = hs.Scene(
         environments.mass_spring_damper(m="0.5", b=1, k=20),
@@ -361,6 +380,7 @@ def test_a_quantised_spring_gives_the_describing_function_of_a_staircase() -> No
     assert x.simulated == pytest.approx(gain, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_limited_force_behind_an_encoder_is_the_staircase_cut_off() -> None:
     extras = [hs.EncoderQuantisation("5 mm"), hs.ForceSaturation("3 N")]
     run = hs.simulate(hs.Scene(environments.mass_spring_damper(k=100)), hs.sine("5 cm", 5), duration=4, extras=extras)
@@ -369,6 +389,7 @@ def test_a_limited_force_behind_an_encoder_is_the_staircase_cut_off() -> None:
     assert run.force[inside] == pytest.approx(np.clip(stairs, -3, 3)[inside], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_noisy_recording_through_an_encoder_is_the_staircase_next_to_it() -> None:
     t, noise = np.arange(0, 0.1, 0.001), np.random.default_rng(5).normal(0, 5e-5, 100)
     spring = hs.Scene(environments.mass_spring_damper(k=100), (effects.first_order_lag(500),))
@@ -410,6 +431,7 @@ def test_what_jumps_or_hits_is_not_differentiated() -> None:
 # What is said of the closed form, and of errors
 
 
+@pytest.mark.dear("between5-made5-base band", "between6-made6-")
 @pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("between", "made", "said"),
@@ -449,6 +471,7 @@ def test_error_estimates_are_neither_too_small_nor_useless() -> None:
         assert x.difference <= x.error <= 1e-7 * abs(x.closed)
 
 
+@pytest.mark.dear("4-1.3")
 @pytest.mark.parametrize("duration", [1.3, 1.6, 2.2, 3])
 @pytest.mark.parametrize("tau", [0.5, 2, 4])
 def test_however_short_a_run_the_rest_of_the_transient_is_in_its_error(duration: float, tau: float) -> None:
@@ -686,6 +709,7 @@ Rate = Annotated[Any, Slot(Dimension.FREQUENCY)]
 Time = Annotated[Any, Slot(Dimension.TIME)]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("own_models")
 def test_a_users_own_effect_is_simulated_from_its_chain_matrix() -> None:
     @effect("lead-lag")

@@ -182,6 +182,17 @@ def swept(name: str) -> Any:
     return hs.sweep(*CASES[name][:2])
 
 
+@pytest.mark.few(
+    "between Hz and rad/s",
+    "one limit for both parts",
+    "many crossings on a part of the band",
+    "noticed at a low end that is not 0",
+    "cubes, and poles beyond the band",
+    "an environment that vanishes at its resonance",
+    "a display that changes nothing",
+    "a display that changes nothing, in a region",
+    "a gain beside its limit, with the binary numbers that they are",
+)
 @pytest.mark.parametrize("name", often(CASES, lambda name: name not in DEAR))
 def test_every_set_is_what_its_evaluation_says(name: str) -> None:
     """``method`` 0 where floats must prove it, 1 where only exact arithmetic can."""
@@ -223,6 +234,7 @@ def test_a_set_without_dynamics_is_not_answered_and_stops_nothing(given: hs.Scen
     assert np.isnan(found.bandwidth[0])
 
 
+@pytest.mark.dear("8")
 @pytest.mark.few("8", "11")
 @pytest.mark.parametrize("seed", range(12))
 def test_random_scenes_are_answered_as_they_are_evaluated(seed: int) -> None:
@@ -271,6 +283,7 @@ def with_jnd(jnd: Any, plain: hs.Scene = PAPER) -> hs.Scene:
     return hs.Scene(plain.environment, plain.effects, plain.band, jnd)
 
 
+@pytest.mark.dear("ellipse", "formulas", "sided")
 @pytest.mark.few("ellipse", "sided", "floor", "formulas")
 @pytest.mark.parametrize("name", JNDS)
 def test_regions_are_left_as_often_as_each_evaluation_says_and_floats_prove_it(name: str) -> None:
@@ -281,6 +294,7 @@ def test_regions_are_left_as_often_as_each_evaluation_says_and_floats_prove_it(n
         agrees(one, hs.evaluate(asked.with_values(values)))
 
 
+@pytest.mark.dear("parts1-diamond")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["ellipse", "diamond", "sided", "floor", "formula"])
 @pytest.mark.parametrize("parts", [("",), (".real",), (".imag", ".real")])
@@ -445,6 +459,7 @@ hand = { m = "0 kg" }
 """
 
 
+@pytest.mark.few("asked2-vary2-None-unstable2")
 @pytest.mark.parametrize(
     ("asked", "vary", "hand", "unstable"),
     [
@@ -606,6 +621,7 @@ def stored(out: Path, **named: Any) -> tuple[Any, list[int]]:
     return found, told
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("block", [1, 4])
 def test_blocks_change_nothing(few: Any, block: int) -> None:
     assert hs.sweep(PAPER, FEW, block=block).identical(few)
@@ -629,6 +645,7 @@ def test_a_block_that_takes_longer_than_is_waited_for_is_done_in_parts_and_all_t
     assert hs.sweep(tissue, vary, out=tmp_path / "a.zarr").load().identical(hs.sweep(tissue, vary))
 
 
+@pytest.mark.slow
 def test_blocks_are_computed_when_they_are_asked_for_and_are_the_same(few: Any) -> None:
     found = hs.sweep(PAPER, FEW, lazy=True, block=3)
     assert found.bandwidth.chunks == ((1, 1), (3,))
@@ -649,6 +666,7 @@ def test_workers_of_a_cluster_give_the_same_and_what_they_are_sent_can_be_copied
         assert np.array_equal(own, few[name].values, equal_nan=True)
 
 
+@pytest.mark.slow
 def test_what_is_there_is_not_computed_again_and_what_is_missing_is(few: Any, tmp_path: Path) -> None:
     import zarr
 
@@ -750,6 +768,7 @@ def test_a_file_is_believed_only_where_it_holds_this_sweep(few: Any, tmp_path: P
 HELD = PAPER.with_hands(hs.Hand("one", m=1, b=5, k=40))
 
 
+@pytest.mark.few("vary3")
 @pytest.mark.parametrize(
     "vary",
     [
@@ -786,6 +805,7 @@ def test_sweeps_of_other_regions_and_hands_are_other_sweeps() -> None:
     assert len({SweepGrid.of(x, axes(x, {MASS: [1.0, 2.0]})).fingerprint for x in asked}) == len(asked)
 
 
+@pytest.mark.dear("other.zarr-another sweep")
 @pytest.mark.parametrize(
     ("out", "words"),
     [("empty.zarr", "not a Zarr store"), ("text.zarr", "not a Zarr store"), ("text.nc", "not a NetCDF file"),
@@ -812,6 +832,7 @@ def held() -> Any:
     return hs.sweep(TOLD, {**FEW, "evaluation.jnd": [0.1, 0.2]})
 
 
+@pytest.mark.dear("0", "1")
 @pytest.mark.parametrize("seed", range(4))
 def test_a_document_of_a_sweep_counts_its_sets(seed: int, held: Any) -> None:
     """Of values that are drawn, of which many, or none, or all are absent; counted a second time in plain Python."""
@@ -934,6 +955,7 @@ def test_the_command_tells_sets_without_answer_with_status_3(call: Any, tmp_path
     assert "environment.k = 0" in out
 
 
+@pytest.mark.dear("words6---out FILE.zarr")
 @pytest.mark.parametrize(
     ("words", "told"),
     [

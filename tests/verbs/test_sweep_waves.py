@@ -70,6 +70,7 @@ def agrees(found: Any, given: hs.Scene, every: int = 1) -> None:
         assert float(one.transparent) == pytest.approx(clear, abs=1e-9)
 
 
+@pytest.mark.dear("organ-tissue", "sampled-wall", "satellite-contact")
 @pytest.mark.few("satellite-contact", "delayed-spring", "sampled-wall", "organ-tissue")
 @pytest.mark.parametrize("name", SWEPT)
 def test_floats_count_as_exact_arithmetic_does(name: str) -> None:
@@ -95,6 +96,7 @@ def two_delays() -> hs.Scene:
     return hs.Scene(hs.environments.kelvin_voigt(100, 2), late, (0, 40))
 
 
+@pytest.mark.few("given1-vary1-0")
 @pytest.mark.parametrize(
     ("given", "vary", "method"),
     [
@@ -110,6 +112,7 @@ def test_delays_limits_and_orders_are_swept_alone_and_together(given: hs.Scene, 
     agrees(found.assign(method=found.method * 0), given)
 
 
+@pytest.mark.dear("jnd1", "jnd2")
 @pytest.mark.few(3)
 @pytest.mark.parametrize(
     "jnd",
@@ -129,6 +132,7 @@ def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(jnd: Any) -> No
     agrees(found.assign(method=found.method * 0), asked)
 
 
+@pytest.mark.dear("3-position-force")
 @pytest.mark.few("3-position-force", "2-two delays")
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", [2, 3])
@@ -292,6 +296,7 @@ def monomial_value(term: Monomial, params: list[float]) -> arb:
     return value
 
 
+@pytest.mark.dear("organ-tissue", "sampled-wall")
 @pytest.mark.few("delayed-spring", "sampled-wall", "organ-tissue")
 @pytest.mark.parametrize("name", SWEPT)
 def test_values_lie_within_their_error_and_sizes_bound_them(name: str) -> None:
@@ -310,6 +315,7 @@ def test_values_lie_within_their_error_and_sizes_bound_them(name: str) -> None:
                 assert float(abs(arb(float(values[row, i])) - truth)) <= wrong[i]
 
 
+@pytest.mark.dear("four-channel-teleoperation", "sampled-wall")
 @pytest.mark.parametrize("name", SWEPT)
 def test_functions_stay_within_what_their_polynomials_leave_out(name: str) -> None:
     """On a segment in the middle of the band."""

@@ -146,6 +146,7 @@ def ends_of(x: Any) -> list[float]:
     return [float(x.low), float(x.high)]
 
 
+@pytest.mark.slow
 def test_behind_a_lag_all_is_known_by_hand() -> None:
     """r_i of a spring is t/(1 + t^2), t = omega/omega_c: 1/10 at t = 5 - sqrt 24, whatever the stiffness."""
     low, high = (x * (5 - sqrt(24)) for x in (36, 44))
@@ -169,6 +170,7 @@ def test_behind_a_lag_all_is_known_by_hand() -> None:
     assert (edge.transparent.transparent, edge.noticed.transparent) == (True, False)
 
 
+@pytest.mark.dear("jnd1")
 @pytest.mark.parametrize("jnd", [("0.1", ["0.08", "0.12"]), ("0.1 +- 10 %", "0.3 +- 10 %")])
 def test_thresholds_that_vary_move_the_crossings_of_their_own_part(jnd: Any) -> None:
     """Behind a delay r_i = sin(omega tau) and r_r = 2 sin(omega tau/2)^2."""
@@ -201,6 +203,7 @@ def test_of_two_crossings_each_has_its_enclosure_and_the_bandwidth_ends_at_the_f
     assert all(len(x.crossings["real"]) == 2 for x in found.samples)
 
 
+@pytest.mark.dear("0.3-False-2")
 @pytest.mark.parametrize(("least", "whole", "crossings"), [("0.2", True, 0), ("0.3", False, 2)])
 def test_a_touch_is_no_crossing_of_a_set_of_values(least: str, crossings: int, *, whole: bool) -> None:
     """With a = 0.2 r_r touches 0.1 at 3 rad/s."""
@@ -259,6 +262,7 @@ def test_a_gain_that_is_off_by_the_threshold_within_its_range_and_nowhere_more_i
     assert hs.tolerances(scene, samples=0).verdict.value == verdict
 
 
+@pytest.mark.dear("0.41")
 @pytest.mark.parametrize("most", ["0.39", "0.41"])
 def test_what_no_corner_and_no_sample_shows_is_not_said_of_all_values(most: str) -> None:
     """r_r is at most half of 0.39, or 0.41, at a = 0.33, between the nominal value and a corner; a second passes with each look."""
@@ -331,6 +335,7 @@ IMAG = {"3/10": Fraction(1, 3), "2/5": Fraction(1, 2), "5": None}
 """Thresholds, and the t at which t^2/(1 + t^2), or t/(1 + t^2), gets there first."""
 
 
+@pytest.mark.slow
 @pytest.mark.few(1)
 @pytest.mark.parametrize("imag", IMAG)
 @pytest.mark.parametrize("real", REAL)
@@ -355,6 +360,7 @@ def test_a_bandwidth_is_that_of_the_first_of_two_parts_or_the_end_of_the_band_wh
         assert (found.noticed is not None) is (told != "all" and (t is None or top > 36 * t))
 
 
+@pytest.mark.dear("cutoff7-1/10-none")
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("cutoff", "limit", "told"),
@@ -437,6 +443,7 @@ def test_a_crossing_inside_the_band_has_exact_ends_at_the_corners_to_which_it_mo
     assert len({str(one.values) for one in found.samples}) == 4
 
 
+@pytest.mark.dear("0")
 @pytest.mark.parametrize("seed", range(2))
 def test_what_is_noticed_at_rest_for_all_values_is_not_between_two_crossings(seed: int) -> None:
     """b > c: noticed up to w^2 = (b - c)/a, and from (b + c)/a on."""
@@ -460,6 +467,7 @@ def test_what_is_noticed_at_rest_for_all_values_is_not_between_two_crossings(see
     )
 
 
+@pytest.mark.dear("0-real", "3-imag")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("part", PART)
 @pytest.mark.parametrize("seed", range(4))
@@ -492,6 +500,7 @@ def test_a_band_that_ends_short_of_among_or_beyond_the_crossings_gives_the_three
             assert over == [False, True]
 
 
+@pytest.mark.dear("11", "16", "7")
 @pytest.mark.parametrize("seed", often(range(20), lambda seed: seed not in {6, 8, 10, 12, 13}))  # these stay undecided
 def test_whatever_box_of_a_line_is_drawn_all_members_are_as_it_is_told(seed: int) -> None:
     """r_r = |b - a omega^2| about c = 1/5, touching it at the ends of the band or not, with or without width in a or b."""
@@ -536,6 +545,7 @@ def branches(pick: Random) -> list[Callable[[float, float], float]]:
     return found
 
 
+@pytest.mark.dear("11", "1")
 @pytest.mark.parametrize("seed", often(range(24), {1, 2, 4, 8, 11, 14, 18, 21, 22}.__contains__))
 def test_each_crossing_that_keeps_apart_is_counted_and_told_to_its_ends_and_the_ways_in_which_it_moves(
     seed: int,
@@ -567,6 +577,7 @@ def test_each_crossing_that_keeps_apart_is_counted_and_told_to_its_ends_and_the_
                 assert float(end) == pytest.approx(true, rel=1e-12)
 
 
+@pytest.mark.few("1")
 @pytest.mark.parametrize("seed", range(3))
 def test_an_end_inside_the_box_is_a_bound_hardly_beyond_it_and_one_at_a_corner_is_exact(seed: int) -> None:
     """r_i = omega T (1 + p^2) = c at omega = c/(T (1 + p^2)): highest at p = 0 if it is in the box, lowest at the larger |p|."""
@@ -590,6 +601,7 @@ def test_an_end_inside_the_box_is_a_bound_hardly_beyond_it_and_one_at_a_corner_i
     assert float(found.bandwidth[0]) == float(x.low)
 
 
+@pytest.mark.dear("1")
 @pytest.mark.parametrize("seed", range(2))
 def test_crossings_that_merge_within_the_box_are_one_enclosure_that_holds_both(seed: int) -> None:
     """r_r = |b - a x|, x = omega^2, b - c about 0: the lower crossing comes from omega = 0."""
@@ -639,6 +651,7 @@ def random_scene(seed: int) -> hs.Scene:
     return hs.Scene(felt, (effect,), (0, draw.choice([15, 40])))
 
 
+@pytest.mark.dear("5", "7")
 @pytest.mark.parametrize("seed", often([1, 2, *range(5, 30)], {1, 5, 7}.__contains__))
 def test_an_enclosure_holds_as_many_crossings_as_it_says(seed: int) -> None:
     counts_match(hs.tolerances(random_scene(seed), samples=4))
@@ -771,6 +784,7 @@ def known_to_a_tenth(name: str) -> hs.Scene:
     )
 
 
+@pytest.mark.dear("a mass behind a delay, with an odd factor of s in common")
 @pytest.mark.few("a mass behind a delay, with an odd factor of s in common", "a resonance without damping")
 @pytest.mark.parametrize("name", ODD)
 def test_bounds_over_a_cell_hold_the_excess_and_its_slopes_and_narrow_with_it(name: str) -> None:
@@ -804,6 +818,7 @@ def test_bounds_over_a_cell_hold_the_excess_and_its_slopes_and_narrow_with_it(na
                 assert form.matters[side] or slope == pytest.approx(0, abs=1e-9 * size)
 
 
+@pytest.mark.dear("2")
 @pytest.mark.parametrize("seed", range(3))
 def test_whatever_is_felt_a_gain_is_off_by_the_modulus_of_what_it_is_more_than_1(seed: int) -> None:
     """|g/(1 + j x) - 1|^2 - c^2, behind a gain and a lag in series, for any environment; the threshold varies or does not."""
@@ -830,6 +845,7 @@ def quantile(values: list[float], per_cent: int) -> float | None:
     return None if np.isinf(found) else found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("top", [4, 10])
 def test_a_document_holds_what_its_parts_say(top: int) -> None:
     """Some of the sets that were drawn have no crossing up to 4 rad/s: theirs lies beyond; without a bandwidth it is less than any."""

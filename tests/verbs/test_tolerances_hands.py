@@ -57,6 +57,7 @@ def share(found: hs.Scene) -> str | None:
 # --- by hand ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.dear("k4-b4-omega_c4-all", "k5-b5-omega_c5-none")
 @pytest.mark.parametrize(
     ("k", "b", "omega_c", "expected"),
     [
@@ -71,6 +72,7 @@ def test_the_verdict_is_that_of_the_third_order_condition(k: Any, b: Any, omega_
     assert share(lagged(k, 1, b, omega_c)) == expected
 
 
+@pytest.mark.dear("2")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_box_is_held_for_all_some_or_none_of_its_values_as_its_corners_say(seed: int) -> None:
@@ -99,6 +101,7 @@ def test_a_delayed_spring_is_held_by_more_damping_than_published(b: Any, expecte
     assert share(spring.with_hands(hs.Hand("mine", m="0.5 kg", b=b))) == expected
 
 
+@pytest.mark.few("b2-some")
 @pytest.mark.parametrize(("b", "expected"), [([4, 5], "all"), ([3, 5], "some"), ([0, 5], "some")])
 def test_a_hand_that_may_weigh_nothing_is_decided_where_it_damps(b: Any, expected: str) -> None:
     """m s^2 + b s outweighs the delayed spring wherever b s does."""
@@ -106,6 +109,7 @@ def test_a_hand_that_may_weigh_nothing_is_decided_where_it_damps(b: Any, expecte
     assert share(spring.with_hands(hs.Hand("mine", m=["0 kg", "0.5 kg"], b=b))) == expected
 
 
+@pytest.mark.dear("k_alpha0-0.5-all", "k_alpha5-alpha5-all")
 @pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("k_alpha", "alpha", "expected"),
@@ -177,6 +181,7 @@ def test_a_sampled_wall_is_decided_for_all_of_a_box(k: Any, m: Any, expected: st
 k, h = Symbol("k"), Symbol("h")
 
 
+@pytest.mark.dear("14", "8")
 @pytest.mark.few("4", "8", "14")  # none, all and some
 @pytest.mark.parametrize("seed", range(16))
 def test_values_that_put_a_root_on_the_circle_part_those_that_are_stable_from_others(seed: int) -> None:
@@ -235,6 +240,7 @@ def test_what_cannot_be_told_of_a_clocks_box_is_left_open(felt: Any, device: Any
     assert reason in answer.reason
 
 
+@pytest.mark.dear("0")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 6, 8, 9])
 def test_no_wall_of_a_random_box_is_against_the_verdict(seed: int) -> None:
@@ -349,6 +355,7 @@ def test_a_box_of_the_hand_alone_is_told_of_beside_the_display_as_it_is() -> Non
         hs.tolerances(spring, hand="postural-arm")
 
 
+@pytest.mark.dear("1000000-True")
 @pytest.mark.parametrize(("seconds", "held_in"), [(350, False), (10**6, True)])
 def test_when_the_time_is_over_that_is_the_reason(seconds: int, *, held_in: bool) -> None:
     """A second passes whenever the clock is read; what nothing of varies is told by its nominal values however short the time."""

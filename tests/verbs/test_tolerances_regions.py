@@ -58,6 +58,7 @@ def positive(*row: float) -> float:
     return float(t)
 
 
+@pytest.mark.few("disc")
 @pytest.mark.parametrize(
     ("jnd", "damper", "t"),
     [
@@ -78,6 +79,7 @@ def test_the_ends_of_a_crossing_of_a_region_are_known_by_hand(jnd: Any, damper: 
     assert found.to_dict()["bandwidth"] == pytest.approx([36 * t, 44 * t], rel=1e-13)
 
 
+@pytest.mark.dear("8-depends")
 @pytest.mark.parametrize(("top", "verdict"), [(7, "all"), (8, "depends"), (9.5, "none")])
 def test_the_verdict_is_for_all_for_some_or_for_none(top: float, verdict: str) -> None:
     """The disc of 0.2 is left between 7.35 and 8.98 rad/s."""
@@ -104,6 +106,7 @@ def test_a_floor_counts_where_it_is_above_the_limit() -> None:
     assert high * (1 - 1e-12) <= float(x.high) <= high * (1 + 2e-3)
 
 
+@pytest.mark.dear("0-0", "3-0")
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("turns", range(4))
@@ -124,6 +127,7 @@ def test_a_region_that_is_alike_on_no_two_sides_is_left_where_its_first_edge_is_
     assert float(found.enclosures[0].low) == pytest.approx(36 * min(places), rel=1e-9)
 
 
+@pytest.mark.dear("0.2-0.05-floor1")
 @pytest.mark.few(2)
 @pytest.mark.parametrize("floor", [{}, {"floor": "1 N/m"}])
 @pytest.mark.parametrize(("lower", "higher"), [("0.2", "0.05"), ("0.05", "0.2"), ("0.3", "0.3")])
@@ -175,6 +179,15 @@ def judged(felt: str, jnd: Any, box: Any, shares: Any) -> float:
     return margin(jnd, H, H / (1 + 1j * omega / values["omega_c"]) * values["g"], omega)
 
 
+@pytest.mark.dear(
+    "ellipse-spring",
+    "floor-all",
+    "floor-damper and mass",
+    "polygon-spring",
+    "two limits and a floor-mass",
+    "two limits-damper and mass",
+    "two limits-damper",
+)
 @pytest.mark.few(8)
 @pytest.mark.parametrize(("name", "felt"), CASES)
 def test_bounds_over_a_cell_have_the_sign_of_the_region_everywhere_in_it(name: str, felt: str) -> None:
@@ -197,6 +210,7 @@ def test_bounds_over_a_cell_have_the_sign_of_the_region_everywhere_in_it(name: s
     assert 3 < outside < 117
 
 
+@pytest.mark.dear("floor", "formula")
 @pytest.mark.few(3)
 @pytest.mark.parametrize(
     "name", ["ellipse", "diamond", "polygon", "two limits", "floor", "formula", "tilt of a formula"]
@@ -249,6 +263,7 @@ def test_a_region_is_left_from_rest_on_as_its_limits_say_where_what_is_felt_vani
                 assert omega == 0 or is_out is bool(true > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.few("round")
 @pytest.mark.parametrize("name", ["round", "ellipse", "diamond", "polygon", "floor"])
 def test_no_set_of_values_leaves_the_region_outside_the_enclosures(name: str) -> None:

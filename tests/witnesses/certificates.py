@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache, reduce
-from itertools import pairwise, product
+from itertools import product
 from operator import getitem
 from pathlib import Path
 from typing import Any
@@ -192,9 +192,6 @@ def others(path: tuple[Any, ...], value: Any) -> Iterator[tuple[str, Any]]:
         yield "another word", "touches" if value != "touches" else "exceeds"
 
 
-stability_mutants = requirement_mutants = mutants
-
-
 HELD = {
     "imposed": ("fu2019", ()), "a hand": ("fu2019", ("firm-grip", "postural-arm")), "unstable, held": ("unstable", ("postural-arm",)),
     "on the axis": ("pole on the axis", ("firm-grip",)), "with pi": ("admittance-display", ("postural-arm",)),
@@ -298,51 +295,6 @@ def hostile() -> tuple[tuple[str, str], ...]:
         proven(values, slabs=[{**slab, "points": ["0", *fine[:480], "15"]}] * 4),
     )
     return tuple(zip(HOSTILE, texts, strict=True))
-
-
-def hostile_slabs() -> Iterator[tuple[str, str, str]]:
-    """Of requirements with waves, each with its scene: slabs and slices without end, of claims that are true."""
-    proof, text = of_requirement("a clock's wall")
-    good = json.loads(proof)
-    slabs = good["proof"]["slabs"]
-    kept = next(x for x in slabs if x["part"] is None)
-    fine = [f"{n}/20" for n in range(401)]
-
-    def with_proof(**other: Any) -> str:
-        return json.dumps({**good, "proof": {**good["proof"], **other}})
-
-    yield (
-        "many cells",
-        with_proof(
-            slabs=[x if x is not kept else {**x, "points": [str(Fraction(n) * 6) for n in fine]} for x in slabs]
-        ),
-        text,
-    )
-    ends = [str(Fraction(kept["from"]) + (Fraction(kept["to"]) - Fraction(kept["from"])) * n / 300) for n in range(301)]
-    many = [{**kept, "from": a, "to": b, "points": ["0", "30", "60", "90", "120"]} for a, b in pairwise(ends)]
-    yield "many slabs", with_proof(slabs=[slabs[0], *many, slabs[-1]]), text
-    first = next(x for x in good["proof"]["factors"] if "waves" in x)
-    n = len(good["proof"]["factors"])
-    for name, rows in (
-        ("high powers of the value", [["1"] * 100] * 20),
-        ("long coefficients", [["9" * 2000, "1" * 2000, "7" * 2000]] * 20),
-    ):
-        factor = {**first, "terms": [[x, rows] for x, _ in first["terms"]]}
-        functions = {
-            key: {**told, "powers": [*told["powers"], [n, 1], [n + 1, -1]]}
-            for key, told in good["proof"]["functions"].items()
-        }
-        yield name, with_proof(factors=[*good["proof"]["factors"], factor, factor], functions=functions), text
-    long = [{**kept, "from": f"{n}.{'3' * 1900}", "to": f"{n + 1}.{'3' * 1900}"} for n in range(15, 30)]
-    factor = {**first, "terms": [[[0], [["1"] * 100]]], "waves": [0]}
-    functions = {
-        key: {**told, "powers": [*told["powers"], [n, 1], [n + 1, -1]]}
-        for key, told in good["proof"]["functions"].items()
-    }
-    slices = with_proof(factors=[*good["proof"]["factors"], factor, factor], functions=functions, slabs=long)
-    yield "many slices between long numbers", slices, text
-    yield "delays without end", with_proof(delays=[f"1/{n}" for n in range(1, 100_000)]), text
-    yield "a long delay", with_proof(delays=[f"{10**40}"]), text
 
 
 CANCELLING = (

@@ -291,6 +291,7 @@ def agrees(value: float, exact, size) -> bool:
     return size > 1e60 or abs(value - exact) <= TOLERANCE * size + DUST
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", often(Language, lambda x: x is Language.NUMPY), ids=lambda x: x.name)
 def test_the_code_has_the_values_of_the_physics(language, tmp_path):
     """One test for a language: all scenes, in one run of its program."""
@@ -305,6 +306,7 @@ def test_the_code_has_the_values_of_the_physics(language, tmp_path):
     assert wrong == []
 
 
+@pytest.mark.slow
 def test_enough_of_the_comparisons_judge_a_digit():
     """A part that is far below its size would be taken on trust: most are not, and each quantity is seen."""
     pairs = [
@@ -382,6 +384,7 @@ def code_only(text: str, language: Language) -> str:
     return re.sub(line, "", re.sub(block, "", text))
 
 
+@pytest.mark.few("OCTAVE")
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 def test_there_is_no_code_for_an_effect_that_is_absent(language):
     text = code_only(scene_code(hs.load_scene("fu2019"), language), language)
@@ -394,6 +397,7 @@ def test_there_is_no_code_for_an_effect_that_is_absent(language):
     assert not re.search(r"sinc|\bcos\b|tau", friction)
 
 
+@pytest.mark.dear("four-channel-teleoperation-NUMPY")
 @pytest.mark.few(15)
 @pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
 @pytest.mark.parametrize("name", NAMES)
@@ -490,6 +494,7 @@ def test_no_text_ends_a_comment(text):
     assert safe.isprintable()
 
 
+@pytest.mark.slow
 def test_the_steps_are_exactly_the_closed_forms():
     d = hs.load_scene("fu2019").symbolic_distortion()
     steps = page_steps(closed(d.chain)).at({})

@@ -214,6 +214,7 @@ def test_points_of_numbers_stand_below_each_other_unless_they_are_very_long() ->
     assert long.count('class="long"') == 1
 
 
+@pytest.mark.slow
 def test_what_is_long_and_may_be_left_out_is_left_out_and_its_meaning_is_not() -> None:
     long, short = Add(*(Symbol(f"x{i}") ** i for i in range(2, 300))), s + 1
     for value, meaning, optional, rows in (

@@ -66,6 +66,7 @@ def shipped(name: str) -> tuple[Evaluation, str]:
 # Formulas as people write them.
 
 
+@pytest.mark.dear("expression29-\\\\left| k - m \\\\omega^{2} \\\\right|")
 @pytest.mark.parametrize(
     ("expression", "expected"),
     [
@@ -139,6 +140,7 @@ def test_a_name_gets_greek_letters_and_upright_subscripts(name, expected):
     assert set_name(named(name)) == expected
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.parametrize("name", SYMBOLIC)
 def test_the_closed_forms_are_those_that_were_read_and_accepted(name):
     golden(f"{name}.tex", latex(SYMBOLIC[name]))
@@ -148,6 +150,7 @@ def test_the_tables_of_the_papers_example_are_those_that_were_read_and_accepted(
     golden("fu2019_tables.tex", latex(evaluate(PAPER)))
 
 
+@pytest.mark.slow
 def test_the_document_of_the_papers_example_is_the_one_that_was_read_and_accepted():
     golden("fu2019_document.tex", set_document(evaluate(PAPER)))
 
@@ -233,6 +236,7 @@ def test_every_printed_closed_form_has_the_value_that_it_stands_for(name):
     assert all(read[left] for left in must)
 
 
+@pytest.mark.slow
 @pytest.mark.few("fu2019")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
@@ -246,6 +250,7 @@ def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
         assert (below < 0 < above) if c.kind.value == "exceeds" else (below > 0 > above)
 
 
+@pytest.mark.slow
 def test_the_exact_threshold_polynomial_of_the_paper_vanishes_between_the_bounds_of_its_crossing():
     e = evaluate(PAPER)
     sides = equations(_between(set_document(e), "up to a positive factor:\n", r"\end{align*}"))
@@ -260,6 +265,7 @@ def _between(text: str, start: str, end: str) -> str:
     return text.split(start)[1].split(end)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", often(scene_names(), SET.__contains__))
 def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
     """Rounded to six digits, a coefficient is right to 5e-6: so is a value far from where terms cancel."""
@@ -276,6 +282,7 @@ def test_the_numbers_put_into_the_formulas_give_the_perceived_dynamics(name):
     assert printed == pytest.approx(float(e.distortion.perceived.subs({s: 2.5, sp.I: 1})), rel=2e-5)
 
 
+@pytest.mark.dear("sidestick")
 @pytest.mark.parametrize("name", often(scene_names(), QUICK_SCENES.__contains__))
 def test_the_tables_hold_every_crossing_and_every_percept(name):
     e = evaluate(load_scene(name), digits=12)
@@ -431,6 +438,7 @@ def test_what_is_named_is_numbered_as_it_is_read_and_defined_as_exactly_as_it_is
         assert not used or definitions[used[2]] == used[1], line
 
 
+@pytest.mark.slow
 def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
     figures = {
         name: f"{name}.pdf" for name in ("ratios", "projections-real", "projections-imag", "nyquist", "jnd-square")
@@ -444,6 +452,7 @@ def test_the_document_has_title_date_and_an_appendix_of_threshold_polynomials():
     assert set(re.findall(r"\\includegraphics.*\{(.*)\}", text)) == set(figures.values())
 
 
+@pytest.mark.slow
 def test_what_is_undecided_is_listed_and_nothing_is_called_proven_without_it():
     """A tangency that stayed open, made from one that did not."""
     spring_late_by_a_second = Scene(

@@ -117,18 +117,21 @@ def signs(written: str) -> str:
     return "".join(re.findall("[-+]", _NO_SIGN.sub("", written).replace("−", "-")))
 
 
+@pytest.mark.slow
 @given(EXPRESSIONS)
 @examples(200)
 def test_the_three_outputs_agree_on_every_sign(form):
     assert signs(plain(form)) == signs(mathml(form)) == signs(formula(form))
 
 
+@pytest.mark.slow
 @given(EXPRESSIONS)
 @examples(300)
 def test_any_plain_formula_reads_back_with_exactly_the_same_value(form):
     assert value_at(expression(plain(form), {x.name: x for x in form.free_symbols})) == value_at(form)
 
 
+@pytest.mark.dear("fu2019", "sidestick")
 @pytest.mark.few("fu2019", "delayed-spring", "sidestick")
 @pytest.mark.parametrize("name", often(WRITTEN_OUT, QUICK_SCENES.__contains__))
 def test_every_closed_form_of_a_shipped_scene_reads_back_exactly_from_plain_text(name):
@@ -406,6 +409,7 @@ NUMBERS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_formula_is_rounded_all_over_where_one_of_its_numbers_is_long_and_nowhere_else() -> None:
     pick, seen = random.Random(2), set()
     for _ in range(60):
@@ -447,6 +451,7 @@ def polynomial(pick: random.Random, degree: int, most: int) -> Expr:
     return Add(*(c * s**n for n, c in enumerate([*found, Rational(pick.randint(1, most))])))
 
 
+@pytest.mark.slow
 def test_a_quotient_that_can_be_read_is_what_it_was_with_denominators_that_begin_with_one() -> None:
     pick = random.Random(5)
     for _ in range(25):

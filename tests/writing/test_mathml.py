@@ -130,6 +130,7 @@ def test_other_things_have_no_mathml():
 # What is marked up is what it stands for.
 
 
+@pytest.mark.dear("fu2019")
 @pytest.mark.few("fu2019", "delayed-spring")
 @pytest.mark.parametrize("name", often(WRITTEN_OUT, QUICK_SCENES.__contains__))
 def test_every_closed_form_of_a_shipped_scene_reads_back_exactly(name):
@@ -137,6 +138,7 @@ def test_every_closed_form_of_a_shipped_scene_reads_back_exactly(name):
         assert are_identical(expression(mathml(form), by_key(form)), form), form
 
 
+@pytest.mark.slow
 @given(EXPRESSIONS)
 @examples(300)
 def test_any_formula_reads_back_with_exactly_the_same_value(form):

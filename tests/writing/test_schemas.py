@@ -128,6 +128,7 @@ def test_every_answer_has_a_page_a_figure_and_a_schema_and_every_schema_an_answe
     assert set(schema_names()) == kinds | {"scenes", "schemas"} == {*OTHERS, "cost", "peaks"}
 
 
+@pytest.mark.slow
 def test_schemas_are_valid_and_give_one_name_one_meaning() -> None:
     meanings: dict[str, Any] = {}
     for name in schema_names():
@@ -139,6 +140,7 @@ def test_schemas_are_valid_and_give_one_name_one_meaning() -> None:
             assert meanings.setdefault(word, meaning) == meaning, (name, word)
 
 
+@pytest.mark.dear("effects", "evaluation", "stability")
 @pytest.mark.parametrize("name", [pytest.param(x, marks=[pytest.mark.slow] * (x in SLOW)) for x in OTHERS])
 def test_a_document_is_what_its_schema_says(call, files: dict[str, str], name: str) -> None:  # type: ignore[no-untyped-def]
     status, out, err = call(*(word.format(**files) for word in OTHERS[name]), "--json")

@@ -20,7 +20,7 @@ CFR Part 60, static and dynamic control checks:
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -309,9 +309,13 @@ _AT_ONCE = ExactNumber(Rational(0))
 @dataclass(frozen=True)
 class Swings:
     """The quantities that the tables read off a motion: the passages of 90 % and 10 %, the zero
-    crossings, and the overshoots after each."""
+    crossings, and the overshoots after each.
+
+    ``periods`` : how many are asked for, so that so many are found though the motion dies away.
+    """
 
     motion: Motion
+    periods: int = 1
 
     def first(self, level: Rational) -> RealNumber | None:
         """Return the first time at which the motion is at a level, coming from above; 0 where it
@@ -322,23 +326,24 @@ class Swings:
 
     @cached_property
     def crossings(self) -> list[LevelPassage]:
-        """The zero crossings: all while the motion is larger than 5 % of A_d, and at least three
-        where the slowest mode oscillates."""
-        # A complex slowest pair crosses zero for ever: the search goes on until P_1 has both its
-        # ends.
+        """The zero crossings: all while the motion is larger than 5 % of A_d, and those of all
+        ``periods`` where the slowest mode oscillates."""
+        # A complex slowest pair crosses zero for ever: the search goes on until the last period
+        # has both its ends.
         motion, until = self.motion, self.motion.end
         while len(
             found := motion.passages(Rational(0), 0, until)
-        ) < 3 and not motion.slowest.imag.contains(0):
+        ) <= 2 * self.periods and not motion.slowest.imag.contains(0):
             until *= 2
         return found
 
     @cached_property
     def overshoots(self) -> list[Span]:
         """After each zero crossing the largest |x|/A_d before the next one, while it may exceed
-        5 %."""
+        5 %, or a period is asked for."""
         ends = [*(x.high for x in self.crossings[1:]), None]
-        extrema = self.motion.passages(Rational(0), 1)
+        until = max([self.motion.end, *(x.high for x in self.crossings[-1:])])
+        extrema = self.motion.passages(Rational(0), 1, until)
         overshoots = []
         for crossing, end in zip(self.crossings, ends, strict=False):
             between = [x for x in extrema if x.low >= crossing.low]
@@ -511,8 +516,14 @@ def _checks(env: Swings, perc: Swings, rule: FlightRule) -> Iterator[Check]:
             else "first zero crossing"
         )
         yield _ratio_check(f"P_0, {first}", _start(env, rule), _start(perc, rule), 10)
-        # Two overshoots to a period: as many periods as have a significant one.
-        for n in range(1, max(1, (env.significant + 1) // 2) + 1):
+        # Two overshoots to a period: as many periods as have a significant one. What is felt may
+        # die away sooner, and is followed as long.
+        periods = max(1, (env.significant + 1) // 2)
+        env, perc = (
+            x if len(x.crossings) > 2 * periods else replace(x, periods=periods)
+            for x in (env, perc)
+        )
+        for n in range(1, periods + 1):
             if (own := env.period(n)) is not None and env.significant:
                 yield _ratio_check(f"P_{n}, period", own, perc.period(n), 10 * (n + 1))
         yield from _amplitudes(env, perc, rule)
