@@ -267,7 +267,6 @@ def test_no_output_takes_the_place_of_what_is_read_whatever_its_name(call, tmp_p
     [
         ("my.toml", 'did you mean "haptisym evaluate my.toml"?'),
         ("evaluate fu2019 --hand firm-grip", "it is an option of compare, require, stability,"),
-        ("evaluate fu2019 --figure x.svg", "Did you mean '--figures'?"),
         ("evaluate fu2019 --latex x.pdf", "--report x.pdf"),
         ("require fu2019 --free zeta --that stabel", 'did you mean "stable"?'),
         ("require fu2019 --free stiffness", 'did you mean "environment.k"?'),

@@ -20,7 +20,7 @@ def schema_names() -> list[str]:
     """The kinds of documents, as ``evaluation`` of ``haptisym.evaluation/1``.
 
     >>> schema_names()[:3]
-    ['answers', 'controlloading', 'cost']
+    ['answers', 'comparison', 'controlloading']
     """
     return sorted(
         x.name.removesuffix(".json") for x in _FOLDER.iterdir() if x.name.endswith(".json")
