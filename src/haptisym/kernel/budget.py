@@ -257,7 +257,7 @@ def in_time(part: Callable[[], T], name: str, left: Left) -> T | None:
 
     >>> left = {}
     >>> with limited(1e-9):
-    ...     in_time(tick, "the rest", left)
+    ...     in_time(lambda: [tick() for _ in range(1000)], "the rest", left)
     >>> left
     {'the rest': 'stopped at the limit of 1e-09 s; a longer limit may decide it'}
     """
