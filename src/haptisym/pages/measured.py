@@ -339,10 +339,10 @@ def _about(e: MeasuredEvaluation) -> Iterator[tuple[str, Phrase]]:
     if felt.understood:
         yield "read", felt.understood
     if e.is_turned_round:
-        nearer = (
-            "at every point H is nearer to -H_env than to H_env. If the sensor measures the "
-            "reaction, add sign = -1"
-        )
+        is_given = "sign turned round" in felt.understood
+        add = "If the sensor measures the reaction, add sign = -1"
+        way = "It is turned round by sign = -1: leave that out" if is_given else add
+        nearer = f"at every point H is nearer to -H_env than to H_env. {way}"
         yield "sign", (Strong("turned round?"), " ", nearer)
     elif e.is_active_throughout:
         active = (
