@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from itertools import combinations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -41,7 +42,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),
     "measured": lambda s: hs.evaluate(hs.MeasuredScene(s.environment, measured(s))),
     "identification": lambda s: hs.identify(measured(s), "mass-spring-damper", ["second-order-lowpass"]),
-    "zwidth": lambda s: hs.fit_zwidth("wheel-with-encoder", [(0.4, 0), (0.5, 5e-5), (0.6, 1e-4)], ["effects.wheel.b"]),
+    "zwidth": lambda s: hs.fit_zwidth(Path(__file__).parents[1] / "scenes" / "wheel-with-encoder.toml", [(0.4, 0), (0.5, 5e-5), (0.6, 1e-4)], ["effects.wheel.b"]),
     "tolerances": lambda s: hs.tolerances(
         hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2, hand="light-touch"
     ),
@@ -54,7 +55,14 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     ),
     "jnd": lambda _: hs.jnd(Answers("answers", tuple(LevelAnswers(4.4 + 0.3 * i, 3 + 5 * i, 40) for i in range(6)))),
 }  # fmt: skip
-NOTHING = {("evaluation", "bandwidths"), ("measured", "plane"), ("metrics", "verdicts"), ("hardcosts", "cases")}
+NOTHING = {
+    ("comparison", "real"),
+    ("comparison", "imag"),
+    ("evaluation", "bandwidths"),
+    ("measured", "plane"),
+    ("metrics", "verdicts"),
+    ("hardcosts", "cases"),
+}
 """What a scene without a range has not; and what is told apart by its place."""
 
 

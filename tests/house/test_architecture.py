@@ -143,7 +143,7 @@ def size_of(path: Path) -> int:
 def test_the_checker_is_read_in_one_sitting() -> None:
     """Scene files apart, with the functions that are made of them; then one file for each kind of rule."""
     sizes = {path.name: size_of(path) for path in CHECKER.glob("*.py")}
-    assert sizes.pop("scene.py") < 7450
+    assert sizes.pop("scene.py") < 7900
     assert sizes.pop("delayterms.py") < 4400
     assert sizes.pop("requirement.py") < 2100
     assert sum(sizes.values()) < 8300

@@ -9,6 +9,7 @@ with ``stability``.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -287,10 +288,12 @@ def stability(
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         cycles: tuple[tuple[LimitCycle, ...], ...] = ((),) * len(rows)
         if any(x.model in DESCRIBED for x in scene.effects):
-            # Brings NumPy, which a certified answer does not need.
-            from haptisym.verbs.stability.limitcycles import limit_cycles
+            # Brings NumPy, which a certified answer does not need: without it, as in the page in a
+            # browser, none of these estimates is listed.
+            with suppress(ImportError):
+                from haptisym.verbs.stability.limitcycles import limit_cycles
 
-            cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+                cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
