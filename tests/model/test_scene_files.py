@@ -1346,6 +1346,18 @@ def test_a_page_with_a_describing_function_says_what_that_leaves_out() -> None:
     assert "describing function" not in str(hs.evaluate("fu2019"))
 
 
+def test_a_verdict_on_an_element_that_is_not_linear_is_one_on_its_linear_model() -> None:
+    """A force that is cut off can give energy: no proof about its first harmonic makes the display passive."""
+    cut = hs.effects.saturation("5 N", "8 N")
+    hand = hs.Hand("own", m="0.5 kg", b="5 N*s/m", k="100 N/m")
+    scene = hs.Scene(hs.environments.mass_spring_damper(1, 10, 100), [cut], hands=[hand])
+    held = hs.stability(scene, limit=20)
+    for page in (hs.evaluate(scene), held, hs.compare(scene, "fu2019")):
+        assert "of the linear model at this amplitude" in " ".join(str(page).split())
+    assert held.to_dict()["caveats"] == list(hs.evaluate(scene).caveats)
+    assert "linear model" not in str(hs.evaluate("stick-with-friction"))
+
+
 def test_the_sizes_of_a_describing_function_can_be_set_but_not_varied() -> None:
     scene = hs.load_scene(HERE / "geared-arm.toml")
     assert "gap: a number of a describing function" in refusal(hs.require, scene, "gap", that=["transparent"])

@@ -159,8 +159,7 @@ def _at(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> RealNum
     table = chart({x: x.function(d) for x in noticed(threshold)}, *band)
     if table.undecided:
         raise UndecidedError("whether a ratio is tangent to an end of the range of thresholds")
-    first = next(iter(kept(table)), None)
-    return first.high.omega if first and first.low is table.points[0] else None
+    return table.reach(kept(table))
 
 
 class _Moving(NamedTuple):

@@ -169,6 +169,5 @@ def any_environment(scene: Scene) -> AnyEnvironment | None:
     table = chart(dict(zip(("all", "none"), asked, strict=True)), *scene.band)
     transparent = table.where(lambda signs: signs["all"] <= 0)
     opaque = table.where(lambda signs: signs["none"] > 0)
-    starts = [x.high.omega for x in transparent[:1] if x.low is table.points[0]]
-    ends = [x.low.omega for x in opaque[-1:] if x.high is table.points[-1]]
-    return AnyEnvironment(*(places[0] if places else None for places in (starts, ends)))
+    is_last = bool(opaque) and opaque[-1].high is table.points[-1]
+    return AnyEnvironment(table.reach(transparent), opaque[-1].low.omega if is_last else None)

@@ -134,8 +134,7 @@ def compared(d: Distortion, threshold: Threshold, band: tuple[Expr, Expr]) -> tu
     for name, x in regions.items():
         table = chart(curves(d, noticed(x)), *band)
         first, clear = next(iter(find_crossings(table)), None), kept(table)
-        # An interval that begins inside the band is no bandwidth.
-        width = clear[0].high.omega if clear and clear[0].low is table.points[0] else None
+        width = table.reach(clear)
         results.append(Compared(name, x, first, width, clear, not table.undecided))
     return tuple(results)
 
@@ -347,8 +346,7 @@ class Evaluation(Answer):
     def bandwidth(self) -> RealNumber | None:
         """The end of the transparent interval that starts at the band's low end; None if none
         does."""
-        first = self.transparent[0] if self.transparent else None
-        return first.high.omega if first and first.low is self.chart.points[0] else None
+        return self.chart.reach(self.transparent)
 
     @cached_property
     def bandwidths(self) -> Bandwidths | None:

@@ -359,6 +359,12 @@ class Chart:
                 start = None
         return tuple(intervals)
 
+    def reach(self, intervals: Sequence[Interval]) -> RealNumber | None:
+        """Where the first of some intervals ends, which begins at the low end of the band: of those
+        on which nothing is noticed the bandwidth. None where none begins there."""
+        is_first = bool(intervals) and intervals[0].low is self.points[0]
+        return intervals[0].high.omega if is_first else None
+
     def sign_changes(self, name: Key) -> tuple[Point, ...]:
         """The points at which a function changes its sign: odd zeros and odd poles."""
         return tuple(point for point in self.points if point.before[name] * point.after[name] < 0)

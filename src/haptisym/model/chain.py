@@ -772,13 +772,12 @@ def bandwidth(
     unnoticed = table.where(lambda signs: all(x <= 0 for x in signs.values()))
     # The bandwidth is the end of the interval that begins at the low end: one further up, behind
     # frequencies at which a ratio exceeds c, is none.
-    if not unnoticed or unnoticed[0].low is not table.points[0]:
+    end = table.reach(unnoticed)
+    if end is None:
         return Integer(0)
     # Above the last point of a chart without a band no ratio crosses c any more: there, as from
     # ``_above_all_zeros`` on, each function has one sign.
-    if unnoticed[0].high is table.points[-1] and not band:
-        return oo
-    return unnoticed[0].high.omega
+    return oo if end is table.points[-1].omega and not band else end
 
 
 # Leading terms at low and high frequency.

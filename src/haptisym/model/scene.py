@@ -875,7 +875,7 @@ def caveats(scene: Scene) -> tuple[str, ...]:
         *_sampled_inside(scene),
         *_sampled_in_hand(scene),
         *_late_mass(scene),
-        *_first_harmonics(scene),
+        *first_harmonics(scene),
     )
 
 
@@ -947,13 +947,15 @@ def _large_thresholds(scene: Scene) -> list[str]:
     return words
 
 
-def _first_harmonics(scene: Scene) -> list[str]:
-    """A caveat for elements of which a describing function is the first harmonic."""
+def first_harmonics(scene: Scene) -> list[str]:
+    """A caveat for elements that stand for their first harmonic at one amplitude, a linear model:
+    of the element itself nothing is proven. Friction, which takes energy only, is none of them."""
     names = [x.name for x in scene.effects if x.model in DESCRIBED and x.model != FRICTION]
     if not names:
         return []
     words = (
-        "by the describing function for one sine of its amplitude, which leaves out all harmonics."
+        "by the describing function for one sine of its amplitude, which leaves out all harmonics; "
+        "verdicts on stability and passivity are those of this linear model."
     )
     return [f"{', '.join(names)}: {words}"]
 

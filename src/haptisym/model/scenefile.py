@@ -187,16 +187,13 @@ class SceneFamily(Shown):
     def ring(self) -> Ring:
         """One ring that holds the dynamics of all scenes, so that their functions can be compared
         exactly."""
-        return Ring.of(
-            [
-                c,
-                *(
-                    entry
-                    for scene in self.scenes.values()
-                    for entry in scene.distortion().chain.entries()
-                ),
-            ]
-        )
+        return common_ring(self.scenes.values())
+
+
+def common_ring(scenes: Iterable[Scene]) -> Ring:
+    """One ring that holds the dynamics of several scenes, and the symbol of a threshold."""
+    entries = [entry for scene in scenes for entry in scene.distortion().chain.entries()]
+    return Ring.of([c, *entries])
 
 
 def _display(scene: Scene) -> tuple[object, ...]:

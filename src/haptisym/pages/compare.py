@@ -84,7 +84,8 @@ def _prescribed(x: ComparedDisplay) -> Phrase:
     if not isinstance(x.answer, Evaluation):
         return x.name, ": measured, not asked"
     passive = {True: "passive", False: "not passive", None: "passivity undecided"}[x.is_passive]
-    return x.name, ": ", _VERDICTS[x.answer.stable], " under prescribed motion, ", passive
+    model = w.of_linear_model(x.answer.scene)
+    return x.name, ": ", _VERDICTS[x.answer.stable], " under prescribed motion, ", passive, model
 
 
 def _differences(found: Comparison) -> Iterator[Block]:

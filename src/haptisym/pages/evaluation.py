@@ -254,8 +254,9 @@ def felt_as(e: Evaluation) -> Phrase:
 def stability(e: Evaluation) -> Phrase:
     """Return two statements: stability under prescribed motion, and passivity. Neither stands for
     the other."""
+    model = w.of_linear_model(e.scene)
     if e.passivity is not None and e.passivity.holds:
-        return Strong("passive"), ": stable in the hand of any passive operator"
+        return Strong("passive"), ": stable in the hand of any passive operator", model
     prescribed: dict[bool | None, Phrase] = {
         True: "stable",
         False: (Strong("unstable"), ""),
@@ -265,7 +266,7 @@ def stability(e: Evaluation) -> Phrase:
     passive: Phrase = "passivity undecided"
     if passivity is not None and passivity.holds is False:
         passive = Strong("not passive"), _active(passivity)
-    return prescribed[e.stable], " under prescribed motion; ", passive
+    return prescribed[e.stable], " under prescribed motion; ", passive, model
 
 
 _MOST_BANDS = 2
@@ -1056,7 +1057,8 @@ def _answer(many: FamilyEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
             Strong("unstable" if unstable else "undecided"),
             f" with {', '.join(unstable or undecided_)}",
         )
-    yield "Stability", (stable, " under prescribed motion; ", _passive(many))
+    verdicts: Phrase = (stable, " under prescribed motion; ", _passive(many))
+    yield "Stability", (verdicts, w.of_linear_model(many.family))
 
 
 def _passive(many: FamilyEvaluation) -> str:

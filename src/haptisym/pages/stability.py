@@ -21,7 +21,7 @@ from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, MotionKind
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, clocks, first_harmonics
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.entry import Stability, has_plane
@@ -80,6 +80,7 @@ def page(found: Stability) -> Document:
         ),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
+        *w.caveats(first_harmonics(found.scene)),
         w.CERTIFICATE,
     )
     return w.page_about(
@@ -94,9 +95,12 @@ def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield a line for each hand, and one for any passive operator."""
     if not found.held:
         yield "Hand", ("none given: --hand NAME; the package ships ", ", ".join(hands))
+    model = w.of_linear_model(found.scene)
     for x, rows in zip(found.held, found.critical, strict=True):
-        yield x.hand.name, (_verdict(x), _nearest_limits(found, x, rows))
-    yield "Any operator", _any_operator(found)
+        of = model if x.roots else ""
+        yield x.hand.name, (_verdict(x), of, _nearest_limits(found, x, rows))
+    is_open = found.every_passive_hand.holds is None
+    yield "Any operator", (_any_operator(found), "" if is_open else model)
 
 
 def _verdict(held: Held) -> Phrase:

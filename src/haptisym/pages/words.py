@@ -26,7 +26,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.sets import Piece, ValueSet
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
-from haptisym.model.scene import Knob, Scene
+from haptisym.model.scene import Knob, Scene, first_harmonics
 from haptisym.model.scenefile import SceneFamily
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import (
@@ -463,6 +463,12 @@ def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:
 def caveats(found: Iterable[str]) -> tuple[doc.Notes, ...]:
     """Limits of the results, a remark each."""
     return noted((Strong("Note:"), f" {caveat}") for caveat in found)
+
+
+def of_linear_model(scene: Scene | SceneFamily) -> str:
+    """What is added to a verdict where elements stand for their first harmonic; empty elsewhere."""
+    one = scene.first if isinstance(scene, SceneFamily) else scene
+    return " (of the linear model at this amplitude)" if first_harmonics(one) else ""
 
 
 def is_transparent_throughout(e: Evaluation) -> bool:

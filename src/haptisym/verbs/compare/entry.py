@@ -29,12 +29,10 @@ from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation, evaluate
 from haptisym.judge.percepts import felt_words
 from haptisym.kernel.budget import SECONDS, limited, share
-from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import SceneError, UndecidedError, several, within
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, whole
-from haptisym.kernel.rings import c
-from haptisym.kernel.roots import Chart, Key, Point, Signed, chart, ordered
+from haptisym.kernel.roots import Chart, Interval, Key, Signed, chart, ordered
 from haptisym.model.catalogue import Hand
 from haptisym.model.distortion import Distortion
 from haptisym.model.jnd import Part
@@ -42,7 +40,7 @@ from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Knob, Scene
-from haptisym.model.scenefile import chosen, open_scenes
+from haptisym.model.scenefile import chosen, common_ring, open_scenes
 from haptisym.verbs.measured.entry import MeasuredEvaluation, judge
 from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.held import Held, held
@@ -222,8 +220,7 @@ def _equal_bandwidths(one: Evaluation, other: Evaluation) -> bool:
     zeros of different functions are one point.
     """
     scenes = one.scene, other.scene
-    entries = [entry for x in scenes for entry in x.distortion().chain.entries()]
-    ring = Ring.of([c, *entries])
+    ring = common_ring(scenes)
     functions: dict[tuple[int, Criterion], Signed] = {}
     for i, scene in enumerate(scenes):
         d = Distortion.of(scene.distortion().chain, ring)
@@ -234,15 +231,15 @@ def _equal_bandwidths(one: Evaluation, other: Evaluation) -> bool:
     table = chart(dict(functions), low, high)
     if table.undecided:
         return False
-    ends = [_transparent_up_to(table, [key for key in functions if key[0] == i]) for i in (0, 1)]
+    ends = []
+    for i in range(len(scenes)):
+        keys = [key for key in functions if key[0] == i]
+        ends.append(table.reach(_where_none_is_positive(table, keys)))
     return ends[0] is not None and ends[0] is ends[1]
 
 
-def _transparent_up_to(table: Chart, keys: Sequence[Key]) -> Point | None:
-    """The end of the interval from the low end of the chart on on which none of the functions is
-    positive; None where there is none."""
-    clear = table.where(lambda signs: all(signs[key] <= 0 for key in keys))
-    return clear[0].high if clear and clear[0].low is table.points[0] else None
+def _where_none_is_positive(table: Chart, keys: Sequence[Key]) -> tuple[Interval, ...]:
+    return table.where(lambda signs: all(signs[key] <= 0 for key in keys))
 
 
 def _order(one: ComparedDisplay, other: ComparedDisplay) -> int | None:

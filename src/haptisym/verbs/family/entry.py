@@ -76,8 +76,7 @@ class WorstCase(Shown):
     def bandwidth(self) -> RealNumber | None:
         """The end of the common transparent interval that starts at the band's low end; None if
         none does."""
-        first = self.transparent[0] if self.transparent else None
-        return first.high.omega if first and first.low is self.chart.points[0] else None
+        return self.chart.reach(self.transparent)
 
     @cached_property
     def binding(self) -> tuple[FamilyBinding, ...]:

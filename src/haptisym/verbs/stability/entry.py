@@ -24,7 +24,7 @@ from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
 from haptisym.model.catalogue import AT, DESCRIBED, NOBODY, Hand, hands, how_to_give
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, clocks, first_harmonics
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -151,6 +151,7 @@ class Stability(Answer):
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
+            **({"caveats": caveats} if (caveats := first_harmonics(self.scene)) else {}),
         }
 
     def _held(

@@ -99,9 +99,9 @@ def _crossings_and_bandwidth(table: Chart) -> AnswerRow:
     intervals = kept(table)
     low, high = (float(table.points[i].omega) for i in (0, -1))
     lengths = (float(x.high.omega) - float(x.low.omega) for x in intervals)
-    begins_at_low = intervals and intervals[0].low is table.points[0]
+    end = table.reach(intervals)
     row["transparent"] = sum(lengths) / (high - low)
-    row["bandwidth"] = float(intervals[0].high.omega) if begins_at_low else ABSENT
+    row["bandwidth"] = ABSENT if end is None else float(end)
     return row
 
 

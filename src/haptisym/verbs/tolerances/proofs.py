@@ -394,13 +394,10 @@ def one(box: Box, values: Mapping[str, Expr]) -> One:
         x.name: tuple(p.omega for p in table.points if (n := p.orders.get(x, 0)) > 0 and n % 2)
         for x in criteria
     }
-    intervals = kept(table)
-    first = intervals[0] if intervals and intervals[0].low is table.points[0] else None
-    whole = first is not None and first.high is table.points[-1]
+    end = table.reach(kept(table))
+    whole = end is table.points[-1].omega
     shown = values or {side.name: box.scene.knobs[side.name].value for side in box.sides}
-    return One(
-        shown, crossings, first.high.omega if first else None, None if table.undecided else whole
-    )
+    return One(shown, crossings, end, None if table.undecided else whole)
 
 
 TOLERANCE = Fraction(1, 1000)
