@@ -1,11 +1,15 @@
 """Possible limit cycles of a display in a hand, by the describing function of its one element that
 is not linear: amplitude, frequency, and whether the motion comes back to it.
 
-With N(A) for the element the loop is linear, and swings on where it has a pole at s = j omega: where
-the gain that the rest of it asks of the element, as a curve over omega, meets N as a curve over the
-amplitude A of what enters the element. Near there a pole moves by N'(A)/asked'(s) dA: the cycle
-attracts where a larger amplitude takes it to the left. Estimated: a describing function leaves out
-all harmonics, and floats are searched on a grid. Read from ``limit_cycles``.
+With its describing function N(A) for the element (Gelb and Vander Velde, Multiple-Input Describing
+Functions, 1968) the loop is linear, and swings on where it has a pole at s = j omega. That is where
+N(A), a curve over the amplitude A of what enters the element, meets the gain g(s) that the rest of
+the loop asks of the element for a pole at s, a curve over omega at s = j omega. With the amplitude
+the pole moves by ds = N'(A)/g'(s) dA: the cycle attracts where a larger amplitude takes it to the
+left.
+
+Estimated: a describing function leaves out all harmonics, and floats are searched on a grid, so
+that no result means no more than that none was found. Begin with ``limit_cycles``.
 """
 
 from __future__ import annotations
@@ -28,10 +32,18 @@ from haptisym.verbs.stability.clockedloop import loop_of
 Asked: TypeAlias = Callable[[Any], Any]
 """The gain that the loop asks of its element for a pole at s, an array of complex numbers."""
 Gain: TypeAlias = Callable[[float], complex]
+"""The describing function N(A) of an amplitude A."""
+
+# Points of the two curves: cycles nearer to each other than two of them may be missed.
 _FREQUENCIES, _AMPLITUDES = 6000, 300
-"""Points of the two curves; cycles nearer to each other than two of them may be missed."""
+# Frequencies are searched so many decades below and above the band, amplitudes above the size.
 _DECADES = 3
-"""Frequencies are searched so far below and above the band, amplitudes so far above the size."""
+# How far a crossing of the curves may be from that of their chords, as a natural logarithm: a step
+# of the grid is 0.003 in frequency and 0.02 in amplitude.
+_NEAR = 0.1
+# The relative difference that slopes are taken from: the root of what floats resolve, enlarged as
+# values of sines at high frequencies have fewer digits.
+_SMALL = 1e-6
 
 
 @dataclass(frozen=True)
@@ -58,8 +70,9 @@ def linear(scene: Scene) -> Scene:
 
 
 def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
-    """The possible limit cycles in a hand, by ascending amplitude; none where the scene has no
-    element that is not linear, or several, or one that its clock does not read first.
+    """The possible limit cycles in a hand, by ascending amplitude. None are returned, too, where
+    the question is not answered: where the scene has no element that is not linear, or several, or
+    one that its clock does not read first, or where the loop with a clock is undecided.
 
     >>> from haptisym import effects, environments
     >>> wall, friction = environments.mass_spring_damper(k=100), effects.coulomb_friction("1 N", "1 mm")
@@ -73,105 +86,144 @@ def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
         return ()
     [element] = elements
     place = scene.effects.index(element)
-    top = float(scene.band[1])
-    if periods := clocks(scene):
-        if place != 1 or scene.effects[0].model != SAMPLED_LOOP or element.model == FRICTION:
+    has_clock = bool(clocks(scene))
+    if has_clock:
+        is_read_first = place == 1 and scene.effects[0].model == SAMPLED_LOOP
+        if not is_read_first or element.model == FRICTION:
             return ()
-        top = float(np.pi / periods[0])
     try:
-        asked = _asked_by_clock(scene, hand) if periods else _asked(scene, hand, place)
+        asked = _asked_by_clock(scene, hand) if has_clock else _asked(scene, hand, place)
     except UndecidedError:
         return ()
-    highest = top if periods else top * 10**_DECADES
-    omegas = np.geomspace(top / 10**_DECADES, highest * (1 - 1e-9), _FREQUENCIES)
-    is_friction, gain = element.model == FRICTION, _gain(element)
-    sizes = {x.key: float(x.value) for x in element.parameters}
-    # Nothing passes below half a size; a friction force is no amplitude, and that of the scene is
-    # where to begin.
-    amplitude = sizes.pop("amplitude")
-    least = amplitude / 10**_DECADES if is_friction else min(sizes.values()) / 2
-    most = least * 10.0 ** (2 * _DECADES if is_friction else _DECADES)
-    amplitudes = np.geomspace(least * (1 + 1e-6), most, _AMPLITUDES)
+    gain, omegas, amplitudes = _gain(element), _frequencies(scene), _amplitudes(element)
     with np.errstate(all="ignore"):
-        found = _met(asked, gain, omegas, amplitudes)
-        cycles = dict.fromkeys(_cycle(element, asked, gain, *x) for x in found)
+        meetings = _meetings(asked, gain, omegas, amplitudes)
+        cycles = dict.fromkeys(_cycle(element, asked, gain, *x) for x in meetings)
     return tuple(sorted(cycles, key=lambda x: x.amplitude))
 
 
-def _gain(element: Effect) -> Callable[[float], complex]:
-    """The describing function of an amplitude: a factor, or of friction the force that is added."""
+def _frequencies(scene: Scene) -> Array:
+    """The frequencies that are searched, rad/s: with a clock of period T those below pi/T."""
+    periods = clocks(scene)
+    if periods:
+        top = float(np.pi / periods[0])
+        highest = top
+    else:
+        top = float(scene.band[1])
+        highest = top * 10**_DECADES
+    return np.geomspace(top / 10**_DECADES, highest * (1 - 1e-9), _FREQUENCIES)
+
+
+def _amplitudes(element: Effect) -> Array:
+    """The amplitudes that are searched, of what enters the element."""
+    sizes = {x.key: float(x.value) for x in element.parameters}
+    amplitude = sizes.pop("amplitude")
+    if element.model == FRICTION:
+        # A friction force is no amplitude: that of the scene is in the middle of the range.
+        least = amplitude / 10**_DECADES
+        most = least * 10.0 ** (2 * _DECADES)
+    else:
+        # Nothing passes below half a size.
+        least = min(sizes.values()) / 2
+        most = least * 10.0**_DECADES
+    return np.geomspace(least * (1 + 1e-6), most, _AMPLITUDES)
+
+
+def _gain(element: Effect) -> Gain:
+    """The describing function N(A): a factor, or of friction the force that is added."""
     entry = element.dynamics[1 if element.model == FRICTION else 0]
     [symbol] = [x.symbol for x in element.parameters if x.key == "amplitude"]
-    own = entry.xreplace({x.symbol: x.value for x in element.parameters if x.symbol != symbol})
-    return lambda amplitude: complex(own.xreplace({symbol: Rational(amplitude)}))
+    sizes = {x.symbol: x.value for x in element.parameters if x.symbol != symbol}
+    of_amplitude = entry.xreplace(sizes)
+    return lambda amplitude: complex(of_amplitude.xreplace({symbol: Rational(amplitude)}))
 
 
 def _asked(scene: Scene, hand: Hand, place: int) -> Asked:
-    """The gain asked for without a clock: of an impedance Z = -(B + D Zh)/(A + C Zh) towards the
-    hand, and of what lies behind the element."""
-    hers, rendered = lambdify(s, hand.Z), lambdify(s, scene.rendering.H)
+    """The gain asked for without a clock.
+
+    ``place`` : which effect the element is. Behind it is H, what is rendered as the effects up to
+    the element pass it on. Before it the hand's dynamics Z_h must balance what is felt, -Z_h;
+    solved for what lies behind an effect, H' = (A H + B)/(C H + D) is H = (D H' - B)/(A - C H').
+    The element must make the one of the other, as a factor or, friction, as a sum.
+    """
+    hand_dynamics, rendered = lambdify(s, hand.Z), lambdify(s, scene.rendering.H)
     matrices = [[lambdify(s, x) for x in effect.matrix] for effect in scene.effects]
+    is_added = scene.effects[place].model == FRICTION
 
     def asked(at: Any) -> Any:
         H = rendered(at)
-        for a, b, c, d in ([x(at) for x in row] for row in matrices[:place]):
+        for matrix in matrices[:place]:
+            a, b, c, d = (entry(at) for entry in matrix)
             H = (a * H + b) / (c * H + d)
-        wanted = -hers(at)
-        for a, b, c, d in ([x(at) for x in row] for row in reversed(matrices[place + 1 :])):
+        wanted = -hand_dynamics(at)
+        for matrix in reversed(matrices[place + 1 :]):
+            a, b, c, d = (entry(at) for entry in matrix)
             wanted = (d * wanted - b) / (a - c * wanted)
-        is_added = scene.effects[place].model == FRICTION
         return wanted - H if is_added else wanted / H
 
     return asked
 
 
 def _asked_by_clock(scene: Scene, hand: Hand) -> Asked:
-    """The gain asked for with a clock: the loop's polynomial in w = exp(-s T) is linear in it."""
+    """The gain asked for with a clock. The characteristic polynomial of the linear loop in w =
+    exp(-s T) is p + N q for a gain N of the element that the clock reads first: p is what is left
+    without what is rendered, so that N = -p/q."""
     loop = loop_of(linear(scene), hand)
-    rows = loop.balls(), replace(loop, above=(Integer(0),)).balls()
-    closed, opened = (np.array([float(x.mid()) for x in row]) for row in rows)
-    opened = np.pad(opened, (0, len(closed) - len(opened)))
+    without_rendered = replace(loop, above=(Integer(0),))
+    whole = np.array([float(x.mid()) for x in loop.balls()])
+    p = np.array([float(x.mid()) for x in without_rendered.balls()])
+    p = np.pad(p, (0, len(whole) - len(p)))
+    q = whole - p
     T = float(loop.T)
 
     def asked(at: Any) -> Any:
         w = np.exp(-at * T)
-        return -np.polyval(opened[::-1], w) / np.polyval((closed - opened)[::-1], w)
+        # NumPy has the highest power first.
+        return -np.polyval(p[::-1], w) / np.polyval(q[::-1], w)
 
     return asked
 
 
-def _met(asked: Asked, gain: Gain, omegas: Array, amplitudes: Array) -> list[tuple[float, float]]:
-    """Frequencies and amplitudes at which the two curves meet: crossings of their chords, refined."""
+def _meetings(
+    asked: Asked, gain: Gain, omegas: Array, amplitudes: Array
+) -> list[tuple[float, float]]:
+    """Frequencies and amplitudes at which the two curves meet: crossings of their chords, refined.
+
+    The chords P + x r, from one frequency to the next, and Q + y q, from one amplitude to the next,
+    cross where x r - y q = Q - P. By Cramer's rule, with a x b = Im(conj(a) b) in the plane, x =
+    (Q - P) x q/(r x q) and y = (Q - P) x r/(r x q); both must be from 0 to 1.
+    """
     from scipy.optimize import root  # SciPy is an extra: asked for where it is needed
 
     one, other = asked(1j * omegas), np.array([gain(x) for x in amplitudes])
-    r, q, apart = np.diff(one)[:, None], np.diff(other)[None, :], other[None, :-1] - one[:-1, None]
-    cross = (r.conj() * q).imag
-    places = (apart.conj() * q).imag / cross, (apart.conj() * r).imag / cross
-    inside = np.logical_and.reduce([(x >= 0) & (x < 1) for x in places])
+    r, q = np.diff(one)[:, None], np.diff(other)[None, :]
+    apart = other[None, :-1] - one[:-1, None]
+    determinant = (r.conj() * q).imag
+    x = (apart.conj() * q).imag / determinant
+    y = (apart.conj() * r).imag / determinant
+    is_inside = (x >= 0) & (x < 1) & (y >= 0) & (y < 1)
 
-    def off(x: Array) -> list[float]:
-        left = asked(1j * np.exp(x[0])) - gain(float(np.exp(x[1])))
-        return [left.real, left.imag]
+    def difference(logarithms: Array) -> list[float]:
+        omega, amplitude = np.exp(logarithms)
+        z = asked(1j * omega) - gain(float(amplitude))
+        return [z.real, z.imag]
 
-    found = []
-    for i, j in np.argwhere(inside):
+    meetings = []
+    for i, j in np.argwhere(is_inside):
         start = np.log([omegas[i] * omegas[i + 1], amplitudes[j] * amplitudes[j + 1]]) / 2
-        end = root(off, start, tol=1e-12)
+        end = root(difference, start, tol=1e-12)
         if end.success and np.abs(end.x - start).max() < _NEAR:
-            found.append((float(np.exp(end.x[0])), float(np.exp(end.x[1]))))
-    return found
-
-
-_NEAR = 0.1  # as a logarithm: a crossing of curves is no farther from that of its chords
-_SMALL = 1e-6  # relative: of the differences that slopes are taken from
+            omega, amplitude = (float(np.exp(logarithm)) for logarithm in end.x)
+            meetings.append((omega, amplitude))
+    return meetings
 
 
 def _cycle(element: Effect, asked: Asked, gain: Gain, omega: float, amplitude: float) -> LimitCycle:
-    """The limit cycle where the curves meet: it attracts where a larger amplitude moves the pole
-    to the left."""
+    """The limit cycle where the curves meet, with its ``attracts``, by the sign of Re ds/dA."""
     up, down = 1 + _SMALL, 1 - _SMALL
-    slope = (asked(1j * omega * up) - asked(1j * omega * down)) / (2j * omega * _SMALL)
+    # g' over s = j omega, of which the step is j omega _SMALL to either side.
+    rise = asked(1j * omega * up) - asked(1j * omega * down)
+    slope = rise / (2j * omega * _SMALL)
     change = gain(amplitude * up) - gain(amplitude * down)
     dimension = next(x.dimension for x in element.parameters if x.key == "amplitude")
     # Six digits, so that a crossing at a common end of two chords is one.
