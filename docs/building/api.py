@@ -8,7 +8,7 @@ import haptisym as hs
 
 TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
     "api-scenes": (
-        "Scenes",
+        "Scenes in Python",
         "After this page you can build scenes in Python: environment, effects, band, threshold, hands. Quantities are strings with a unit, or numbers in SI and rad/s; numbers are exact.",
         (
             "load_scene", "parse_scene", "scene_names", "Scene", "Environment", "Effect", "Threshold", "Part", "Hand", "hands", "devices",
@@ -16,7 +16,7 @@ TOPICS: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
         ),
     ),
     "api-questions": (
-        "Functions",
+        "A function for each command",
         "After this page you can call every command from Python: a function each, which returns a result.",
         (
             "evaluate", "evaluate_all", "compare", "derive", "relevance", "require", "design_map", "stability", "sensitivity", "tolerances",
@@ -93,7 +93,18 @@ def _page(make: Callable[..., str], *given: object) -> Callable[[], str]:
     return lambda: make(*given)
 
 
+def _contents() -> str:
+    """Return the page that the reference of the Python interface begins with."""
+    lead = "After this page you know where each class and function of `import haptisym as hs` is described.\n"
+    titles = {name: title for name, (title, *_) in {**TOPICS, **MODULES}.items()}
+    order = ["api-scenes", *MODULES, *(name for name in TOPICS if name != "api-scenes")]
+    rows = [f"- [{titles[name]}]({name}.md)" for name in order]
+    names = "\n".join(order)
+    return "\n".join(["# Python interface\n", lead, *rows, f"\n```{{toctree}}\n:hidden:\n\n{names}\n```\n"])
+
+
 PAGES: dict[str, Callable[[], str]] = {
+    "api": _contents,
     **{name: _page(_topic, *given[:2], listed(name)) for name, given in TOPICS.items()},
     **{name: _page(_module, *given) for name, given in MODULES.items()},
 }

@@ -61,7 +61,7 @@ def _one(folder: Path, name: str) -> str:
 def _all(names: list[str]) -> str:
     lead = (
         "After this page you can choose a shipped scene to start from. Each has its command, figures, result and file, evaluated when this site was built. "
-        "Scenes whose source is *illustrative* or *recalled* are examples, not data.\n"
+        "Scenes whose source is *illustrative* or *recalled* are examples, not data. [Every kind of figure](../plots.py) has a page of its own.\n"
     )
     cards = []
     for name in names:
@@ -69,6 +69,6 @@ def _all(names: list[str]) -> str:
         cards.append(f"[![{name}](figures/{name}-{kind}.svg)](scene-{name}.md)\n")
         cards.append(f"[{name}](scene-{name}.md)\n")
     pairs = [f"````{{container}} card\n{a}\n{b}````\n" for a, b in zip(cards[::2], cards[1::2], strict=True)]
-    listed = "\n".join(f"scene-{name}" for name in names)
+    listed = "\n".join(["../plots", *(f"scene-{name}" for name in names)])
     grid = "\n".join(["`````{container} gallery\n", *pairs, "`````\n"])
     return "\n".join(["# Gallery\n", lead, grid, f"```{{toctree}}\n:hidden:\n:maxdepth: 1\n\n{listed}\n```\n"])

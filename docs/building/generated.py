@@ -33,6 +33,7 @@ def write(folder: Path) -> None:
         "thresholds": thresholds,
         "devices": devices,
         "derivations": derivations,
+        "certificate-format": certificate_format,
         **api.PAGES,
     }
     pages |= {f"derivation-{path.stem}": partial(derivation, path) for path in DERIVATIONS.glob("*.py")}
@@ -116,6 +117,11 @@ def devices() -> str:
     return "\n".join(["# Devices\n", lead, head, *rows, ""])
 
 
+def certificate_format() -> str:
+    """Return the page of the format of certificates, which lies next to the checker."""
+    return FORMAT.read_text(encoding="utf-8").replace("](../../docs/", "](../")
+
+
 def derivations() -> str:
     """Return the page of derivations: the table of their folder, and its pages."""
     text = (DERIVATIONS / "README.md").read_text(encoding="utf-8")
@@ -149,6 +155,7 @@ def scene_file(name: str) -> str:
 
 
 DERIVATIONS = Path(__file__).parents[2] / "derivations"
+FORMAT = Path(__file__).parents[2] / "src" / "haptisym_check" / "FORMAT.md"
 
 
 def linked(text: str) -> str:

@@ -129,7 +129,7 @@ def zero_order_hold(T: PositiveTime) -> Matrix:
 
 @effect("sampled-loop")
 def sampled_loop(T: PositiveTime, method: Method = "", delay: Samples = 0) -> Matrix:
-    """A controller with a clock: it samples the position, renders the environment as D(z) =
+    """A sampled controller: it samples the position, renders the environment as D(z) =
     H(s(z)), and holds the force.
 
     T : sampling period, s, > 0; delay : whole samples of computation, absent = none; method : what
@@ -139,7 +139,7 @@ def sampled_loop(T: PositiveTime, method: Method = "", delay: Samples = 0) -> Ma
     The first effect of a scene, and its only clock. Below pi/T it makes H_perc = D(exp(s T)) exp(-s
     T delay)
     (1 - exp(-s T))/(s T), exact for prescribed motion; its matrix alone has delay and hold, in a
-    scene D - H beside them, too.
+    scene D - H next to them, too.
 
     >>> from haptisym.environments import kelvin_voigt
     >>> from haptisym.model.distortion import distort
@@ -166,7 +166,7 @@ def series(G: Formula) -> Matrix:
 def shunt(
     m: SignedMass = 0, b: SignedDamping = 0, k: SignedStiffness = 0, Z: Formula = None
 ) -> Matrix:
-    """An impedance beside the environment (the device's own mass, say): H_perc = H + Z, Z(s) = m
+    """An impedance parallel to the environment, such as the device's own mass: H_perc = H + Z, Z(s) = m
     s^2 + b s + k.
 
     m : kg; b : N s/m; k : N/m; any sign (a negative mass is inertia compensation); each may be

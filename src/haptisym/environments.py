@@ -101,7 +101,7 @@ def spring_pot(k_alpha: FractionalStiffness, alpha: FractionalOrder, k: Stiffnes
     """Fractional (spring-pot) tissue, with k fractional Kelvin-Voigt: H(s) = k + k_alpha s^alpha.
 
     k_alpha : N s^alpha/m, > 0, may be given bare; alpha : order, 0 < alpha < 1 (0 would be a
-    spring, 1 a damper); k : stiffness beside it, N/m, >= 0, may be absent.
+    spring, 1 a damper); k : stiffness parallel to it, N/m, >= 0, may be absent.
 
     >>> spring_pot(100, "0.25").H
     100*s**(1/4)
@@ -127,7 +127,7 @@ def two_mass(
 
 @environment("expression")
 def expression(H: Formula) -> Expr:
-    """Any dynamics, written out: H(s) = the formula.
+    """Any dynamics: H(s) = the formula.
 
     H : formula in ``s`` and the names of ``parameters``, a mapping from name to number or string
     with unit.

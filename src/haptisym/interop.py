@@ -137,8 +137,8 @@ def to_scipy(system: System) -> Any:
     ``to_control``.
 
     SciPy divides by the leading coefficient of the denominator, in doubles: the same system comes
-    back where the quotients are exact. It has frequency responses of improper systems too (a mass,
-    say), but simulates proper ones only.
+    back where the quotients are exact. It has frequency responses of improper systems, such as a
+    mass, but simulates proper ones only.
 
     >>> to_scipy(environments.maxwell(100, 5)).poles.tolist()
     [-20.0]

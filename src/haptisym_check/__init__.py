@@ -1,4 +1,4 @@
-"""Checks certificates of haptisym against scene files: written from docs/certificates.md alone,
+"""Checks certificates of haptisym against scene files: written from FORMAT.md alone,
 with nothing of haptisym."""
 
 from haptisym_check.proof import check

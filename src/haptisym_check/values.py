@@ -13,7 +13,7 @@ Nothing is expanded. Each variable is replaced by an integer, so that a polynomi
 integer a + j b for its value. With it an upper bound of its degree in each variable is computed:
 deg(p + q) <= max(deg p, deg q), deg(p q) = deg p + deg q. A polynomial of degree < n_i in each
 variable that vanishes on a grid of n_1 x n_2 x ... points is zero (rule 1 of
-``docs/certificates.md``), so values and bounds decide whether it is.
+``FORMAT.md``), so values and bounds decide whether it is.
 
 Begin with ``GaussianValue`` (value and bounds) and ``ChainPoint`` (the integers in place of the
 variables, and what s^alpha and exp(-s tau) are there). ``keyed``, ``listed``, ``whole``, ``number``

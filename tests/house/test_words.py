@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
 import pytest
 
+import haptisym as hs
+from haptisym import effects, environments, interop
 from haptisym.cli import VERBS, app
 
 ROOT = Path(__file__).parents[2]
@@ -82,6 +86,33 @@ PROSE = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 def test_docs_are_in_the_terms_of_the_field(path: Path) -> None:
     prose = re.sub(r"```.*?```", " ", path.read_text(encoding="utf-8"), flags=re.DOTALL)
     assert dialect(prose) == []
+
+
+def public_docstrings() -> Iterator[tuple[str, str]]:
+    """Each public name, and each public member of a class, with its docstring without examples."""
+    named = {name: getattr(hs, name) for name in hs.__all__}
+    for module in (environments, effects, interop):
+        own = {name: x for name, x in vars(module).items() if getattr(x, "__module__", "") == module.__name__}
+        named |= {f"{module.__name__}.{name}": x for name, x in own.items() if name[0] != "_"}
+    members = {
+        f"{owner}.{name}": x.fget if isinstance(x, property) else x
+        for owner, thing in named.items()
+        if isinstance(thing, type)
+        for name, x in vars(thing).items()
+        if name[0] != "_"
+    }
+    for name, thing in {**named, **members}.items():
+        if callable(thing) and str(getattr(thing, "__module__", "")).startswith("haptisym"):
+            yield (
+                name,
+                re.sub(r"``.*?``|^>>>.*?(?=\n\n|\Z)", " ", inspect.getdoc(thing) or "", flags=re.DOTALL | re.MULTILINE),
+            )
+
+
+def test_the_reference_of_python_is_in_the_terms_of_the_field() -> None:
+    documented = dict(public_docstrings())
+    assert len(documented) > 300
+    assert {name: found for name, text in documented.items() if (found := dialect(text))} == {}
 
 
 ELSEWHERE = ("verbs/stability/margins.py",)

@@ -210,7 +210,7 @@ def kept(chart: Chart) -> tuple[Interval, ...]:
 
 
 class CrossingKind(Enum):
-    """How a ratio r meets its threshold c as omega grows.
+    """How a ratio r crosses or touches its threshold c as omega grows.
 
     ``EXCEEDS`` : r goes from at most c to more. ``RETURNS`` : from more to at most c. ``TOUCHES`` :
     r = c at one frequency and the sign of r - c is the same on both sides; touched from below, the

@@ -269,17 +269,17 @@ class Evaluation(Answer):
     those where the imaginary part is noticed. ``unbounded`` : frequencies at which a ratio is
     infinite, as H_env is 0 there.
     ``stable`` : whether it is stable under prescribed motion: all poles of H_perc in Re s < 0. None
-    where that is undecided or poles do not show it (a sampled loop). It says nothing about a
+    where that is undecided or poles do not show it (a sampled loop). It holds nothing about a
     display in a hand; ``hs.stability`` does.
     ``undecided`` : where something is undecided at the precision limit, such as a tangency of a
     scene with delays; empty of each rational scene. ``certified`` : nothing is.
     ``digits`` : decimal digits shown of each crossing.
     ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what
-    was left out (all answers are then those of the pruned scene, ``scene``); what other JND regions
-    say; what a fit to a movement reports; which changes would decide between JND regions. None
+    was left out (all answers are then those of the pruned scene, ``scene``); the answers for other JND
+    regions; what a fit to a movement reports; which changes would decide between JND regions. None
     where they were not asked for. ``left`` : those not found in time, with the reason.
 
-    Guaranteed: each number is proven, no crossing on the band is missing and none invented, but for
+    Proven: each number, and that these are all crossings on the band, but for
     what ``undecided`` names.
 
     >>> import haptisym as hs

@@ -142,13 +142,12 @@ class Peaks(Answer, tuple[Peak, ...]):
 
 
 def peaks(scene: Scene | str | Path, *, limit: float | None = SECONDS) -> Peaks:
-    """All local maxima of r_r and r_i inside the band, in ascending order: proven, none missed,
-    none invented.
+    """All local maxima of r_r and r_i inside the band, in ascending order: proven to be
+    all.
 
     Of a JND region, or of a part with a floor or limits for each way, how many times it must be
     enlarged is the ratio.
-    ``limit`` : seconds of processor time after which a LimitError says that it is not decided; None
-    for none.
+    ``limit`` : seconds of processor time after which a LimitError is raised; None for none.
 
     >>> from haptisym import effects, environments
     >>> spring = Scene(environments.mass_spring_damper(k=100), (effects.series("1 + 0.4*s/(s^2 + 2*s + 9)"),))

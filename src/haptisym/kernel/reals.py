@@ -204,7 +204,7 @@ class RealNumber(Viewed, ABC):
             bits += 64 + bits // 2
 
     def enclosure(self, count: int = 15) -> tuple[str, str]:
-        """Decimal lower and upper bounds, ``count`` digits or more alike; proven, rounded outward.
+        """Decimal lower and upper bounds, ``count`` digits or more equal; proven, rounded outward.
 
         >>> ExactNumber(pi).enclosure(5)
         ('3.1415926', '3.1415927')

@@ -87,7 +87,7 @@ Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
 
 
 class PolynomialRing:
-    """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` says what
+    """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` has what
     each stands for."""
 
     def __init__(

@@ -280,7 +280,7 @@ class Point(Viewed):
     ``before``, ``after`` : the sign of each function just below and just above, -1, 0 or 1; 0 where
     it vanishes everywhere.
     ``undecided`` : the functions of which it is not known whether they vanish here, twice nearby,
-    or not at all. Guaranteed:
+    or not at all. Proven:
     between neighbouring points no function changes its sign. ``float(point)`` is omega, rounded.
     """
 

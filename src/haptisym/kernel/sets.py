@@ -247,8 +247,8 @@ class ValueSet(Shown):
     """For which values of a parameter a verdict holds: an ordered cover of what was searched.
 
     ``pieces`` : runs of values that hold, fail or are undecided, in order; ``feasible`` and
-    ``undecided`` : those of one kind. ``value in values`` is true, false, or an UndecidedError that
-    says why it is not known; ``&`` and ``|`` are the values for which both of two sets hold, or one
+    ``undecided`` : those of one kind. ``value in values`` is true, false, or an UndecidedError with
+    the reason; ``&`` and ``|`` are the values for which both of two sets hold, or one
     of them does; ``about`` is the piece in which a value lies.
 
     ``points`` : single values, in ascending order. ``stretches`` : one more than points, the i-th
@@ -256,7 +256,7 @@ class ValueSet(Shown):
     point and nothing is asked beyond it.
     ``searched`` : the domain beyond which nothing is claimed.
 
-    Guaranteed of each piece on its own, also where a limit cut the work short: its verdict is
+    Proven of each piece on its own, also where a limit cut the work short: its verdict is
     proven for all its values that were searched.
 
     >>> import haptisym as hs
@@ -357,14 +357,14 @@ class ValueSet(Shown):
 
     @property
     def ends(self) -> tuple[SingleValue, ...]:
-        """The points, in order, at which a piece that holds ends because some condition binds; not
+        """The points, in order, at which a piece that holds ends because some condition limits it; not
         those at which only the domain ends."""
         every = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in every if x.bindings)
 
     def end(self, value: RealNumber, side: int) -> SingleValue | None:
         """The end, above (side 1) or below (side -1), of the piece in which a value lies, if a
-        condition binds there; None where there is no such end, or none that is known."""
+        condition is the limit there; None where there is no such end, or none that is known."""
         piece = self.about(value)
         end = piece.last if side > 0 else piece.first
         return end if end in self.ends else None

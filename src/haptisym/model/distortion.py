@@ -215,7 +215,7 @@ class Distortion(Shown):
 
     @cached_property
     def difference(self) -> RationalFunction:
-        """dH in lowest terms: the one place where common factors are cancelled."""
+        """dH, with common factors cancelled: the one place where they are."""
         return (self.perc - self.env).reduced()
 
     @cached_property
@@ -245,7 +245,7 @@ class Distortion(Shown):
 
     @cached_property
     def squared_ratios(self) -> dict[Part, RealFunction]:
-        """r_r^2 and r_i^2 in lowest terms: limits at zeros of H_env are values, damping-free
+        """r_r^2 and r_i^2, common factors cancelled: limits at zeros of H_env are values, damping-free
         resonances cancel."""
         return {
             part: part_of(self.difference_response, part).square_over(self.squared_modulus)
@@ -287,7 +287,7 @@ class Distortion(Shown):
 
     @property
     def real(self) -> Expr:
-        """Re dH(j omega), N/m or N m/rad: the shortest form known, in lowest terms or in magnitudes
+        """Re dH(j omega), N/m or N m/rad: the shortest form known, a reduced fraction or in magnitudes
         and angles of the chain."""
         return self._told(self.form(Part.REAL)[0])
 
@@ -339,8 +339,8 @@ class Distortion(Shown):
         return size / sqrt(self.squared_modulus.factored())
 
     def relative_form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether that is
-        in lowest terms."""
+        """Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether all
+        common factors are cancelled."""
         if self.with_one_delay is not self:
             return self.with_one_delay.relative_form(part)
         change = (self.difference / self.env).reduced()
@@ -497,7 +497,7 @@ class Distortion(Shown):
         return self.at(values)
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
-        """The real functions behind the fields of ``numeric.Values``, in lowest terms; of the
+        """The real functions behind the fields of ``numeric.Values``, reduced; of the
         ratios their squares."""
         responses = {
             "relative": "relative_response",

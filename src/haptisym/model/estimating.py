@@ -150,7 +150,7 @@ def estimated(
     loops that are closed through the hand: it takes the ``reference`` that drove the loop, to which
     errors of both are strange. ``segment`` : its length, s or with a unit; an eighth of the record
     if not given. ``overlap`` : of segments, a share. ``every`` : with 2, one line of two is left
-    out, as a window makes neighbours alike; 1 keeps all. The line at 0 and the last are left out.
+    out, as a window makes neighbours equal; 1 keeps all. The line at 0 and the last are left out.
 
     Of H1 it is asked whether the force follows the cube of what the response predicts, which that
     of a linear display does not.

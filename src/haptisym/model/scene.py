@@ -392,7 +392,7 @@ class Scene(Shown):
 
     ``environment`` : what should be felt. ``effects`` : nearest the environment first. ``band`` :
     lowest and highest frequency, numbers in rad/s or strings with a unit; in a scene rad/s, exact.
-    ``threshold`` : a Threshold, or what a scene file says of the JND: a number, a formula or a
+    ``threshold`` : a Threshold, or what a scene file has as its JND: a number, a formula or a
     table.
     ``rendered`` : what the controller really renders, where that is not the environment itself. A
     parameter of it may be the environment's: ``k="environment.k"`` is one parameter in two places,

@@ -173,7 +173,7 @@ class SceneFamily(Shown):
         return ", ".join(f'"{name}"' for name in self)
 
     def only(self) -> Scene:
-        """The one scene; SceneError where there are several, which says how to choose."""
+        """The one scene; SceneError where there are several, with how to choose."""
         if len(self) > 1:
             raise SceneError(
                 f"this scene has {len(self)} environments ({self.listed()}): choose one with "
@@ -620,8 +620,8 @@ LARGEST_FILE = 1_000_000
 
 
 def load_scene(scene: str | Path, environment: str | None = None) -> Scene:
-    """The scene of that name (one that the package ships) or in that file. SceneError says what is
-    wrong with it.
+    """The scene of that name (one that the package ships) or in that file. SceneError if it is
+    wrong, with the reason.
 
     ``environment`` : which of several environments; without it a scene that has several is an error
     that lists them.
@@ -638,7 +638,7 @@ def load_scenes(scene: str | Path, environments: Iterable[str | Path] = ()) -> S
     """The scenes in that file (or of that name), one for each of its environments: one or several.
 
     ``environments`` : scenes whose environments (each with what is rendered for it) take the place
-    of the scene's own; named after their files. SceneError says what is wrong.
+    of the scene's own; named after their files. SceneError if one is wrong, with the reason.
 
     >>> list(load_scenes("palpation-device")), list(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))
     (['fat', 'muscle', 'liver', 'tumour'], ['fu2019', 'helicopter-cyclic'])

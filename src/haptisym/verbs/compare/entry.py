@@ -438,14 +438,14 @@ def compare(
     whether it is stable in a hand.
 
     ``devices`` : scenes, their names or files, measured ones too, or answers of ``evaluate``. Each is
-    felt with its own environment, on its own band, with its own threshold; what differs is told.
+    felt with its own environment, on its own band, with its own threshold; what differs is listed.
     ``values`` : of one device alone, which is then compared with itself at these values, by path or
     symbol. ``hand`` : hands, by name or as ``Hand``; those that all devices have if not given.
     ``environment`` : which one of a scene that has several. ``files`` : whether files that a scene
     names are read. ``digits`` : of each number of the document. ``limit`` : seconds of processor
     time, None for none; LimitError where they are over.
 
-    Guaranteed: each device is evaluated as by ``evaluate``; the order of proven bandwidths, and
+    Proven: each device is evaluated as by ``evaluate``; the order of proven bandwidths, and
     that two are equal, is proven. SceneError for fewer than two or more than six devices, and for a
     symbol without a number.
 

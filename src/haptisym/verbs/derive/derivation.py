@@ -710,7 +710,7 @@ class Derivation(Answer):
 
     @cached_property
     def groups(self) -> Groups:
-        """The scene in independent dimensionless groups; SceneError where the units do not tell."""
+        """The scene in independent dimensionless groups; SceneError where the units do not show them."""
         return groups(self.scene)
 
     def expansion(self, order: int = 1) -> Expansion:
@@ -828,7 +828,7 @@ def derive(
     ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
     ``keep`` : the parameters that stay symbols, by symbol or name; None for all of them and the
     threshold, () for none. A name that the scene does not have raises SceneError, as do names
-    beside a distortion, whose symbols stay.
+    with a distortion, whose symbols stay.
 
     >>> found = derive("fu2019", keep=["omega_n"])
     >>> found

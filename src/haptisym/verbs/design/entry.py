@@ -572,7 +572,7 @@ def design(
     ``limit``, ``told`` : as in
     ``require``.
 
-    Guaranteed: the best values attain the lower bound and keep everything, exactly; no values of
+    Proven: the best values attain the lower bound and keep everything, exactly; no values of
     the box that keep everything attain more than the upper one. SceneError where the scene, a path
     or a range does not fit.
 

@@ -458,10 +458,10 @@ def relevance(
     """Find which effects of a scene matter: the fewest with which r_r and r_i stay within a
     tolerance of the full scene's.
 
-    ``tolerance`` : a number >= 0, of the ratios. Guaranteed: the bound holds at every frequency of
+    ``tolerance`` : a number >= 0, of the ratios. Proven: the bound holds at every frequency of
     the band for both ratios and all left-out effects together; of 12 effects or fewer no smaller
-    set does. ``limit`` : seconds of processor time after which a LimitError says that it is not
-    decided; None for none. Raises SceneError for a scene with symbols for numbers, and for a
+    set does. ``limit`` : seconds of processor time after which a LimitError is raised;
+    None for none. Raises SceneError for a scene with symbols for numbers, and for a
     tolerance that is none.
 
     >>> from haptisym import effects, environments

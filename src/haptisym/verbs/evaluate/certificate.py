@@ -1,4 +1,4 @@
-"""Certificates: claims with proofs that another program can check (docs/certificates.md).
+"""Certificates: claims with proofs that another program can check (haptisym_check/FORMAT.md).
 
 A certificate is a document of JSON with the hash of a scene's file, a claim and its proof;
 ``document`` writes it for each question (those of ``require`` and ``stability`` are in the folders

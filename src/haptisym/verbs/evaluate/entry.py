@@ -64,14 +64,14 @@ def evaluate(
     as many as wanted.
 
     ``tolerance`` : if given, only the effects that matter for it are used (see ``relevance``); the
-    answers are those of the scene without the others, and ``relevance`` says by how much the full
+    answers are those of the scene without the others, and ``relevance`` has by how much the full
     scene's ratios may differ, and where its crossings are.
-    ``regions`` : whether ``regions`` is to tell what square, disc and diamond of the JND's half
-    widths say, beside its own.
-    ``proportion`` : of right answers, to which a JND that tells its own is converted. ``movement``
-    : such as "0:15" (rad/s), of which ``movement`` is to tell what a fit of k, b and m to it
+    ``regions`` : whether ``regions`` is to have the answers for square, disc and diamond of the
+    JND's half widths as well.
+    ``proportion`` : of right answers, to which a JND with a proportion of its own is converted. ``movement``
+    : such as "0:15" (rad/s), for which ``movement`` is to have what a fit of k, b and m to it
     reports (``verbs.evaluate.movement``). ``discriminate`` :
-    whether ``discrimination`` is to tell which changes would decide between square, disc and tilted
+    whether ``discrimination`` is to have which changes would decide between square, disc and tilted
     ellipses.
     ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for
     none. LimitError where the crossings are not.

@@ -1,5 +1,5 @@
 """Real functions as products of polynomials with whole coefficients, as a certificate writes them
-(docs/certificates.md).
+(haptisym_check/FORMAT.md).
 
 A function is ``number * product of factor^exponent``. A factor is a polynomial in omega (or s) and
 pi; where there are delays, one in sine and cosine of omega tau/2 as well: the tangents in which a

@@ -124,7 +124,7 @@ def answer_each(
     """Ask one question about each environment of a scene, and put the answers side by side.
 
     ``family`` : scenes, or their name or file. ``question`` : what is asked of each scene, such as
-    ``hs.stability``, or a lambda with its arguments. Guaranteed: each answer is that of its
+    ``hs.stability``, or a lambda with its arguments. Each answer is that of its
     environment alone; ``common``, of ``hs.require``, is the intersection of the proven sets. Raises
     what the question raises; where it is undecided for some environments, for all others there is
     an answer.

@@ -80,7 +80,7 @@ class WorstCase(Shown):
 
     @cached_property
     def binding(self) -> tuple[FamilyBinding, ...]:
-        """Who binds at each end of the common transparent set inside the band, in ascending order.
+        """Which environment limits each end of the common transparent set inside the band, in ascending order.
 
         Several where their ratios meet their thresholds at the same frequency. Where not even the
         band's low end is in the set, who stands in the way there comes first.
@@ -185,7 +185,7 @@ class FamilyEvaluation(Answer):
     """The answers for each environment of a family, and what holds for all of them. All proven.
 
     ``answers`` : by the names of the environments. ``worst`` : what holds for all of them.
-    ``regions`` : where other JND models were asked about, what each says.
+    ``regions`` : the answers for other JND models, where they were asked about.
     """
 
     _schema: ClassVar[str] = "haptisym.evaluations/1"
@@ -229,7 +229,7 @@ class FamilyEvaluation(Answer):
 
     @property
     def binding(self) -> tuple[FamilyBinding, ...]:
-        """Who binds at each end of the common transparent set inside the band, in ascending order;
+        """Which environment limits each end of the common transparent set inside the band, in ascending order;
         see ``WorstCase``."""
         return self.worst.binding
 
@@ -263,14 +263,14 @@ def evaluate_all(
     limit: float | None = SECONDS,
 ) -> FamilyEvaluation | Any:
     """Evaluate one display with several environments: each, the band on which all are transparent,
-    and who binds there.
+    and which environment limits it there.
 
-    ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to tell what
-    square, disc and diamond of the JND's half widths say. ``proportion`` : of right answers, to
-    which a JND that tells its own is converted. Guaranteed: the common transparent set is the
+    ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to have the
+    answers for square, disc and diamond of the JND's half widths. ``proportion`` : of right answers, to
+    which a JND with a proportion of its own is converted. Proven: the common transparent set is the
     intersection of the environments' own; its ends are proven, and which environment they belong
     to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or
-    two ends cannot be told apart, the answers of single environments are returned, as of
+    two ends cannot be ordered, the answers of single environments are returned, as of
     ``answer_each``; LimitError where there is not even one. Raises SceneError if a parameter is
     still a symbol.
 

@@ -384,7 +384,7 @@ class Identification(Answer):
 
     ``measurement`` : what was fitted. ``estimates`` : each free parameter with its confidence
     interval and its side of the box.
-    ``verdict`` : whether the model holds, as far as its residuals tell. ``text`` : the scene file
+    ``verdict`` : whether the residuals are in keeping with the model. ``text`` : the scene file
     that it makes.
     """
 
@@ -420,7 +420,7 @@ class Identification(Answer):
 
     @property
     def motion(self) -> MotionKind | None:
-        """Whether the hand moves along a line or about an axis; None if no unit tells."""
+        """Whether the hand moves along a line or about an axis; None if no unit shows it."""
         return self.measurement.motion
 
     @cached_property

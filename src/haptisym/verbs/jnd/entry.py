@@ -675,7 +675,7 @@ class Psychometric(Answer):
         """The threshold as the table ``jnd`` of a scene's ``[evaluation]``, values as TOML; empty
         without a fraction.
 
-        The interval is a range. A comparison tells its proportion, so that it can be brought to
+        The interval is a range. A comparison has its proportion, so that it can be brought to
         another one; the curve of a forced choice has another shape, and is asked for the proportion
         itself.
         """

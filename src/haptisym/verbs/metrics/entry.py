@@ -89,7 +89,7 @@ def metrics(
 
     Transmitted impedance ratio and relative distortion, Z_min, Z_max and Z_width, sensitivity,
     passivity and absolute stability at all frequencies, effective stiffness, mass and damping, free
-    response. ``absolute_stability`` : whether the page tells it where it fails, too, as it does for
+    response. ``absolute_stability`` : whether the page has it where it fails, too, as it does for
     most displays. ``limit`` : seconds of processor time after which all further measures are
     undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter
     is still a symbol.

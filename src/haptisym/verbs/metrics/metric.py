@@ -541,11 +541,11 @@ class Metric(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Metrics(Answer):
-    """The measures of other authors for a scene, beside its JND evaluation.
+    """The measures of other authors for a scene, compared with its JND evaluation.
 
     ``metrics`` : one ``Metric`` for each, with formula, value, unit, verdict and source. ``notes``
     : where their verdicts differ from that of ``evaluation``. ``measured`` : what was computed for
-    them. Each metric says whether its number is proven or computed.
+    them. Each metric has whether its number is proven or computed.
 
     >>> import haptisym as hs
     >>> found = hs.metrics("fu2019")

@@ -1,5 +1,5 @@
 """The certificate of a requirement: for which values of one parameter a display is transparent
-(docs/certificates.md, rule 6).
+(haptisym_check/FORMAT.md, rule 6).
 
 The proof are *slabs*, intervals of values: over one of them a factor is a sum, with positive
 weights, of functions of omega alone, its slices, whose signs show its own. Either a point of the

@@ -926,7 +926,7 @@ def design_map(
     ``that``, ``hand``, ``limit``, ``told``: as in ``require``; of slices that were not reached in
     time every value is undecided.
     ``jnd``: further thresholds, each with the region that is transparent with it. ``friction``,
-    ``resolution``: of a device and its encoder, for Abbott and Okamura's bound beside the other
+    ``resolution``: of a device and its encoder, for Abbott and Okamura's bound next to the other
     classical ones.
 
     >>> from haptisym.model.scenefile import load_scene

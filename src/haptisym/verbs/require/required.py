@@ -188,7 +188,7 @@ class Requirement(Answer):
     ``criteria`` : what is to hold; ``that`` : the words it was asked with. ``limit`` : seconds of a
     limit that cut the work short, None if none did.
 
-    Guaranteed: every value inside ``feasible`` will do, and none outside of ``feasible`` and
+    Proven: every value inside ``feasible`` satisfies it, and none outside of ``feasible`` and
     ``undecided`` does.
 
     >>> import haptisym as hs
@@ -218,7 +218,7 @@ class Requirement(Answer):
 
     @property
     def feasible(self) -> tuple[Piece, ...]:
-        """The values that will do."""
+        """The values that satisfy the requirement."""
         return self.values.feasible
 
     @property
@@ -238,7 +238,7 @@ class Requirement(Answer):
 
     @property
     def ends(self) -> tuple[SingleValue, ...]:
-        """The ends at which a condition binds, in order."""
+        """The ends that a condition limits, in order."""
         return self.values.ends
 
     @cached_property
@@ -352,7 +352,7 @@ class Requirement(Answer):
         return [[_float(x.low), _float(x.high)] for x in self.feasible]
 
     def rows(self) -> dict[str, Any]:
-        """What a document says about the values alone."""
+        """What a document has about the values alone."""
         forms = dict(zip(self.ends, self.forms, strict=True))
         return {
             "feasible": self.spans(),

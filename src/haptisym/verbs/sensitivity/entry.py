@@ -555,7 +555,7 @@ def sensitivity(
     """How each crossing, changeover and the bandwidth of a scene moves with each parameter and the
     threshold.
 
-    Guaranteed: every number is a certified enclosure of the exact derivative, to as many ``digits``
+    Proven: every number is a certified enclosure of the exact derivative, to as many ``digits``
     as wanted; None, with the reason, where there is no derivative. Works for every scene that can
     be evaluated. ``limit`` : seconds of processor time after which all further derivatives are
     undecided; None for none. LimitError where the crossings are. Raises SceneError if a parameter

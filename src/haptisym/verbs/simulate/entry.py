@@ -809,7 +809,7 @@ def simulate(
     they make of the force, by further runs. ``progress`` is called with the simulated time and, as
     far as it is known, the time to simulate, s. ``limit`` : seconds of processor time that it may
     take, LimitError after them; None for none.
-    Guaranteed: events are hit exactly, and linear parts are integrated without a stability limit;
+    Computed: events are hit exactly, and linear parts are integrated without a stability limit;
     the error of each estimate is estimated, not proven.
     Raises SceneError for scenes that are not stable or not causal, for symbols, for motions whose
     derivatives do not exist or whose unit does not fit, and at and beyond the Nyquist frequency of

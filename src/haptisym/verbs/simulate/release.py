@@ -283,7 +283,7 @@ class Release(Answer):
 
     ``fitted`` : what lasts longest in the motion, None where nothing is left to read; ``error`` its
     estimated error, 1/s.
-    ``closed`` : the closed form's, None where it has no root, or that of a loop with a clock is not
+    ``closed`` : the closed form's, None where it has no root, or that of a sampled loop is not
     known. ``stopped`` : why the run ended early.
     ``approximate`` : why the closed form is not what was simulated; empty where it is. ``held`` :
     the certified verdict.
@@ -354,8 +354,8 @@ class Release(Answer):
 
     @property
     def grows(self) -> bool | None:
-        """Whether the simulated motion grows; None where it neither grows nor dies away for
-        certain."""
+        """Whether the simulated motion grows; None where neither is
+        clear."""
         if self.fitted is None:
             return False if self.stopped == "come to rest" or self.rattle else None
         return None if abs(self.fitted.rate) <= self.error else self.fitted.rate > 0
@@ -462,7 +462,7 @@ def release(
     ``Hand``; the scene's if it has one and none is given. ``duration`` : s, or with a unit; as long
     as a verdict needs if not given. ``extras`` : encoder quantisation or force saturation.
     ``limit`` : seconds of processor time that it may take, LimitError after them; None for none.
-    Guaranteed: ``held``, the verdict on the linear loop. What is read from the motion,
+    Proven: ``held``, the verdict on the linear loop. What is read from the motion,
     ``rattle`` with it, is computed. Raises SceneError where nothing holds the display (no static
     stiffness), and for what cannot be simulated.
 

@@ -70,7 +70,7 @@ class Stability(Answer):
     for each hand ``stable``,
     ``unstable``, ``shakes``, ``drifts`` (poles at 0, where nothing holds the handle in place).
     ``critical`` : for each hand, by the path of each free parameter, its values for which the
-    display is stable, SI, with the pole at each end, rad/s: as far as the ends next to the present
+    display is stable, SI, with the pole at each end, rad/s: up to the ends next to the present
     value. ``margins`` : for each hand the factors, the delays and the angles of the rendered force
     for which it is stable; None where it is not, or that is undecided.
     ``boxes`` : in which part of a hand's ranges it is stable; None without ranges.
@@ -116,7 +116,7 @@ class Stability(Answer):
 
     @property
     def sampled(self) -> SampledPassivity | None:
-        """Colgate and Schenkel's condition of a display with a clock; else None."""
+        """Colgate and Schenkel's condition of a sampled display; else None."""
         return self.every_passive_hand.sampled
 
     @property
@@ -244,13 +244,13 @@ def stability(
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``),
     by name, or each a ``Hand``; those of the scene if not given. ``free`` : numbers by path or
     symbol; for each, and for the hand's own, it is found where what is stable ends next to the
-    present value; if none is given, all numbers of the display, with a clock in a shorter search.
+    present value; if none is given, all numbers of the display, of a sampled one in a shorter search.
     ``digits`` : of each number in the document.
-    ``limit`` : seconds of processor time after which what is not decided stays open; None for none.
+    ``limit`` : seconds of processor time after which the rest is undecided; None for none.
     Verdicts come first, then limits, then margins; LimitError where not even one verdict is there
     by then.
 
-    What stays open is None, and the answer is then not certified. SceneError where a hand is not
+    What is undecided is None, and the answer is then not certified. SceneError where a hand is not
     known, is given twice or turns about an axis where the scene moves along a line.
 
     >>> found = stability("delayed-spring", "light-touch")

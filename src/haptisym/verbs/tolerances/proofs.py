@@ -1080,15 +1080,15 @@ def tolerances(
 ) -> Tolerances:
     """What holds for all values of a scene's parameters within their ranges.
 
-    Guaranteed: the verdict where it is not ``BandVerdict.UNDECIDED``; that crossings lie in the
-    enclosures and nowhere else; how many there are where a count is given; ends said to be reached
-    at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each answered with
+    Proven: the verdict where it is not ``BandVerdict.UNDECIDED``; that crossings lie in the
+    enclosures and nowhere else; how many there are where a count is given; ends that are marked as
+    reached at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each answered with
     certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
     nothing of what is felt. SceneError where nothing has a range.
 
     ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not
-    given. Of each it is told, in
-    ``held``, whether the display is stable in it for all values of display and hand, for some, or
+    given. For each, ``held``
+    has whether the display is stable in it for all values of display and hand, for some, or
     for none.
     ``limit`` : seconds of processor time after which the work is cut short: enclosures are then
     wider than they need be, the verdict may be undecided and fewer sets be drawn; None for no
