@@ -383,6 +383,29 @@ def test_evaluating_deriving_and_stability_load_neither_numpy_nor_matplotlib() -
     assert arrays <= set(loaded[1].split())
 
 
+def test_a_sweep_in_memory_loads_neither_dask_nor_scipy_nor_units_before_they_are_asked_for() -> None:
+    """Loading them takes longer than all else: xarray would do so when it is handed a plain array."""
+    loaded = python("""
+        import contextlib, io, sys
+        sys.argv = ["haptisym", "sweep", "fu2019", "--vary", "effects.filter.omega_n=40:200:5", "--hand", "firm-grip"]
+        from haptisym.cli import main
+        with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())), contextlib.suppress(SystemExit):
+            main()
+        print(*sys.modules)
+        import haptisym as hs
+        found = hs.sweep("fu2019", {"environment.m": [1.0, 2.0]})
+        print(*sys.modules)
+        print(found.sel({"environment.m": 2.0}).crossings_real.item(), found["environment.m"].attrs["units"])
+        print(found.chunk().bandwidth.max().compute().item() == found.bandwidth.max().item(), *sys.modules)
+    """).splitlines()
+    assert "xarray" in loaded[0].split()
+    for modules in loaded[:2]:
+        assert not {"dask", "pint", "scipy", "matplotlib"} & set(modules.split())
+    assert loaded[2] == "1 kg"
+    assert loaded[3].startswith("True ")
+    assert "dask" in loaded[3].split()
+
+
 def test_what_needs_numpy_is_undecided_without_it_and_says_so() -> None:
     told = python("""
         import sys

@@ -8,6 +8,7 @@ that ``--json`` in a loop pays for none of it.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -724,7 +725,7 @@ def sweep(ask: Ask) -> None:
     if (ask.workers or ask.cluster) and ask.out is None:
         raise SceneError("--workers and --cluster need --out FILE, to which the workers write")
     from haptisym.commands.engines import engine, left_of
-    from haptisym.verbs.stability.entry import in_hands
+    from haptisym.model.scene import in_hands
     from haptisym.verbs.sweep.axes import spaced
     from haptisym.verbs.sweep.entry import Swept
     from haptisym.verbs.sweep.entry import sweep as of
@@ -738,7 +739,8 @@ def sweep(ask: Ask) -> None:
             f"figure: {ask.figure} would show one or two parameters, not {len(varied)}"
         )
     with progress("sets", kept=lambda reached: left_of(ask.out, reached)) as told:
-        with engine(ask.workers, ask.cluster):
+        # In memory, without --out, dask has no part.
+        with engine(ask.workers, ask.cluster) if ask.out else nullcontext():
             data = of(scene, dict(varied), out=ask.out, progress=told)
         hand_over(Swept(scene, data, ask.out), ask)
 

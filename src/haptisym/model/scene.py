@@ -33,15 +33,17 @@ from typing import Any, Protocol
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
 
 from haptisym.kernel.budget import spared
-from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.errors import SceneError, meant, several, within
 from haptisym.kernel.objects import Shown, titled
 from haptisym.kernel.rings import c, omega
 from haptisym.kernel.roots import sign_of_number
 from haptisym.model.catalogue import (
+    AT,
     CLOCKS,
     DESCRIBED,
     DIFFERENCE_EQUATION,
     FRICTION,
+    NOBODY,
     Effect,
     Environment,
     Hand,
@@ -49,6 +51,7 @@ from haptisym.model.catalogue import (
     given_effects,
     given_environment,
     given_hands,
+    hands,
     with_controller,
 )
 from haptisym.model.chain import NOTHING_TO_FEEL, Chain
@@ -769,6 +772,43 @@ class Scene(Shown):
     def with_band(self, low: Number, high: Number) -> Scene:
         """The same scene on another band, rad/s or with a unit."""
         return replace(self, band=(low, high))
+
+
+def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
+    """The scene in the hands that are asked about; as it is where none is. SceneError for one that
+    is unknown, or there twice."""
+    if hand is None:
+        return scene
+    asked = [
+        chosen_hand(scene, x)
+        for x in (
+            [hand]
+            if isinstance(hand, str | Hand)
+            else several("hand", hand, "give a name, a Hand, or several")
+        )
+    ]
+    for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
+        raise SceneError(f'the hand "{name}" is asked about twice')
+    return scene.with_hands(*asked)
+
+
+def chosen_hand(scene: Scene, given: str | Hand) -> Hand:
+    """A hand by its name, the scene's own before one that the package ships; "none" is one that
+    holds nothing, and ``postural-arm at 15 cm`` one that holds a lever."""
+    if isinstance(given, Hand):
+        return given
+    own = {x.name: x for x in scene.hands}
+    known = {**hands, NOBODY: Hand(NOBODY), **own}
+    if given in known:
+        return known[given]
+    bare, _, lever = str(given).partition(AT)
+    if lever and bare in known:
+        return known[bare].on_lever(lever)
+    theirs = f"the scene has {', '.join(own)}; " if own else ""
+    listed = f"{theirs}the package ships {', '.join(hands)}, and {NOBODY} is no hand"
+    raise SceneError(
+        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{listed}'
+    )
 
 
 def frequency(key: str, given: Number) -> Expr:

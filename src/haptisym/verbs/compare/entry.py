@@ -39,10 +39,9 @@ from haptisym.model.jnd import Part
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name
 from haptisym.model.quantities import Number
-from haptisym.model.scene import Knob, Scene
+from haptisym.model.scene import Knob, Scene, in_hands
 from haptisym.model.scenefile import chosen, common_ring, open_scenes
 from haptisym.verbs.measured.entry import MeasuredEvaluation, judge
-from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.held import Held, held
 
 MOST = 6

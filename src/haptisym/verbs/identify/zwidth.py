@@ -26,11 +26,11 @@ from haptisym.kernel.errors import SceneError, UndecidedError, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.sampledloop import SampledLoop
 from haptisym.model.catalogue import NOBODY, Hand
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, chosen_hand, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.stability.clockedloop import loop_of
-from haptisym.verbs.stability.entry import WALL, chosen
+from haptisym.verbs.stability.entry import WALL
 
 _ANGLES = 1500
 """Places on the half circle between which K(B) is searched for a real value."""
@@ -128,7 +128,7 @@ def fit_zwidth(
     >>> f"{found.estimates[0].value:.6f}"
     '0.100000'
     """
-    scene, asked = as_scene(scene), chosen(as_scene(scene), hand)
+    scene, asked = as_scene(scene), chosen_hand(as_scene(scene), hand)
     scene.knobs.need_numbers()
     pairs = read_walls(walls) if isinstance(walls, str | Path) else several("walls", walls, _PAIRS)
     K, B = (np.array([float(x[i]) for x in pairs]) for i in range(2))

@@ -11,15 +11,14 @@ from haptisym.judge.crossings import PASSIVE, Criterion
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.sets import Domain, ValueSet
 from haptisym.model.catalogue import Hand, how_to_give
-from haptisym.model.scene import Knob, Scene, clocks
+from haptisym.model.scene import Knob, Scene, chosen_hand, clocks
 from haptisym.verbs.require.passive import solve_passive, solve_sampled
-from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.limits import stable_values
 
 
 def with_hands(scene: Scene, given: str | Hand | None) -> Scene:
     """The scene in the hand that is asked about; its own if none is."""
-    found = scene if given is None else scene.with_hands(chosen(scene, given))
+    found = scene if given is None else scene.with_hands(chosen_hand(scene, given))
     if not found.hands:
         raise SceneError(f"a display is stable in a hand, and none is given: {how_to_give()}")
     return found

@@ -33,7 +33,7 @@ from haptisym.model.catalogue import DESCRIBED, Hand, how_to_give
 from haptisym.model.motions import LettingGo, positive
 from haptisym.model.quantities import Dimension, Number, quantity
 from haptisym.model.quantities import MotionKind as Kind
-from haptisym.model.scene import Scene, clocks
+from haptisym.model.scene import Scene, chosen_hand, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
 from haptisym.verbs.simulate.engine import Engine
@@ -49,7 +49,6 @@ from haptisym.verbs.simulate.network import (
 )
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
-from haptisym.verbs.stability.entry import chosen
 from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
 from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles, linear
 
@@ -485,7 +484,7 @@ def release(
 
 def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:
     if given is not None:
-        return chosen(scene, given)
+        return chosen_hand(scene, given)
     if len(scene.hands) == 1:
         return scene.hands[0]
     several = (

@@ -19,12 +19,12 @@ from haptisym.judge.bindings import STABLE, STEADY, stable_in
 from haptisym.judge.colgate import SampledPassivity
 from haptisym.kernel.budget import SECONDS, limited, share, tick
 from haptisym.kernel.dynamics import ring_of
-from haptisym.kernel.errors import SceneError, meant, several
+from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
-from haptisym.model.catalogue import AT, DESCRIBED, NOBODY, Hand, hands, how_to_give
-from haptisym.model.scene import Knob, Scene, clocks, first_harmonics
+from haptisym.model.catalogue import DESCRIBED, Hand, how_to_give
+from haptisym.model.scene import Knob, Scene, clocks, first_harmonics, in_hands
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -298,24 +298,6 @@ def stability(
         return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
-def in_hands(scene: Scene, hand: str | Hand | Iterable[str | Hand] | None) -> Scene:
-    """The scene in the hands that are asked about; as it is where none is. SceneError for one that
-    is unknown, or there twice."""
-    if hand is None:
-        return scene
-    asked = [
-        chosen(scene, x)
-        for x in (
-            [hand]
-            if isinstance(hand, str | Hand)
-            else several("hand", hand, "give a name, a Hand, or several")
-        )
-    ]
-    for name in (x.name for i, x in enumerate(asked) if x.name in [y.name for y in asked[:i]]):
-        raise SceneError(f'the hand "{name}" is asked about twice')
-    return scene.with_hands(*asked)
-
-
 def _number(scene: Scene, x: Knob) -> Knob:
     if x.parts:
         raise SceneError(
@@ -353,25 +335,6 @@ def _critical(scene: Scene, x: Held, free: Iterable[Knob], *, after: int) -> dic
                 scene, x.hand, knob, ALLOWED[knob.rule], criterion, near=True
             )
     return found
-
-
-def chosen(scene: Scene, given: str | Hand) -> Hand:
-    """A hand by its name, the scene's own before one that the package ships; "none" is one that
-    holds nothing, and ``postural-arm at 15 cm`` one that holds a lever."""
-    if isinstance(given, Hand):
-        return given
-    own = {x.name: x for x in scene.hands}
-    known = {**hands, NOBODY: Hand(NOBODY), **own}
-    if given in known:
-        return known[given]
-    bare, _, lever = str(given).partition(AT)
-    if lever and bare in known:
-        return known[bare].on_lever(lever)
-    theirs = f"the scene has {', '.join(own)}; " if own else ""
-    listed = f"{theirs}the package ships {', '.join(hands)}, and {NOBODY} is no hand"
-    raise SceneError(
-        f'there is no hand "{str(given)[:60]}": {meant(str(given), [*own, *hands])}{listed}'
-    )
 
 
 def certificate(found: Stability) -> str:

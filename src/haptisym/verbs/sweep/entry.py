@@ -43,9 +43,8 @@ from haptisym.kernel.reals import whole
 from haptisym.model.catalogue import Hand
 from haptisym.model.files import beside, claimed, replacing
 from haptisym.model.jnd import Part
-from haptisym.model.scene import Knob, Scene
+from haptisym.model.scene import Knob, Scene, in_hands
 from haptisym.model.scenefile import as_scene
-from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.sweep.axes import (
     EXACT,
     FLOAT,
@@ -671,15 +670,21 @@ def _now(grid: SweepGrid, xarray: Any, progress: Progress | None) -> xr.Dataset:
 def _dataset(grid: SweepGrid, xarray: Any, columns: list[Any]) -> xr.Dataset:
     """The data set of a grid from its columns, which may be arrays or dask arrays."""
     names = [axis.path for axis in grid.axes]
+    # Told that these are arrays, xarray asks neither dask nor pint whether they know them, which
+    # would load both, and SciPy with them: a second.
     variables = {
-        name: (names, column, about)
+        name: xarray.Variable(names, column, about, fastpath=True)
         for column, (name, (_, about)) in zip(columns, grid.variables.items(), strict=True)
     }
-    places = {
-        axis.path: xarray.Variable(axis.path, axis.values, {"units": axis.unit})
+    indexes = {
+        axis.path: xarray.indexes.PandasIndex(needed("pandas").Index(axis.values), axis.path)
         for axis in grid.axes
     }
-    found: xr.Dataset = xarray.Dataset(variables, places, grid.attributes())
+    places = {name: index.create_variables()[name] for name, index in indexes.items()}
+    for axis in grid.axes:
+        places[axis.path].attrs["units"] = axis.unit
+    coordinates = xarray.Coordinates(places, indexes)
+    found: xr.Dataset = xarray.Dataset(variables, coordinates, grid.attributes())
     return found
 
 
@@ -745,9 +750,8 @@ class Swept(Answer):
     def _body(self) -> dict[str, Any]:
         data, variables = self.data, SweepVariables.of(self.scene)
         of_hands = [_held(data[name]) for name in data.data_vars if str(name).startswith(HELD)]
-        methods = [
-            int(x.sum()) for x in (data.method == FLOAT, data.method == EXACT, _is_open(data))
-        ]
+        method = data.method.data
+        methods = [int(x.sum()) for x in (method == FLOAT, method == EXACT, _is_open(data))]
         return {
             "band": [float(x) for x in data.attrs["band"]],
             "vary": [_axis(data, str(name)) for name in data.method.dims],
@@ -766,10 +770,12 @@ class Swept(Answer):
         )
 
 
-def _is_open(data: xr.Dataset) -> xr.DataArray:
-    """Which sets have no answer, or were not computed."""
-    is_open: xr.DataArray = (data.method != FLOAT) & (data.method != EXACT)
-    return is_open
+def _is_open(data: xr.Dataset) -> Any:
+    """Which sets have no answer, or were not computed: an array of NumPy or dask, as the data
+    are."""
+    # Of the array itself, here and below: xarray would load dask for what NumPy does.
+    method = data.method.data
+    return (method != FLOAT) & (method != EXACT)
 
 
 def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
@@ -779,25 +785,26 @@ def _axis(data: xr.Dataset, name: str) -> dict[str, Any]:
 
 
 def _range(column: xr.DataArray) -> list[float] | None:
-    low, high = float(column.fillna(np.inf).min()), float(column.fillna(-np.inf).max())
+    x = column.data
     # filled, since dask warns of blocks that hold NaN alone; the ends are the wrong way round where
     # all of it is NaN
+    low = float(np.where(np.isnan(x), np.inf, x).min())
+    high = float(np.where(np.isnan(x), -np.inf, x).max())
     return None if low > high else [low, high]
 
 
 def _counts(column: xr.DataArray) -> dict[str, int]:
     """The number of sets, by the value of a column of counts."""
-    low, high = int(column.min()), int(column.max())
-    return {
-        str(n): found for n in range(max(low, 0), high + 1) if (found := int((column == n).sum()))
-    }
+    x = column.data
+    low, high = int(x.min()), int(x.max())
+    return {str(n): sets for n in range(max(low, 0), high + 1) if (sets := int((x == n).sum()))}
 
 
 def _held(column: xr.DataArray) -> dict[str, Any]:
     """The number of sets that are stable in a hand, and of the others by their roots in
     Re s >= 0."""
-    numbers = [int(n) for n in np.unique(column)]
-    sets = {n: int((column == n).sum()) for n in numbers}
+    numbers, counts = np.unique(column.values, return_counts=True)
+    sets = dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     infinite, undecided = sets.pop(INFINITE, 0), sets.pop(UNKNOWN, 0)
     # after both marks were taken out what is left are numbers of roots, 0 for a stable display
     return {
@@ -812,7 +819,7 @@ def _held(column: xr.DataArray) -> dict[str, Any]:
 
 def _places(data: xr.Dataset, most: int = 5) -> list[dict[str, float]]:
     """The parameters of the first few sets that have no answer."""
-    where = np.argwhere(_is_open(data).values)[:most]
+    where = np.argwhere(np.asarray(_is_open(data)))[:most]
     names = [str(name) for name in data.method.dims]
     return [
         {name: float(data[name].values[i]) for name, i in zip(names, index, strict=True)}

@@ -25,7 +25,6 @@ from haptisym.kernel.roots import Chart, Key, Point, Signed, chart
 from haptisym.model.distortion import Distortion, part_of
 from haptisym.model.jnd import Part
 from haptisym.model.scene import Knob, Scene
-from haptisym.verbs.stability.held import unstable_roots
 from haptisym.verbs.sweep.axes import ABSENT, EXACT, INFINITE, UNKNOWN, SweepVariables
 
 _LONGEST_EXACT = 10.0
@@ -114,6 +113,9 @@ def exact_count(scene: Scene, index: int, swept: Sequence[Knob], values: Sequenc
     """The number of roots in Re s >= 0 in the hand of that index for one set, whose values are
     taken as exactly the binary numbers that the floats are. INFINITE for a chain of infinitely many
     roots; UNKNOWN where it stays undecided, or takes longer than ``_LONGEST_EXACT`` seconds."""
+    # Loaded for scenes with hands alone: counting roots brings much else.
+    from haptisym.verbs.stability.held import unstable_roots
+
     pairs = zip(swept, values, strict=True)
     try:
         # Thresholds do not move roots.

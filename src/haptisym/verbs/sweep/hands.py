@@ -23,7 +23,6 @@ from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import HaptisymError
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Knob, Scene, clocks
-from haptisym.verbs.stability.held import characteristic
 from haptisym.verbs.sweep.axes import EXACT, FLOAT, OPEN, UNKNOWN, held_name
 from haptisym.verbs.sweep.batch import FLOAT_KINDS, Array, Monomials, count_right, within_reach
 from haptisym.verbs.sweep.curves import fixed_values
@@ -64,6 +63,8 @@ def hand_curves(scene: Scene, swept: Sequence[Knob]) -> tuple[HandCurve | None, 
 def _curve(scene: Scene, hand: Hand, swept: Sequence[Knob]) -> HandCurve | None:
     """The characteristic polynomial of a display in one hand; None where it is no polynomial, or 0
     everywhere."""
+    from haptisym.verbs.stability.held import characteristic
+
     chain = scene.chain.at(fixed_values(scene.parameters, swept))
     Z = hand.dynamics.xreplace(fixed_values(hand.parameters, swept))
     try:

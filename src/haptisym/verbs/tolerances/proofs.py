@@ -46,11 +46,10 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, rational, whole
 from haptisym.kernel.roots import chart
 from haptisym.kernel.where import Array, Batches, Cells, Columns, Search, halves, touching, zeros
 from haptisym.model.catalogue import Hand
-from haptisym.model.scene import Scene
+from haptisym.model.scene import Scene, in_hands
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.taylormodels import TaylorModel
 from haptisym.verbs.require.freeparameter import conditions, is_kept_anyway
-from haptisym.verbs.stability.entry import in_hands
 from haptisym.verbs.stability.ranges import HeldInBox, held_in_box
 from haptisym.verbs.sweep.entry import in_floats
 
