@@ -34,7 +34,7 @@ TREE = Path(__file__).parents[1]
 SHIPPED = TREE / "src" / "haptisym"
 LIMIT = 300.0
 """Seconds that a cell gets."""
-COMMAND = "from haptisym_command import main; main()"
+COMMAND = "from haptisym.__main__ import main; main()"
 """What the shell starts."""
 ONE = ("--hand", "postural-arm")
 RANGES = ("--range", "LOW", "HIGH", "--range", "LEAST", "MOST")

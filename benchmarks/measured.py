@@ -25,7 +25,7 @@ from timing import machine
 
 import haptisym as hs
 
-COMMAND = [sys.executable, "-c", "from haptisym_command import main; main()", "evaluate"]
+COMMAND = [sys.executable, "-c", "from haptisym.__main__ import main; main()", "evaluate"]
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 ROUNDS = 5
 FORMS = {"9 digits": "%.9g", "shortest": "%r", "19 digits": "%.18e"}

@@ -287,7 +287,7 @@ def test_a_bar_of_progress_leaves_nothing_behind() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_what_the_shell_started_in_the_background_is_not_ended_by_ctrl_c() -> None:
-    probe = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); from haptisym_command import main; import sys, os; sys.argv = ['haptisym', '--help']; os.kill(os.getpid(), signal.SIGINT); main()"
+    probe = "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); from haptisym.__main__ import main; import sys, os; sys.argv = ['haptisym', '--help']; os.kill(os.getpid(), signal.SIGINT); main()"
     assert subprocess.run([sys.executable, "-c", probe], capture_output=True, check=True).returncode == 0
 
 

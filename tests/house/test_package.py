@@ -191,7 +191,7 @@ def test_a_document_on_the_command_line_loads_neither_arrays_figures_units_nor_o
 def test_the_command_starts_with_everything_loaded_out_of_the_collectors_way_and_leaves_it_on() -> None:
     told = python("""
         import gc, sys
-        from haptisym_command import main
+        from haptisym.__main__ import main
         sys.argv = ["haptisym", "effects", "--help"]
         try:
             main()

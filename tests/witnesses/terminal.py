@@ -17,7 +17,7 @@ import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
-COMMAND = [sys.executable, "-c", "from haptisym_command import main; main()"]
+COMMAND = [sys.executable, "-c", "from haptisym.__main__ import main; main()"]
 """What the installed ``haptisym`` does."""
 
 _SEVERAL = """
