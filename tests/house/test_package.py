@@ -250,7 +250,7 @@ def answers(path: Path) -> list[str]:
     doing: hs.ValueSet = needed.values
     design: hs.DesignMap = hs.design_map(scene, ["zeta", "omega_n"], [(0.4, "0.6"), (50, 500)], slices=3)
     best: hs.Design = hs.design(scene, {"zeta": (0.3, "1")}, keep="passive", limit=20)
-    both: hs.Comparison = hs.compare(e, "helicopter-cyclic", hand="postural-arm")
+    beside: hs.Comparison = hs.compare(e, "helicopter-cyclic", hand="postural-arm")
     slopes: hs.Sensitivities = hs.sensitivity(scene)
     boxes: hs.Tolerances = hs.tolerances(hs.load_scene("fu2019-tolerances"), samples=0)
     person: hs.Psychometric = hs.jnd("answers.csv", reference=5, lapse=None)
@@ -287,7 +287,7 @@ def answers(path: Path) -> list[str]:
         hs.parse_scene("nonsense")
     except hs.SceneError as error:
         written.append(str(error))
-    shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, doing, design, both, slopes, boxes, kept]
+    shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, doing, design, beside, slopes, boxes, kept]
     shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted, mass]
     return [*written, *map(str, shown), str(path)]
 '''

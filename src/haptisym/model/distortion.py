@@ -12,7 +12,7 @@ import cmath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, re, sqrt
 
@@ -767,6 +767,14 @@ class Distortion(Shown):
         return self.changeover("perc")
 
 
+@overload
+def solve_for(
+    d: Distortion, what: Literal["crossing"], parameter: Symbol | str, c: Any = None
+) -> CrossingSolutions: ...
+@overload
+def solve_for(
+    d: Distortion, what: Literal["changeover"], parameter: Symbol | str, c: Any = None
+) -> Changeovers: ...
 def solve_for(
     d: Distortion, what: str, parameter: Symbol | str, c: Any = None
 ) -> CrossingSolutions | Changeovers:
