@@ -10,6 +10,7 @@ import json
 import os
 import pkgutil
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -368,3 +369,9 @@ def test_the_readme_lists_exactly_the_derivations() -> None:
     listed = re.findall(r"^\| \[`(\d\d_\w+\.py)`\]\(\1\) \|", table, re.MULTILINE)
     assert listed == [script.name for script in SCRIPTS]
     assert listed
+
+
+@pytest.mark.slow
+def test_the_numbers_of_the_paper_are_the_programs() -> None:
+    make = runpy.run_path(str(ROOT / "paper" / "make.py"))
+    assert make["text"]() == (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
