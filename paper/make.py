@@ -13,7 +13,9 @@ import haptisym as hs
 
 HERE = Path(__file__).parent
 PAPER = HERE / "paper.md"
-WORDS = dict(enumerate("ten eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen".split(), 10))
+WORDS = dict(
+    enumerate(["ten", "eleven", "twelve", "thirteen", "fourteen", "fifteen", "sixteen", "seventeen", "eighteen"], 10)
+)
 
 
 def numbers() -> dict[str, str]:
