@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from importlib.util import find_spec
@@ -270,14 +271,14 @@ def test_poles_are_infinite_and_frequencies_that_are_none_give_none(accuracy: st
 @pytest.mark.parametrize("accuracy", LEVELS)
 def test_at_negative_frequencies_dynamics_are_conjugate(accuracy: str) -> None:
     d = hs.distort(expression("2*s^0.5 + s"), first_order_lag(3), delay("0.3 s"))
-    f = d.compile(accuracy)
-    below, above = f(-2.0)._asdict(), f(2.0)._asdict()
-    for name, x in above.items():
-        mirrored = -x if name.endswith("imag") and not name.startswith("ratio") else x
-        assert below[name] == pytest.approx(mirrored, rel=1e-12)
-        assert x != 0
+    for f in (d.compile(accuracy), hs.load_scene("organ-tissue").distortion().compile(accuracy)):
+        below, above = f(-2.0)._asdict(), f(2.0)._asdict()
+        for name, x in above.items():
+            mirrored = -x if name.endswith("imag") and not name.startswith("ratio") else x
+            assert below[name] == pytest.approx(mirrored, rel=1e-12)
+            assert x != 0
     with pytest.raises(hs.SceneError, match="must be >= 0"):
-        f.digits(-2.0, 5)
+        d.compile(accuracy).digits(-2.0, 5)
 
 
 @pytest.mark.dear("fast")
@@ -370,6 +371,7 @@ def test_a_wrong_choice_lists_the_right_ones(choice: dict[str, Any], message: st
     ("omega", "values", "message"),
     [
         (["fast"], {"k": 1.0, "omega_c": 1.0}, "omega.*real numbers"),
+        ([2j], {"k": 1.0, "omega_c": 1.0}, "omega: give real frequencies"), (1.0, {"k": 2j, "omega_c": 1.0}, "k: give real numbers in SI"),
         ([1.0, 2.0], {"k": [1.0, 2.0, 3.0], "omega_c": 1.0}, r"broadcast: omega \(2,\), k \(3,\)"),
         (1.0, {}, "k, omega_c"), (1.0, {"k": 1.0}, "k, omega_c"), (1.0, {"k": 1.0, "omega_c": 1.0, "m": 1.0}, "k, omega_c"),
     ],
@@ -512,6 +514,33 @@ def test_blocks_and_shared_buffers_give_what_the_steps_give_one_by_one(seed: int
     for row, name in zip(out, program.results, strict=True):
         # a library may take a single sine another way than those of an array: within a unit or two of the last place
         assert np.allclose(row, expected[name], rtol=1e-10, atol=1e-12, equal_nan=True)
+
+
+def test_single_numbers_give_what_arrays_give_also_where_python_refuses_them() -> None:
+    for seed in range(30):
+        program, rng = any_program(seed), np.random.default_rng(seed)
+        for inputs in ([float(x) for x in rng.normal(size=3) * 3], [0.0, -1.0, 0.0]):
+            one, row = [np.empty(1) for _ in program.results], [np.empty(2) for _ in program.results]
+            Floats(program).run(inputs, 1, one)
+            Floats(program).run([np.full(2, x) for x in inputs], 2, row)
+            assert np.allclose([x[0] for x in one], [x[0] for x in row], rtol=1e-10, atol=1e-12, equal_nan=True)
+
+
+def test_threads_that_call_one_function_do_not_share_its_buffers() -> None:
+    f = hs.load_scene("delayed-spring").distortion().compile(of=RATIOS)
+    grids = [np.geomspace(0.1, 10 + n, size) for n, size in enumerate([500, BLOCK, 500, BLOCK + 7] * 3)]
+    alone = [np.array(f(w)) for w in grids]
+    with ThreadPoolExecutor(6) as threads:
+        together = [*threads.map(f, grids * 20)]
+    assert all((np.array(x) == y).all() for x, y in zip(together, alone * 20, strict=True))
+
+
+def test_what_a_function_returns_stays_as_it_is_when_it_is_called_again() -> None:
+    f = hs.load_scene("fu2019").distortion().compile(of=RATIOS)
+    first = f(np.linspace(1, 9, 40))
+    kept = np.array(first)
+    assert (np.array(f(np.linspace(1, 9, 40)[::-1]))[:, ::-1] == kept).all()
+    assert (np.array(first) == kept).all()
 
 
 def test_sin_x_over_x_and_that_less_one_keep_their_digits_for_arguments_of_either_sign_and_any_size() -> None:

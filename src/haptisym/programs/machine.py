@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from typing import Any
 
@@ -54,38 +54,58 @@ class Machine:
                 'engine: "numba" needs Numba, which is not installed: pip install "haptisym[fast]"'
             )
 
-    def run(self, inputs: Sequence[Any], size: int, out: Any) -> None:
-        """Fill the rows of ``out``, one for each result; an input is a float or an array of that
+    @cached_property
+    def in_numpy(self) -> Floats:
+        """The same program as NumPy runs it."""
+        return Floats(self.program)
+
+    def point(self, inputs: Sequence[float]) -> list[float]:
+        """As ``Floats.point``."""
+        return self.in_numpy.point(inputs)
+
+    def run(
+        self, inputs: Sequence[Any], size: int, out: Sequence[Any], *, watched: bool = False
+    ) -> None:
+        """As ``Floats.run``, which does what is ``watched``."""
+        if watched:
+            self.in_numpy.run(inputs, size, out, watched=True)
+        else:
+            self.fill(inputs, size, out)
+
+    def fill(self, inputs: Sequence[Any], size: int, out: Sequence[Any]) -> None:
+        """Fill the arrays ``out``, one for each result; an input is a float or an array of that
         size."""
         omega, *numbers = inputs
         if not np.ndim(omega) or any(np.ndim(x) for x in numbers):
-            Floats(self.program).run(inputs, size, out)
+            self.in_numpy.run(inputs, size, out)
             return
         results = tuple(self.program.results.values())
         # Two rows in one pass: more would compete for the cache, and would need a general loop.
         for n in range(0, len(results), 2):
-            step, rows = _step(self.program, results[n : n + 2]), out[n : n + 2]
-            _loops()[len(rows)](step, omega, tuple(numbers), *rows)
+            _loop(self.program, results[n : n + 2])(omega, tuple(numbers), *out[n : n + 2])
 
 
-@lru_cache(maxsize=1)
-def _loops() -> dict[int, Any]:
-    """The passes over all frequencies, for one result and for two."""
+@lru_cache(maxsize=64)
+def _loop(program: Program, results: tuple[int, ...]) -> Any:
+    """The pass over all frequencies that computes one result or two, compiled."""
     import numba
 
-    def one(step: Any, omega: Any, numbers: Any, first: Any) -> None:
+    # A function of its own loop: one that is given as an argument costs more than a thousand
+    # frequencies at each call.
+    step = _step(program, results)
+
+    def one(omega: Any, numbers: Any, first: Any) -> None:
         for i in range(omega.size):
             (first[i],) = step(omega[i], *numbers)
 
-    def two(step: Any, omega: Any, numbers: Any, first: Any, second: Any) -> None:
+    def two(omega: Any, numbers: Any, first: Any, second: Any) -> None:
         for i in range(omega.size):
             first[i], second[i] = step(omega[i], *numbers)
 
     # NumPy's divisions: a check for 0 would keep them one by one
-    return {n: numba.njit(loop, error_model="numpy") for n, loop in ((1, one), (2, two))}
+    return numba.njit(one if len(results) == 1 else two, error_model="numpy")
 
 
-@lru_cache(maxsize=64)
 def _step(program: Program, results: tuple[int, ...]) -> Any:
     """Some results at one frequency, compiled."""
     import numba

@@ -115,9 +115,18 @@ class Compiled(Shown):
 
     def __call__(self, /, omega: ArrayLike, **values: ArrayLike) -> Any:
         inputs, shape, size = self._inputs(omega, values)
+        judgement = None if self.accuracy is Accuracy.CERTIFIED else self._judged(ranges(inputs))
+        is_plain = judgement and judgement.finite and self.accuracy is Accuracy.FAST
+        # At one point, arrays of one number would take most of the time.
+        if is_plain and shape == ():
+            return self._kind(*map(np.array, self.floats.point(inputs)))
         out = np.empty((len(self.fields), size))
-        self._fill(inputs, size, out)
-        return self._kind(*[x.reshape(shape) for x in out])
+        rows = [*out]
+        if is_plain:
+            self.floats.fill(inputs, size, rows)
+        else:
+            self._fill(inputs, size, out, judgement)
+        return self._kind(*(rows if len(shape) == 1 else [x.reshape(shape) for x in rows]))
 
     @cached_property
     def _kind(self) -> Any:
@@ -146,6 +155,10 @@ class Compiled(Shown):
         )
 
     @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(self.parameters)
+
+    @cached_property
     def certified(self) -> Certified:
         """What proves values where floats do not do."""
         return Certified(self.program, self.forms)
@@ -154,9 +167,10 @@ class Compiled(Shown):
     def _doubles(self) -> Doubles:
         return Doubles(self.program, bounded=False)
 
-    def _fill(self, inputs: Sequence[Any], size: int, out: Any) -> None:
+    def _fill(
+        self, inputs: Sequence[Any], size: int, out: Any, judgement: Judgement | None
+    ) -> None:
         fast = self.accuracy is Accuracy.FAST
-        judgement = None if self.accuracy is Accuracy.CERTIFIED else self._judged(ranges(inputs))
         if judgement is not None and judgement.safe:
             self._compute(inputs, size, out)
         else:
@@ -173,13 +187,13 @@ class Compiled(Shown):
     def _judged(self, inputs: tuple[MagnitudeRange, ...]) -> Judgement:
         """What can over- or underflow, kept for other inputs of that size: it takes longer than a
         thousand frequencies."""
-        if inputs not in self._judgements:
+        found = self._judgements.get(inputs)
+        if found is None:
+            found = judged(self.program, inputs, *_ROOM[self.accuracy is Accuracy.FAST])
             if len(self._judgements) >= _MOST_KEPT:
                 self._judgements.clear()
-            self._judgements[inputs] = judged(
-                self.program, inputs, *_ROOM[self.accuracy is Accuracy.FAST]
-            )
-        return self._judgements[inputs]
+            self._judgements[inputs] = found
+        return found
 
     @cached_property
     def _judgements(self) -> dict[tuple[MagnitudeRange, ...], Judgement]:
@@ -190,7 +204,7 @@ class Compiled(Shown):
         with proven values elsewhere."""
         # The processor does not say at which frequency it happened: halves are tried again.
         try:
-            Floats(self.program).run(inputs, size, out, watched=True)
+            self.floats.run(inputs, size, [*out], watched=True)
         except FloatingPointError:
             if size <= _LEAST:
                 self._prove(inputs, size, out)
@@ -210,7 +224,7 @@ class Compiled(Shown):
     def _compute(self, inputs: Sequence[Any], size: int, out: Any) -> None:
         """Fill ``out`` in floats or double-doubles, without a proof."""
         if self.accuracy is Accuracy.FAST:
-            self.floats.run(inputs, size, out)
+            self.floats.run(inputs, size, [*out])
             return
         results = self._doubles.run(inputs, size)
         for row, name in zip(out, self.fields, strict=True):
@@ -252,42 +266,51 @@ class Compiled(Shown):
     ) -> tuple[list[Any], tuple[int, ...], int]:
         """Single numbers as floats, everything else as flat arrays of the broadcast shape; that
         shape, and its size."""
-        if sorted(values) != list(self.parameters):
+        if values.keys() != self._names:
             needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
             raise SceneError(f"parameters needed are {needed}; given are {given}")
         arguments = [
             _array("omega", omega),
             *[_array(name, values[name]) for name in self.parameters],
         ]
-        shapes = {x.shape for x in arguments}
+        shapes = {() if isinstance(x, float) else x.shape for x in arguments}
         try:
             shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
         except ValueError:
             named = zip(("omega", *self.parameters), arguments, strict=True)
-            listed = ", ".join(f"{name} {x.shape}" for name, x in named)
+            listed = ", ".join(f"{name} {np.shape(x)}" for name, x in named)
             raise SceneError(f"the shapes of the arguments do not broadcast: {listed}") from None
         # A single number stays one: steps that depend on such numbers alone are computed once, and
         # not for every frequency.
         flat: list[Any] = []
         for x in arguments:
-            if x.size == 1:
-                flat.append(float(x.item()))
+            if isinstance(x, float):
+                flat.append(x)
+            elif x.size == 1:
+                flat.append(x.item())
             else:
                 flat.append((x if x.shape == shape else np.broadcast_to(x, shape)).ravel())
         return flat, shape, prod(shape)
 
 
-def _array(name: str, given: ArrayLike) -> Array:
-    """An argument as an array of floats; SceneError for what is no real number."""
-    # NumPy would drop an imaginary part with a mere warning.
-    if np.iscomplexobj(given):
-        raise SceneError(
-            f"{name}: give real {'frequencies in rad/s' if name == 'omega' else 'numbers in SI'}"
-        )
+def _array(name: str, given: ArrayLike) -> Any:
+    """An argument as an array of floats, or as the float that it is; SceneError for what is no real
+    number."""
+    if type(given) is float:
+        return given
+    from_anything = np.asarray  # where NumPy is missing, that is the error
     try:
-        return np.asarray(given, dtype=float)
+        x = from_anything(given)
+        if x.dtype == float:
+            return x
+        # NumPy would drop an imaginary part with a mere warning.
+        real = None if x.dtype.kind == "c" else x.astype(float)
     except (TypeError, ValueError):
         raise SceneError(f"{name}: {given!r} must be real numbers") from None
+    if real is None:
+        what = "frequencies in rad/s" if name == "omega" else "numbers in SI"
+        raise SceneError(f"{name}: give real {what}")
+    return real
 
 
 @cache
