@@ -318,6 +318,21 @@ def test_a_file_is_replaced_whole_or_stays_and_a_link_stays_one(tmp_path: Path) 
 @pytest.mark.slow
 @pytest.mark.core
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
+def test_figures_are_written_in_the_format_and_the_style_that_are_asked_for(call: Call, tmp_path: Path) -> None:
+    one, folder = tmp_path / "mine", tmp_path / "all"
+    words = ["--figure", str(one), "--figures", str(folder), "--format", "svg", "--style", "paper"]
+    assert call("require", "fu2019", "--free", "zeta", *words)[0] == 0
+    assert sorted(x.relative_to(tmp_path).as_posix() for x in tmp_path.rglob("*.*")) == [
+        "all/requirement.svg",
+        "mine.svg",
+    ]
+    drawn = (tmp_path / "mine.svg").read_text()
+    colors = set(re.findall(r"#([0-9a-f]{6})", drawn))
+    assert colors
+    assert all(x[:2] == x[2:4] == x[4:] for x in colors)
+    assert 'width="244.8pt"' in drawn  # 3.4 in
+
+
 @pytest.mark.parametrize("name", ["latex a.tex", "report a.html", "certificate a.json", "response a.csv", "figures ."])
 def test_where_there_is_no_room_the_old_file_stays(
     call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
@@ -381,6 +396,8 @@ def test_a_file_on_a_full_disk_is_named(call, words: list[str]) -> None:  # type
         ("simulate fu2019 --lowpass-order 2", "it needs --lowpass"),
         ("scenes fu2019 --json", "leave out --json"),
         ("evaluate fu2019 --digits 20 --digits 30", "--digits is given 2 times"),
+        ("evaluate fu2019 --style paper", "--style is about figures: it needs --figure or --figures"),
+        ("evaluate fu2019 --figure a.svg --format pdf", '"a.svg" must end in .pdf as the format is pdf'),
         ("effects fu2019 --figure a.svg --figure b.svg", "--figure is given 2 times"),
     ],
 )  # fmt: skip

@@ -14,8 +14,11 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from drawn import overlaps, texts
+from eyes import lightness
 from marks import FLEXIBLE
+from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Annotation
 
 import haptisym as hs
@@ -36,20 +39,20 @@ def paper() -> hs.Evaluation:
     return hs.evaluate("fu2019")
 
 
-def sheets(scene: str, *names: str, **more: Any) -> list[Figure]:
+def sheets(scene: str, *names: str, style: str = "", **more: Any) -> list[Figure]:
     e = hs.evaluate(hs.load_scene(scene).with_values(more) if more else scene)
-    return [draw_figure(e, name) for name in names or SHEETS]
+    return [draw_figure(e, name, style=style) for name in names or SHEETS]
 
 
-def swept(**values: Any) -> list[Figure]:
+def swept(style: str, **values: Any) -> list[Figure]:
     scene = hs.load_scene("fu2019")
-    return [Swept(scene, hs.sweep(scene, values)).figure()]
+    return [Swept(scene, hs.sweep(scene, values)).figure(style=style)]
 
 
-def answered(alternatives: int | None) -> list[Figure]:
+def answered(alternatives: int | None, style: str) -> list[Figure]:
     base = 20 if alternatives else 3
     rows = tuple(LevelAnswers(4.4 + 0.3 * i, base + (i * (30 - base)) // 5, 40) for i in range(6))
-    return [hs.jnd(Answers("answers", rows), alternatives=alternatives).figure()]
+    return [hs.jnd(Answers("answers", rows), alternatives=alternatives).figure(style=style)]
 
 
 def loose() -> hs.Scene:
@@ -64,28 +67,30 @@ def measured() -> hs.MeasuredEvaluation:
     return hs.evaluate(hs.MeasuredScene(hs.load_scene("fu2019").environment, felt))
 
 
-FIGURES: dict[str, Callable[[], list[Figure]]] = {
-    "evaluation": lambda: [draw_figure(paper(), name) for name in SHEETS],
-    "in Hz": lambda: sheets("steering-wheel"),
-    "resonance": lambda: sheets(FLEXIBLE),
-    "thresholds": lambda: sheets(FLEXIBLE, "bandwidths", c=["0.02", "0.1", "0.4"]),
-    "family": lambda: [hs.evaluate_all(hs.load_scenes("palpation-device")).figure()],
-    "family, regions": lambda: [draw_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True), "regions")],
-    "jnd": lambda: answered(None),
-    "forced choice": lambda: answered(2),
-    "requirement": lambda: [hs.require("fu2019", "omega_n").figure()],
-    "requirement on a JND": lambda: [hs.require("fu2019", "evaluation.jnd").figure()],
-    "requirement, in vain": lambda: [hs.require("fu2019", "omega_n", (5, 20)).figure()],
-    "map": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5).figure()],
-    "map, in vain": lambda: [hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5).figure()],
-    "sweep": lambda: swept(m=np.linspace(0.5, 5, 30)),
-    "sweep in the plane": lambda: swept(omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
-    "comparison": lambda: [hs.compare("fu2019", "helicopter-cyclic", "sidestick").figure()],
-    "sensitivity": lambda: [hs.sensitivity(FLEXIBLE).figure()],
-    "tolerances": lambda: [hs.tolerances(loose(), samples=20).figure()],
-    "effects": lambda: [hs.relevance("sidestick").figure()],
-    "metrics": lambda: [hs.metrics("fu2019").figure()],
-    "measured": lambda: [measured().figure()],
+FIGURES: dict[str, Callable[[str], list[Figure]]] = {
+    "evaluation": lambda s: [draw_figure(paper(), name, style=s) for name in SHEETS],
+    "in Hz": lambda s: sheets("steering-wheel", style=s),
+    "resonance": lambda s: sheets(FLEXIBLE, style=s),
+    "thresholds": lambda s: sheets(FLEXIBLE, "bandwidths", style=s, c=["0.02", "0.1", "0.4"]),
+    "family": lambda s: [hs.evaluate_all(hs.load_scenes("palpation-device")).figure(style=s)],
+    "family, regions": lambda s: [draw_figure(hs.evaluate_all(hs.load_scenes("palpation-device"), regions=True), "regions", style=s)],
+    "jnd": lambda s: answered(None, s),
+    "forced choice": lambda s: answered(2, s),
+    "requirement": lambda s: [hs.require("fu2019", "omega_n").figure(style=s)],
+    "requirement on a JND": lambda s: [hs.require("fu2019", "evaluation.jnd").figure(style=s)],
+    "requirement, in vain": lambda s: [hs.require("fu2019", "omega_n", (5, 20)).figure(style=s)],
+    "map": lambda s: [hs.design_map("fu2019", ["omega_n", "zeta"], [(60, 200), ("0.1", 1)], slices=5).figure(style=s)],
+    "map, in vain": lambda s: [hs.design_map("fu2019", ["omega_n", "zeta"], [(10, 20), ("0.1", 1)], slices=5).figure(style=s)],
+    "sweep": lambda s: swept(s, m=np.linspace(0.5, 5, 30)),
+    "sweep in the plane": lambda s: swept(s, omega_n=np.linspace(20, 200, 12), m=np.linspace(0.5, 5, 12)),
+    "comparison": lambda s: [hs.compare("fu2019", "helicopter-cyclic", "sidestick").figure(style=s)],
+    "sensitivity": lambda s: [hs.sensitivity(FLEXIBLE).figure(style=s)],
+    "tolerances": lambda s: [hs.tolerances(loose(), samples=20).figure(style=s)],
+    "effects": lambda s: [hs.relevance("sidestick").figure(style=s)],
+    "metrics": lambda s: [hs.metrics("fu2019").figure(style=s)],
+    "hands": lambda s: [hs.stability("fu2019", "postural-arm").figure(style=s)],
+    "design": lambda s: [hs.design("palpation-device", ["omega_c"]).figure(style=s)],
+    "measured": lambda s: [measured().figure(style=s)],
 }  # fmt: skip
 
 
@@ -93,9 +98,10 @@ FIGURES: dict[str, Callable[[], list[Figure]]] = {
 @pytest.mark.few("requirement", "tolerances")
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_figure_is_one_readable_size_with_words_and_signs_of_print_and_no_text_on_another(name: str) -> None:
-    for figure in FIGURES[name]():
+    for figure in FIGURES[name](""):
         figure.draw_without_rendering()
         assert overlaps(figure) == []
+        assert legend_share(figure) <= 1 / 6
         assert pen.WIDTH - 1e-9 <= figure.get_figwidth() <= 1.5 * pen.WIDTH
         for text in texts(figure):
             said = text.get_text()
@@ -113,13 +119,52 @@ def test_a_figure_is_one_readable_size_with_words_and_signs_of_print_and_no_text
 
 
 @pytest.mark.slow
+@pytest.mark.few("evaluation", "comparison")
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_figure_for_print_is_one_column_of_greys_and_eight_points_whose_looks_differ(name: str) -> None:
+    for figure in FIGURES[name]("paper"):
+        figure.draw_without_rendering()
+        assert figure.get_figwidth() == pen.WIDTH
+        assert {x.get_fontsize() for x in texts(figure)} == {8}
+        assert overlaps(figure) == []
+        assert legend_share(figure) <= 1 / 6
+        assert all(red == green == blue for red, green, blue in colors(figure))
+        for ax in figure.axes:
+            entries = ax.get_legend().legend_handles if ax.get_legend() else []
+            looks = [look for x in entries if (look := look_of(x))]
+            for i, (shape, light) in enumerate(looks):
+                same = [other for kind, other in looks[:i] if kind == shape]
+                assert all(abs(other - light) > 10 for other in same), (shape, light)
+
+
+def colors(figure: Figure) -> set[tuple[float, ...]]:
+    """The colours of all lines, grounds and texts, red, green and blue."""
+    found: list[Any] = []
+    for x in figure.findobj():
+        for get in ("get_color", "get_facecolor", "get_edgecolor", "get_markerfacecolor"):
+            if hasattr(x, get):
+                found += to_rgba_array(getattr(x, get)()).tolist()
+    return {tuple(row[:3]) for row in found}
+
+
+def look_of(entry: Any) -> tuple[tuple[Any, ...], float] | None:
+    """What tells an entry of a legend from others in print, and how light it is; None of words alone."""
+    if isinstance(entry, Line2D):
+        stroke = str(entry._unscaled_dash_pattern) if entry.get_linestyle() != "None" else ""  # type: ignore[attr-defined]
+        filled = to_hex(entry.get_markerfacecolor()) != "#ffffff"
+        shape = (stroke, str(entry.get_marker()), filled, entry.get_linewidth() if stroke else 0)
+        return (shape, lightness(to_hex(entry.get_color()))) if stroke or shape[1] != "None" else None
+    return ("ground", entry.get_hatch()), lightness(to_hex(entry.get_facecolor()))
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("name", hs.scene_names())
 def test_no_text_lies_on_another_in_any_shipped_scene(name: str) -> None:
     e = hs.evaluate(name)
     drawings: list[Callable[[], Figure]] = [
         *(lambda own=own: draw_figure(e, own) for own in SHEETS),  # type: ignore[misc]
         lambda: hs.sensitivity(name).figure(), lambda: hs.relevance(name).figure(),
-        lambda: hs.metrics(name).figure(),
+        lambda: hs.metrics(name).figure(), lambda: hs.stability(name, "postural-arm").figure(),
     ]  # fmt: skip
     for made in drawings:
         try:
@@ -128,6 +173,13 @@ def test_no_text_lies_on_another_in_any_shipped_scene(name: str) -> None:
             continue
         figure.draw_without_rendering()
         assert overlaps(figure) == []
+        assert legend_share(figure) <= 1 / 6
+
+
+def legend_share(figure: Figure) -> float:
+    """The area of all legends, as a share of that of the figure."""
+    boxes = [ax.get_legend().get_window_extent() for ax in figure.axes if ax.get_legend()]
+    return sum(box.width * box.height for box in boxes) / (figure.bbox.width * figure.bbox.height)
 
 
 @pytest.mark.slow
@@ -292,7 +344,9 @@ matplotlib.use("agg")
 import haptisym as hs
 from haptisym.figures.evaluation import ratios
 from haptisym.figures.layers import draw
+from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 e, before = hs.evaluate("fu2019"), dict(matplotlib.rcParams)
 draw(Figure().add_subplot(), ratios(e))
 assert "matplotlib.pyplot" not in sys.modules

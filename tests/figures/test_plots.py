@@ -10,13 +10,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drawn import axes, places, told
+from drawn import at_curves, axes, places, told
 from eyes import EYES, difference, lightness
 from matplotlib.colors import to_hex
 
 import haptisym as hs
 from haptisym.figures import pen
 from haptisym.figures.files import drawings_of
+from haptisym.figures.layers import Panel, Polyline, draw
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow
 from haptisym.verbs.jnd.tables import Answers, LevelAnswers
@@ -98,7 +99,9 @@ def test_two_scenes_are_drawn_on_one_axes_of_the_caller(name: str) -> None:
         assert sorted(ax.get_xlim())[0] <= low < high <= sorted(ax.get_xlim())[1]  # the first stays in sight
         ax.figure.draw_without_rendering()
         if (name, kind) not in NOTHING:
-            assert not told(ax) or any(x.endswith("first") for x in told(ax)), kind
+            for label in ("first", "second"):  # at a curve, or where there is none in the legend
+                said = [*told(ax), *(x.get_text() for x in ax.texts)]
+                assert not told(ax) or any(x.endswith(label) for x in said), (kind, label)
             assert len(told(ax)) == len(set(told(ax)))
     with pytest.raises(NothingToDrawError, match=rf"these are {next(iter(kinds))}"):
         one.plot(axes(), kind="what")
@@ -147,17 +150,17 @@ def test_further_scenes_without_a_label_are_numbered_and_have_the_next_colour() 
     for kind in ("ratios", "ratios", "ratios"):
         evaluated().plot(ax, kind=kind)
     assert len(told(ax)) == len(set(told(ax)))
-    assert [sum(x.endswith(end) for x in told(ax)) > 0 for end in ("(2)", "(3)", "(4)")] == [True, True, False]
+    assert told(ax) == told(evaluated().plot(axes(), kind="ratios"))  # no entry is of one scene alone
+    assert sorted(x.get_text() for x in ax.texts if "(" in x.get_text()) == ["(2)", "(2)", "(3)", "(3)"]
     own = [to_hex(x.get_color()) for x in ax.lines if str(x.get_label()).startswith("$r_") and len(x.get_xdata()) > 100]
     assert own[2:] == [pen.SCENES[1]] * 2 + [pen.SCENES[2]] * 2
     other = p.plot(p.plot(axes(), label="one"), label="two", color="#009900")
-    assert any(x.endswith("two") for x in told(other))
+    assert {*at_curves(other)} == {"one", "two"}
     assert "#009900" in {to_hex(x.get_color()) for x in other.lines}
 
 
 @pytest.mark.slow
-def test_curves_of_a_further_family_have_entries_in_the_legend_that_look_like_them() -> None:
-    """Its entries bore the colours of the first, or, without a label, were missing."""
+def test_curves_of_a_further_family_bear_the_names_of_both_and_leave_the_legend_as_it_is() -> None:
     effects = (hs.effects.first_order_lag(20), hs.effects.shunt(m="0.1"))
     spring = hs.environments.mass_spring_damper(k=100, b=3)
     families = [
@@ -169,15 +172,36 @@ def test_curves_of_a_further_family_have_entries_in_the_legend_that_look_like_th
         )
         for k in (1000, 5000)
     ]  # fmt: skip
-    for labels in (("", ""), ("one", "two")):
+    for labels, own in (
+        (("", ""), ["soft", "soft (2)", "(2)"]),
+        (("one", "two"), ["soft, one", "soft, two", "one", "two"]),
+    ):
         ax = axes()
         for found, label in zip(families, labels, strict=True):
             found.plot(ax, kind="imag", label=label)
-        entries = dict(zip(told(ax), ax.get_legend().legend_handles, strict=True))
-        old, new = (f", {labels[0]}", f", {labels[1]}") if labels[0] else ("", " (2)")
-        names = ["largest", "limited by soft", "others", "threshold", "all transparent"]
-        assert list(entries) == [f"{x}{end}" for end in (old, new) for x in names]
-        assert [to_hex(entries[f"limited by soft{end}"].get_color()) for end in (old, new)] == [pen.BLUE, pen.SCENES[1]]
+        assert told(ax) == ["largest", "others", "threshold", "all transparent"]
+        assert {*at_curves(ax)} == set(own)
+        colors = {x.get_text(): to_hex(x.get_color()) for x in ax.texts}
+        assert [colors[own[0]], colors[own[1]]] == [pen.BLUE, pen.SCENES[1]]
+
+
+def test_a_name_stands_nearer_to_its_own_curve_than_to_any_other() -> None:
+    """Two curves that end in one point had both names there."""
+    ax, x = axes(), np.linspace(0, 1, 200)
+    draw(ax, Panel([Polyline(x, x**2, name="square"), Polyline(x, x**6, name="sixth")]))
+    ax.figure.draw_without_rendering()
+    lines = {"square": x**2, "sixth": x**6}
+    assert {*at_curves(ax)} == {*lines}
+    for text in ax.texts:
+        box = text.get_window_extent()
+        apart = {}
+        for name, y in lines.items():
+            a, b = ax.transData.transform(np.column_stack([x, y])).T
+            apart[name] = np.hypot(
+                np.maximum(0, np.maximum(box.x0 - a, a - box.x1)), np.maximum(0, np.maximum(box.y0 - b, b - box.y1))
+            ).min()
+        assert min(apart, key=apart.__getitem__) == text.get_text()
+        assert min(apart.values()) > 0  # and no curve goes through it
 
 
 def test_what_the_caller_drew_stays_and_a_drawing_that_fails_leaves_the_legend_as_it_was() -> None:

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 
 
 def axes(wide: float = 5, high: float = 4) -> Axes:
@@ -21,6 +21,11 @@ def axes(wide: float = 5, high: float = 4) -> Axes:
 def told(ax: Axes) -> list[str]:
     """The entries of the legend."""
     return [x.get_text() for x in ax.get_legend().get_texts()] if ax.get_legend() else []
+
+
+def at_curves(ax: Axes) -> dict[str, tuple[float, float]]:
+    """The names that stand at curves, and the points of these beside which they do."""
+    return {x.get_text(): x.xy for x in ax.texts if isinstance(x, Annotation) and ".name." in str(x.get_gid())}
 
 
 def places(line: Any) -> tuple[np.ndarray, np.ndarray]:

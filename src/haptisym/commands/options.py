@@ -38,7 +38,7 @@ from haptisym.commands.terminal import (
     says_help,
     to_file,
 )
-from haptisym.figures.pen import checked, checked_report
+from haptisym.figures.pen import STYLES, UNDATED, checked, checked_report
 from haptisym.kernel.budget import SECONDS, limited
 from haptisym.kernel.errors import NothingToDrawError, SceneError, UndecidedError, meant
 from haptisym.model.files import write_whole
@@ -126,8 +126,13 @@ def number(
 
 
 def figure(what: str) -> click.Option:
-    """The option ``--figure FILE``, for a drawing of the answer."""
-    return output("--figure FILE", f"Draw {what} (.svg, .pdf or .png).", checked)
+    """The option ``--figure FILE``, for a drawing of the answer; a name without an ending gets that
+    of ``--format``."""
+
+    def in_format(path: Path) -> Path:
+        return checked(path, click.get_current_context().params.get("format") or "")
+
+    return output("--figure FILE", f"Draw {what} (.svg, .pdf or .png).", in_format)
 
 
 def _hidden(given: click.Option) -> click.Option:
@@ -168,6 +173,15 @@ FIGURES = option(
     "--figures DIR",
     "Write the figures to this folder.",
     type=PathType(file_okay=False, path_type=Path),
+)
+_DRAWN = (
+    choice(
+        "--format",
+        "Write figures in this format alone.",
+        *(x.removeprefix(".") for x in UNDATED),
+        is_eager=True,  # read before --figure, whose name it may complete
+    ),
+    choice("--style", "Set figures for one column of a journal, in greys.", *filter(None, STYLES)),
 )
 LIMIT = option(
     "--limit SECONDS",
@@ -230,6 +244,8 @@ def verb(
         listed.append(_hidden(FIGURES))
     elif "figures" in names and "figure" not in names:
         listed.append(_hidden(figure("the answer")))
+    if names & {"figure", "figures"}:
+        listed += _DRAWN
     return lambda question: Verb(question, listed, apart, needs, each=each)
 
 
@@ -279,6 +295,11 @@ class Verb(click.Command):
         for one, other, about in self.needs:
             if given(one) and not given(other):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
+        for one in ("--format", "--style"):
+            if given(one) and not (given("--figure") or given("--figures")):
+                raise SceneError(
+                    f"{one} is about figures: it needs --figure or --figures, or leave it out"
+                )
         _nothing_lost(ctx)
         # A verb without pages has their options too, as None: ``hand_over`` is the same for all.
         ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)
@@ -490,11 +511,16 @@ def draw(found: Answer, ask: Ask) -> bool:
     False where a figure was asked for and is not there.
     """
     figures, figure = (getattr(ask, name, None) for name in ("figures", "figure"))
+    style = getattr(ask, "style", None) or ""
     try:
         if figures is not None:
-            keep("figures", figures, lambda: found.save_figures(figures))
+            keep(
+                "figures",
+                figures,
+                lambda: found.save_figures(figures, format=ask.format or "", style=style),
+            )
         if figure is not None:
-            keep("figure", figure, lambda: found.save_figure(figure))
+            keep("figure", figure, lambda: found.save_figure(figure, style=style))
     except (NothingToDrawError, UndecidedError) as error:
         note(f"no figure: {error}")
         return False

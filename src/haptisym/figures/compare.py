@@ -3,12 +3,10 @@ a stroke for each device, its name at its curve."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from haptisym.figures import pen
@@ -24,17 +22,7 @@ from haptisym.figures.curves import (
     top_of,
 )
 from haptisym.figures.files import Drawings, sheet
-from haptisym.figures.layers import (
-    DrawnAxis,
-    Layer,
-    Limit,
-    Mark,
-    On,
-    Panel,
-    Polyline,
-    Room,
-    frequency,
-)
+from haptisym.figures.layers import DrawnAxis, Layer, Limit, Mark, Panel, Polyline, frequency
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.model.jnd import Part
@@ -52,8 +40,6 @@ _STROKES: tuple[Any, ...] = (
     (0, (8, 2)),
 )
 """Colours and strokes of the devices in their order: in grey the strokes alone tell them apart."""
-_PLACES = 12
-"""Places of a curve at which its name is tried."""
 
 
 @dataclass(frozen=True)
@@ -66,50 +52,6 @@ class _Sampled:
     color: str
     stroke: Any
     measured: bool = False
-
-
-@dataclass(frozen=True)
-class _Names(Layer):
-    """The name of each device at its curve, where it meets nothing else."""
-
-    curves: Sequence[_Sampled] = field(default=())
-    limits: Sequence[float] = ()
-    top: float = 1.0
-
-    def draw(self, on: On) -> list[Artist]:
-        room = Room(on.ax)
-        # Every curve takes its place first: no name lies on the curve of another device.
-        for x in self.curves:
-            if x.measured:
-                for place in zip(on.x.of(x.omega), x.ratio, strict=True):
-                    room.take_point(*place)
-            else:
-                room.take_line(on.x.of(x.omega), np.minimum(x.ratio, 2 * self.top))
-        for limit in self.limits:
-            room.take_line(on.ax.get_xlim(), [limit, limit])
-        made: list[Artist] = []
-        for x in self.curves:
-            seen = np.flatnonzero(np.isfinite(x.ratio) & (x.ratio <= self.top))
-            if not len(seen):
-                continue
-            # A name may stand at any of some places of its curve, from its high end down: there
-            # curves are farthest apart.
-            low, high = x.omega[seen[0]], x.omega[seen[-1]]
-            wanted = np.linspace(high, low, _PLACES)
-            at = seen[np.abs(x.omega[seen][None, :] - wanted[:, None]).argmin(axis=1)]
-            places = [(float(on.x.of(x.omega[i])), float(x.ratio[i])) for i in at]
-            which, offset = room.along(places, printable(x.name), pen.SMALL)
-            made.append(
-                on.ax.annotate(
-                    printable(x.name),
-                    xy=places[which],
-                    xytext=offset,
-                    textcoords="offset points",
-                    fontsize=pen.SMALL,
-                    color=x.color,
-                )
-            )
-        return made
 
 
 def ratios(found: Comparison, which: int = 0) -> Panel:
@@ -136,9 +78,9 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
         look = {"clip_on": False, "markeredgewidth": 0.8}
         layers.append(Mark(crossed, [limit] * len(crossed), color, look=look))
     drawn: list[Layer] = [
-        Mark(x.omega, x.ratio, x.color, size=2.4)
+        Mark(x.omega, x.ratio, x.color, size=2.4, name=printable(x.name))
         if x.measured
-        else Polyline(x.omega, x.ratio, x.color, x.stroke)
+        else Polyline(x.omega, x.ratio, x.color, x.stroke, name=printable(x.name))
         for x in curves
     ]
     # One legend for all charts, which is that of the first.
@@ -150,10 +92,7 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
     low, high = min(x for x, _ in ends), max(x for _, x in ends)
     axis = frequency(found[0].scene.frequency, (low, high))
     return Panel(
-        [*drawn, *thresholds, *layers, _Names(curves=curves, limits=list(limits), top=top)],
-        axis,
-        DrawnAxis(label or name, ends=(0, top)),
-        height=1.5,
+        [*drawn, *thresholds, *layers], axis, DrawnAxis(label or name, ends=(0, top)), height=1.5
     )
 
 
@@ -187,9 +126,9 @@ def _points(device: ComparedDisplay, name: str, color: str, stroke: Any) -> list
     return [_Sampled(device.name, answer.lines.omega, ratio, color, stroke, measured=True)]
 
 
-def charts(found: Comparison) -> Figure:
+def charts(found: Comparison, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """A chart for each criterion, one above the other."""
-    return sheet(*(ratios(found, i) for i in range(len(_criteria(found)))))
+    return sheet(*(ratios(found, i) for i in range(len(_criteria(found)))), style=style)
 
 
 COMPARISON = Drawings[Comparison](

@@ -27,7 +27,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from haptisym.figures import pen
 from haptisym.figures.files import Drawings
-from haptisym.figures.layers import Layer, On, Panel, Room, dots, number, raised, thin
+from haptisym.figures.layers import Layer, On, Panel, Room, dots, number, raised, small, thin
 from haptisym.verbs.cost.entry import Cost, CostMeasurement, duration, front
 from haptisym.verbs.cost.hardcosts import HardCosts, HardRow, worst_verdict
 from haptisym.writing.characters import printable
@@ -47,8 +47,11 @@ _TITLES = {
 }
 
 
-def draw_cost(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
+def draw_cost(
+    ax: Axes, rows: Sequence[CostMeasurement], style: pen.FigureStyle = pen.SCREEN
+) -> None:
     """Right digits over time for the methods of one task."""
+    thin(ax, style)
     ax.set(xscale="log", yscale="log")
     times = [row.seconds for row in rows]
     ax.set_xlim(min(times) / 3, max(times) * 3)
@@ -62,8 +65,8 @@ def draw_cost(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
         _mark(ax, row)
     _dress(ax)
     ax.set_title(_TITLES[rows[0].task], fontsize=pen.TEXT, loc="left", color=pen.INK)
-    ax.set_xlabel("time", fontsize=pen.SMALL)
-    ax.set_ylabel("correct digits", fontsize=pen.SMALL)
+    ax.set_xlabel("time", fontsize=small(ax))
+    ax.set_ylabel("correct digits", fontsize=small(ax))
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,6 @@ def _mark(ax: Axes, row: CostMeasurement) -> None:
 
 def _dress(ax: Axes) -> None:
     """Set the ticks of times and of digits."""
-    thin(ax)
     ax.xaxis.set_major_locator(LogLocator(numticks=8))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: duration(x).replace("us", "µs")))
     ax.yaxis.set_major_formatter(FuncFormatter(lambda y, _: number(y)))
@@ -128,7 +130,7 @@ def _dress(ax: Axes) -> None:
 def _draw_names(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
     """Write the name of each method beside its mark, where it covers neither a mark nor another
     name; once the axes have their size."""
-    room, size = Room(ax), pen.SMALL - 0.5
+    room, size = Room(ax), small(ax)
     for row in rows:
         room.take_point(*_place(row))
     for line in ax.get_lines():
@@ -163,31 +165,34 @@ def _draw_names(ax: Axes, rows: Sequence[CostMeasurement]) -> None:
 # The whole figure.
 
 
-def cost_figure(found: Cost) -> Figure:
+def cost_figure(found: Cost, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """A panel for each task, two in a row; what the marks mean stands below, or in the place that
     is left."""
     rows = found.rows
     groups = [group for task in _TITLES if (group := [row for row in rows if row.task == task])]
-    columns = min(2, len(groups))
+    columns = 1 if style.is_paper else min(2, len(groups))
     lines = -(-len(groups) // columns)
     width, height = _PANEL if columns > 1 else _ALONE
+    width = pen.WIDTH if style.is_paper else width
     figure = Figure(figsize=(width * columns, height * lines + 0.3), layout="constrained")
     axes = figure.subplots(lines, columns, squeeze=False).ravel()
     for ax, group in zip(axes, groups, strict=False):
-        draw_cost(ax, group)
+        draw_cost(ax, group, style)
     figure.suptitle(
-        "\n".join(wrap(printable(found.scene.title), 88)), fontsize=pen.TEXT + 1, color=pen.INK
+        "\n".join(wrap(printable(found.scene.title), 44 if style.is_paper else 88)),
+        fontsize=pen.TEXT + 1,
+        color=pen.INK,
     )
-    style: dict[str, Any] = {
+    look: dict[str, Any] = {
         "handles": _handles(rows),
-        "fontsize": pen.SMALL,
+        "fontsize": style.small,
         "frameon": False,
         "handlelength": 2,
     }
     if len(groups) < len(axes):
-        _explain(axes[-1], found.summary, style)
+        _explain(axes[-1], found.summary, look)
     else:
-        figure.legend(loc="outside lower center", ncols=5, **style)
+        figure.legend(loc="outside lower center", ncols=2 if style.is_paper else 5, **look)
     # Names are placed beside marks in points of the page. So axes get their sizes first, and the
     # engine that set them is taken off: it would move them again on saving.
     figure.draw_without_rendering()
@@ -197,7 +202,7 @@ def cost_figure(found: Cost) -> Figure:
     return figure
 
 
-def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
+def _explain(ax: Axes, said: str, look: dict[str, Any]) -> None:
     """Write the summary and the legend in the place of a panel."""
     ax.set_axis_off()
     summary = fill(raised(said.replace(" us", " µs")), 52)
@@ -211,7 +216,7 @@ def _explain(ax: Axes, said: str, style: dict[str, Any]) -> None:
         linespacing=1.5,
         transform=ax.transAxes,
     )
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **style)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.0), labelspacing=0.6, **look)
 
 
 def _handles(rows: Sequence[CostMeasurement]) -> list[Any]:
@@ -239,8 +244,9 @@ _DARKEST = 0.42
 too."""
 
 
-def hard_costs_figure(found: HardCosts) -> Figure:
-    """A table for the questions about values above one for those about crossings."""
+def hard_costs_figure(found: HardCosts, style: pen.FigureStyle = pen.SCREEN) -> Figure:
+    """A table for the questions about values above one for those about crossings, wider than a
+    column in every style."""
     rows = found.rows
     groups = [[row for row in rows if row.task == task] for task in _TABLES]
     groups = [group for group in groups if group]

@@ -27,6 +27,7 @@ from haptisym.figures.layers import (
     frequency,
     handle,
     parameter,
+    small,
 )
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
@@ -176,7 +177,7 @@ class _Levels(Layer):
     def draw(self, on: On) -> list[Artist]:
         style: dict[str, Any] = {"colors": pen.BLUE, "linewidths": 0.7, "zorder": 2}
         lines = on.ax.contour(on.x.of(self.x), on.y.of(self.y), self.z, 8, **style)
-        on.ax.clabel(lines, fontsize=pen.SMALL - 1, fmt="%g", inline_spacing=2)
+        on.ax.clabel(lines, fontsize=small(on.ax), fmt="%g", inline_spacing=2)
         return [handle(pen.BLUE, pen.SOLID, "", 0.7)]
 
 

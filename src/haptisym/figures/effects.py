@@ -33,9 +33,11 @@ from haptisym.figures.layers import (
     On,
     Panel,
     Polyline,
-    draw,
+    fill,
+    frame,
     frequency,
     number,
+    small,
     spread,
     text_width,
 )
@@ -137,7 +139,7 @@ class _Ends(Layer):
         for old in before:
             old.remove()
         rows += [
-            (f"{name}{on.suffix}", y, on.color if kept else pen.GREY) for name, y, kept in self.ends
+            (on.labelled(name), y, on.color if kept else pen.GREY) for name, y, kept in self.ends
         ]
         rows += (
             [("tolerance", self.tolerance, pen.GREY)]
@@ -152,7 +154,7 @@ class _Ends(Layer):
             for name, value, color in rows
             if value
         )
-        height = pen.SMALL * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
+        height = small(ax) * 1.15 * ax.figure.dpi / (72 * ax.bbox.height)
         places = spread([share for share, *_ in seen], [height] * len(seen))
         leader = {
             "arrowstyle": "-",
@@ -170,7 +172,7 @@ class _Ends(Layer):
                 xycoords=ax.get_yaxis_transform(),
                 textcoords="axes fraction",
                 va="center",
-                fontsize=pen.SMALL,
+                fontsize=small(ax),
                 color=color,
                 label=_END,
                 arrowprops=leader,
@@ -219,10 +221,10 @@ class _Strip(Layer):
             else:
                 seen.add(name)
             middle = float(on.x.of((low + high) / 2))
-            ax.text(middle, 0.45, name, ha="center", va="center", fontsize=pen.SMALL, color=pen.INK)
+            ax.text(middle, 0.45, name, ha="center", va="center", fontsize=small(ax), color=pen.INK)
         ax.axis("off")
         title = _dominance_title(narrow, sorted(set(slivers) - seen - set(narrow)))
-        ax.set_title(title, fontsize=pen.SMALL, color=pen.GREY, loc="left", pad=2)
+        ax.set_title(title, fontsize=small(ax), color=pen.GREY, loc="left", pad=2)
         return made
 
 
@@ -239,12 +241,14 @@ def _dominance_title(narrow: list[str], slivers: list[str]) -> str:
     )
 
 
-def relevance(found: Relevance) -> Figure:
+def relevance(found: Relevance, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """Return the influences on both parts, below the strip of which effect changes them most; raise
     SceneError where there are no effects."""
     if not found.effects:
         raise SceneError("figure: the scene has no effects to draw")
-    return sheet(dominance(found), *(influences(found, part) for part in Part), wide=True)
+    return sheet(
+        dominance(found), *(influences(found, part) for part in Part), wide=True, style=style
+    )
 
 
 EFFECTS = Drawings[Relevance](
@@ -350,18 +354,18 @@ class _Elastic(Layer):
                     textcoords="offset points",
                     va="center",
                     ha="left" if v > 0 else "right",
-                    fontsize=pen.SMALL,
+                    fontsize=small(ax),
                     color=pen.GREY,
                 )
         ax.margins(x=0.28)
         return list(bars)
 
     def keys(self, on: On, _made: list[Artist]) -> list[tuple[str, Artist]]:
-        is_named = on.number or on.suffix
+        is_named = on.number or on.label
         return [(self.label, Patch(color=on.ink(pen.BLUE)))] if is_named else []
 
 
-def sensitivities(found: Sensitivities) -> Figure:
+def sensitivities(found: Sensitivities, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """The bars of all crossings and changeovers, a panel each; NothingToDrawError where there are
     none."""
     shown = _panels(found)
@@ -376,12 +380,13 @@ def sensitivities(found: Sensitivities) -> Figure:
         axes.append(
             figure.add_axes((0.1, 0.1, 0.8, 0.8), sharex=axes[0] if axes else None, label=str(i))
         )
-        draw(axes[-1], elasticities(found, i))
+        chart = elasticities(found, i)
+        fill(frame(axes[-1], chart, style=style), chart)
         axes[-1].tick_params(labelbottom=False)
     longest = max(
         (
             # A letter is about 0.52 of the size of the font wide; points to inches.
-            0.52 * pen.SMALL * len(x.get_text().strip("$")) / 72
+            0.52 * style.small * len(x.get_text().strip("$")) / 72
             for ax in axes
             for x in ax.get_yticklabels()
         ),
@@ -490,7 +495,7 @@ class _Verdict(Layer):
         )
 
     def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
-        return [(self.label, made[0])] if on.suffix else []
+        return [(self.label, made[0])] if on.label else []
 
 
 def verdict_bands(m: Metrics) -> list[tuple[str, list[tuple[float, float]]]]:
@@ -539,5 +544,5 @@ _TIMES = 400  # of a drawn free response
 CONTROL = Drawings[ControlLoading]({"free-response": released})
 METRICS = Drawings[Metrics](
     {"measures": measures, "verdicts": verdicts},
-    {"metrics": lambda m: sheet(measures(m), verdicts(m))},
+    {"metrics": lambda m, style: sheet(measures(m), verdicts(m), style=style)},
 )

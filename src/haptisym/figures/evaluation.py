@@ -46,6 +46,7 @@ from haptisym.figures.curves import (
 )
 from haptisym.figures.files import Drawings
 from haptisym.figures.layers import (
+    UPRIGHT,
     Above,
     DrawnAxis,
     Intervals,
@@ -59,6 +60,7 @@ from haptisym.figures.layers import (
     Polyline,
     Words,
     dots,
+    em,
     entries,
     force_per_position,
     frequency,
@@ -66,6 +68,7 @@ from haptisym.figures.layers import (
     number,
     plate,
     share_of,
+    small,
     spread,
     text_width,
 )
@@ -494,12 +497,13 @@ def projections(e: Evaluation, part: Part) -> Panel:
     for magnitude, (color, stroke, curve) in zip(values.T, pen.CURVES, strict=True):
         for weight, among in ((1.6, over), (0.7, under)):
             shown = np.where(_within(omega, among), magnitude, np.nan)
-            entry = f"$|{name}\\,{curve}|$" if weight == 1.6 else ""
-            lines.append(Polyline(omega, shown, color, stroke, weight, label=entry))
-    felt = Percepts(_felt(e, part), shared=True)
-    ground = Intervals([ends_of(x) for x in under], label="not noticed")
+            lines.append(
+                Polyline(omega, shown, color, stroke, weight, name=f"$|{name}\\,{curve}|$")
+            )
+    ground = [ends_of(x) for x in under]
+    felt = Percepts(_felt(e, part), ground, shared=True)
     return Panel(
-        [ground, *lines, felt],
+        [_Unnoticed(ground, label=_UNNOTICED), *lines, felt],
         along(e),
         force_per_position(rf"|{name}\,H|", e.scene, (0, top)),
         height=2.0,
@@ -563,9 +567,11 @@ def _within(omega: Array, intervals: Iterable[Interval]) -> Any:
 @dataclass(frozen=True)
 class Percepts(Layer):
     """The words of each percept inside its band, or a number that the legend explains where the
-    band is too narrow; and lines between bands."""
+    band is too narrow; and lines between bands. ``unnoticed`` : where nothing is, which one ground
+    says."""
 
     felt: Sequence[FeltBand]
+    unnoticed: Sequence[tuple[float, float]] = ()
 
     def draw(self, on: On) -> list[Artist]:
         if on.number:
@@ -591,7 +597,30 @@ class Percepts(Layer):
             (x, fitting.get(i) or numbers.get(own.words, ""))
             for i, (x, own) in enumerate(zip(shown, self.felt, strict=True))
         ]
+        widest, words = self._ground(on)
+        if words:
+            texts = sorted([*texts, (widest, words)])
+        elif _is_upright(ax, widest):
+            middle = share_of(ax, (widest.low + widest.high) / 2)
+            place: dict[str, Any] = {"transform": ax.transAxes, "ha": "center", "va": "center"}
+            made.append(
+                ax.text(
+                    middle,
+                    0.45,
+                    _UNNOTICED,
+                    rotation=90,
+                    fontsize=small(ax),
+                    bbox=plate(pen.SHADE),
+                    **place,
+                )
+            )
         return made + _beside_each_other(ax, [(x, text) for x, text in texts if text])
+
+    def _ground(self, on: On) -> tuple[FeltBand, str]:
+        """Return the widest ground, and its words if they fit."""
+        low, high = max(self.unnoticed, key=lambda x: x[1] - x[0], default=(0.0, 0.0))
+        widest = FeltBand(float(on.x.of(low)), float(on.x.of(high)), _UNNOTICED)
+        return widest, _fitting(on.ax, widest) if low < high else ""
 
     def _parted(self, on: On) -> tuple[dict[int, str], dict[str, str], int]:
         """Return the words that fit, by their places; the numbers of others, by their words; and
@@ -616,12 +645,30 @@ class Percepts(Layer):
         if on.number or not self.felt:
             return []
         _, numbers, more = self._parted(on)
-        style = {"markersize": 4, "markeredgewidth": 0}
+        style = {"markersize": 0.6 * small(on.ax), "markeredgewidth": 0}
         numbered: list[tuple[str, Artist]] = [
             (words, handle(pen.INK, "none", "", marker=f"${n}$", **style))
             for words, n in numbers.items()
         ]
+        widest, words = self._ground(on)
+        if self.unnoticed and not words and not _is_upright(on.ax, widest):
+            numbered.insert(0, (_UNNOTICED, Patch(facecolor=pen.SHADE)))
         return numbered + ([(f"and {more} narrower", handle(pen.INK, "none", ""))] if more else [])
+
+
+_UNNOTICED = "not noticed"
+
+
+class _Unnoticed(Intervals):
+    """Where nothing is noticed: of a first scene ``Percepts`` says so."""
+
+    def keys(self, on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
+        return super().keys(on, made) if on.number else []
+
+
+def _is_upright(ax: Axes, ground: FeltBand) -> bool:
+    """Return whether words stand upright in a ground, which is too narrow for them otherwise."""
+    return share_of(ax, ground.high) - share_of(ax, ground.low) > UPRIGHT * em(ax)
 
 
 def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[Artist]:
@@ -640,7 +687,7 @@ def _beside_each_other(ax: Axes, texts: Sequence[tuple[FeltBand, str]]) -> list[
                 textcoords="axes fraction",
                 ha="center",
                 va="top",
-                fontsize=pen.SMALL,
+                fontsize=small(ax),
                 linespacing=1.1,
                 bbox=plate("white"),
                 arrowprops=pen.LEADER if beside else None,

@@ -32,6 +32,7 @@ from haptisym.figures.layers import (
     Polyline,
     Words,
     frequency,
+    small,
 )
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import different, region_label
@@ -56,7 +57,7 @@ def worst(
     w: FamilyEvaluation, which: int = 0, *, shared: tuple[Array, dict[str, Array]] | None = None
 ) -> Panel:
     """One ratio of each environment as a thin line, the largest as a thick one, the limiting
-    environments in colour.
+    environments in colour with their names.
 
     Grey: where every environment is transparent. A dot marks each end of that at which this
     criterion, the ``which``-th, limits.
@@ -75,7 +76,7 @@ def worst(
         values.items(), key=lambda x: list(looks).index(x[0]) if x[0] in looks else len(looks)
     ):
         color, stroke = looks.get(name, (pen.GREY, pen.SOLID))
-        label, width = (f"limited by {name}", 1.1) if name in looks else ("others", 0.6)
+        label, width = ("", 1.1) if name in looks else ("others", 0.6)
         lines.append(
             Polyline(
                 omega,
@@ -83,7 +84,8 @@ def worst(
                 color,
                 stroke,
                 width,
-                label=fill(printable(label), 40),
+                label=label,
+                name=printable(name) if name in looks else "",
                 look={"zorder": 3},
             )
         )
@@ -129,7 +131,7 @@ def _looks(w: FamilyEvaluation) -> dict[str, tuple[str, Any]]:
     return {name: _LIMITING[i % len(_LIMITING)] for i, name in enumerate(names)}
 
 
-def worst_case(w: FamilyEvaluation) -> Figure:
+def worst_case(w: FamilyEvaluation, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """A chart for each criterion, one above the other, with one legend."""
     shared, count = _sampled(w), len(noticed(w.family.threshold))
     first, *others = (worst(w, i, shared=shared) for i in range(count))
@@ -139,7 +141,7 @@ def worst_case(w: FamilyEvaluation) -> Figure:
     quiet = [
         replace(chart, layers=[replace(x, label="") for x in chart.layers]) for chart in others
     ]
-    return sheet(Panel([*first.layers, above], first.x, first.y, first.height), *quiet)
+    return sheet(Panel([*first.layers, above], first.x, first.y, first.height), *quiet, style=style)
 
 
 def regions(w: FamilyEvaluation) -> Panel:
@@ -196,7 +198,7 @@ class _Said(Layer):
                 self.row,
                 self.text,
                 transform=on.ax.get_yaxis_transform(),
-                fontsize=pen.SMALL,
+                fontsize=small(on.ax),
                 va="center",
             )
         ]
@@ -204,7 +206,7 @@ class _Said(Layer):
 
 FAMILY = Drawings[FamilyEvaluation](
     {"real": worst, "imag": partial(worst, which=1), "regions": regions},
-    {"worst-case": worst_case, "regions": lambda w: sheet(regions(w))},
+    {"worst-case": worst_case, "regions": lambda w, style: sheet(regions(w), style=style)},
 )
 
 
@@ -216,13 +218,13 @@ def one_of(many: FamilyAnswers) -> Panel:
     )
 
 
-def each(many: FamilyAnswers) -> Figure:
+def each(many: FamilyAnswers, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """Return a sheet of what each answer draws first, one below the other, under the environments'
     names."""
     charts = [
         (name, next(iter(drawings_of(x).kinds.values()))(x)) for name, x in many.answers.items()
     ]
-    return sheet(*(replace(chart, title=name) for name, chart in charts), joined=False)
+    return sheet(*(replace(chart, title=name) for name, chart in charts), joined=False, style=style)
 
 
 EACH = Drawings[FamilyAnswers]({"each": one_of}, {"each": each})

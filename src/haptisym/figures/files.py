@@ -22,7 +22,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from haptisym.figures import pen
-from haptisym.figures.layers import Panel, draw, fill, frame
+from haptisym.figures.greys import put_in_greys
+from haptisym.figures.layers import Panel, fill, frame
 from haptisym.figures.pen import UNDATED, checked
 from haptisym.kernel.errors import NothingToDrawError, meant
 from haptisym.model.files import replacing
@@ -44,30 +45,43 @@ class Drawings(Generic[A]):
     def __init__(
         self,
         kinds: Mapping[str, Callable[[A], Panel]],
-        sheets: Mapping[str, Callable[[A], Figure]] | None = None,
+        sheets: Mapping[str, Callable[[A, pen.FigureStyle], Figure]] | None = None,
     ) -> None:
         self.kinds = dict(kinds)
         self._sheets = {} if sheets is None else dict(sheets)
         self._own = sheets is not None
 
-    def figure(self, answer: A, name: str = "", *, wide: bool = False) -> Figure:
+    def figure(
+        self, answer: A, name: str = "", *, wide: bool = False, style: pen.FigureStyle = pen.SCREEN
+    ) -> Figure:
         """One of the sheets, the first if none is named; one column wide, or one and a half."""
         if self._own:
-            made = self._sheets[name or next(iter(self._sheets))](answer)
+            made = self._sheets[name or next(iter(self._sheets))](answer, style)
         else:
-            made = sheet(self.kinds[name or next(iter(self.kinds))](answer), wide=wide)
-        return _estimated(made, getattr(answer, "_about", None))
+            chart = self.kinds[name or next(iter(self.kinds))](answer)
+            made = sheet(chart, wide=wide, style=style)
+        _estimated(made, getattr(answer, "_about", None), style)
+        if style.is_paper:
+            put_in_greys(made.findobj(include_self=False))
+        return made
 
-    def save(self, answer: A, directory: str | Path) -> list[Path]:
-        """Write all of them as SVG, PDF and PNG, in a directory that is made if need be."""
-        folder, paths = Path(directory), list[Path]()
+    def save(
+        self,
+        answer: A,
+        directory: str | Path,
+        format: str,  # noqa: A002
+        style: pen.FigureStyle,
+    ) -> list[Path]:
+        """Write all of them as SVG, PDF and PNG, or in one format, in a directory that is made if
+        need be."""
+        folder, paths, kinds = Path(directory), list[Path](), pen.endings(format)
         folder.mkdir(parents=True, exist_ok=True)
         for name in self._sheets if self._own else self.kinds:
             try:
-                figure = self.figure(answer, name)
+                figure = self.figure(answer, name, style=style)
             except NothingToDrawError:
                 continue
-            paths += [save_as(figure, folder / f"{name}{kind}") for kind in UNDATED]
+            paths += [save_as(figure, folder / f"{name}{kind}") for kind in kinds]
         return paths
 
 
@@ -77,14 +91,19 @@ def drawings_of(found: Answer) -> Drawings[Any]:
     return drawings
 
 
-def draw_figure(found: Answer, name: str = "", *, wide: bool = False) -> Figure:
+def draw_figure(found: Answer, name: str = "", *, wide: bool = False, style: str = "") -> Figure:
     """A figure of an answer by its name."""
-    return drawings_of(found).figure(found, name, wide=wide)
+    return drawings_of(found).figure(found, name, wide=wide, style=pen.styled(style))
 
 
-def save_figures(found: Answer, directory: str | Path) -> list[Path]:
+def save_figures(
+    found: Answer,
+    directory: str | Path,
+    format: str = "",  # noqa: A002
+    style: str = "",
+) -> list[Path]:
     """All figures of an answer as files. The same answer gives the same files, byte for byte."""
-    return drawings_of(found).save(found, directory)
+    return drawings_of(found).save(found, directory, format, pen.styled(style))
 
 
 def plot(
@@ -93,7 +112,8 @@ def plot(
     kind: str,
     color: str | None,
     label: str,
-    style: Mapping[str, Any],
+    style: pen.FigureStyle,
+    look: Mapping[str, Any],
 ) -> Axes:
     """Draw an answer; the axes. ``kind`` : of its drawings, the first if empty. Raises
     NothingToDrawError for any other."""
@@ -104,31 +124,37 @@ def plot(
             f"{', '.join(kinds)}"
         )
     chart = kinds[kind or next(iter(kinds))](found)
-    axes = _axes() if ax is None else ax
-    draw(axes, chart, color=color, label=label, **style)
+    axes = _axes(style) if ax is None else ax
+    before = set(axes.findobj())
+    fill(frame(axes, chart, color=color, label=label, style=style), chart, **look)
+    if style.is_paper:
+        put_in_greys(x for x in axes.findobj() if x not in before)
     return axes
 
 
-def _axes() -> Axes:
+def _axes(style: pen.FigureStyle) -> Axes:
     """Return new axes of pyplot: notebooks show these by themselves, and ``plt.show()`` does in a
     script."""
     from matplotlib import pyplot
 
-    figure = pyplot.figure(figsize=(1.5 * pen.WIDTH, pen.WIDTH), layout="constrained")
+    width = pen.WIDTH if style.is_paper else 1.5 * pen.WIDTH
+    figure = pyplot.figure(figsize=(width, width / 1.5), layout="constrained")
     return figure.add_subplot()
 
 
 # Sheets.
 
 
-def sheet(*charts: Panel, wide: bool = False, joined: bool = True) -> Figure:
+def sheet(
+    *charts: Panel, wide: bool = False, joined: bool = True, style: pen.FigureStyle = pen.SCREEN
+) -> Figure:
     """Charts above each other, each of its height without its legend; one with equal scales takes
     the height that it needs.
 
     ``joined`` : whether all have the lower axis of the last one.
     """
     heights = [chart.height for chart in charts]
-    width = 1.5 * pen.WIDTH if wide else pen.WIDTH
+    width = 1.5 * pen.WIDTH if wide and not style.is_paper else pen.WIDTH
     figure = Figure(figsize=(width, sum(heights)), layout="compressed")
     grid: Any = figure.subplots(
         len(charts), 1, sharex="all" if joined else "none", squeeze=False, height_ratios=heights
@@ -136,7 +162,7 @@ def sheet(*charts: Panel, wide: bool = False, joined: bool = True) -> Figure:
     axes: Sequence[Axes] = grid[:, 0]
     # Legends and words are fitted to the width of the axes, which is known after a first layout of
     # the axes alone.
-    frames = [frame(ax, chart) for ax, chart in zip(axes, charts, strict=True)]
+    frames = [frame(ax, chart, style=style) for ax, chart in zip(axes, charts, strict=True)]
     for ax in axes[:-1] if joined else ():
         ax.tick_params(labelbottom=False)
         ax.set_xlabel("")
@@ -176,12 +202,11 @@ def _legend_height(ax: Axes) -> float:
 _LINE = 0.2  # inches
 
 
-def _estimated(figure: Figure, about: object) -> Figure:
-    """Return the figure, with a line above it that says so where the numbers of the scene were
-    estimated."""
+def _estimated(figure: Figure, about: object, style: pen.FigureStyle) -> None:
+    """Add a line above a figure that says so where the numbers of the scene were estimated."""
     level = getattr(about, "level", None)
     if level is None:
-        return figure
+        return
     width, height = figure.get_size_inches()
     share = height / (height + _LINE)
     # The figure grows by a line at its top; the axes keep their size in inches.
@@ -190,8 +215,7 @@ def _estimated(figure: Figure, about: object) -> Figure:
         ax.set_position((box.x0, box.y0 * share, box.width, box.height * share))
     figure.set_size_inches(width, height + _LINE)
     said = f"estimated: {float(100 * level):g} % region of the fit"
-    figure.text(0.02, 1 - 0.02 * share, said, fontsize=pen.SMALL, color=pen.GREY, va="top")
-    return figure
+    figure.text(0.02, 1 - 0.02 * share, said, fontsize=style.small, color=pen.GREY, va="top")
 
 
 # Files.

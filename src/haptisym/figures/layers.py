@@ -5,9 +5,9 @@ A ``Panel`` says what is seen: its layers from back to front, and what is along 
 Numbers are in SI and rad/s; a ``DrawnAxis`` has the unit in which they are drawn, which is that of
 the scene.
 ``draw`` puts a chart on axes of matplotlib, and alone decides what a second scene on the same axes
-looks like: the next colour, a label behind each entry of the legend, bars at the top in place of
-grey grounds, limits that leave the first scene in sight, the unit of frequency that is there
-already. What scenes share (thresholds, the ends of the band) has one entry. A new kind of figure is
+looks like: the next colour, its name at its curves (behind each entry of the legend where it has no
+curve), bars at the top in place of grey grounds, limits that leave the first scene in sight, the
+unit of frequency that is there already. What scenes share has one entry. A new kind of figure is
 one function that lists layers.
 """
 
@@ -188,12 +188,17 @@ _TICKS, _DECADES = 6, 3.5
 alone."""
 
 
-def thin(ax: Axes) -> None:
-    """Thin lines and no box."""
-    ax.tick_params(labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY)
+def thin(ax: Axes, style: pen.FigureStyle = pen.SCREEN) -> None:
+    """Thin lines and no box; the style's size of small text is from here on that of the axes."""
+    ax.tick_params(labelsize=style.small, width=0.5, length=2.5, color=pen.GREY)
     ax.spines[["top", "right"]].set_visible(False)
     for spine in ax.spines.values():
         spine.set(linewidth=0.5, color=pen.GREY)
+
+
+def small(ax: Axes) -> float:
+    """The size of small text on axes, pt: that of their ticks."""
+    return float(ax.xaxis.get_tick_params()["labelsize"])
 
 
 def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
@@ -229,8 +234,8 @@ def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
 
 def _dress_rows(ax: Axes, names: Sequence[str]) -> None:
     """Rows that have names, the first on top: no lines but the lower one."""
-    ax.set_yticks(range(len(names)), [*map(printable, names)], fontsize=pen.SMALL)
-    ax.tick_params(axis="y", length=0, labelsize=pen.SMALL)
+    ax.set_yticks(range(len(names)), [*map(printable, names)], fontsize=small(ax))
+    ax.tick_params(axis="y", length=0, labelsize=small(ax))
     ax.spines["left"].set_visible(False)
     # Limits from high to low turn the axis upside down, so that the first row is on top.
     ax.set_ylim(len(names) - 0.5, -0.5)
@@ -244,7 +249,7 @@ class On:
     """The axes that layers are drawn on, and which of the scenes on them is being drawn.
 
     ``number`` : of scenes that were drawn before; ``color`` : the caller's or the next one;
-    ``suffix`` : behind its entries.
+    ``label`` : the scene's name, empty of a first one that has none.
     """
 
     ax: Axes
@@ -253,23 +258,29 @@ class On:
     number: int = 0
     color: str = pen.INK
     given: bool = False
-    suffix: str = ""
+    label: str = ""
 
     def ink(self, usual: str) -> str:
         """Return the colour of a layer: its usual one where the scene is alone and no colour was
         given, else that of the scene."""
         return self.color if self.given or self.number else usual
 
+    def labelled(self, words: str) -> str:
+        """Return words with the name of the scene behind them, where it has one."""
+        gap = " " if self.label.startswith("(") else ", "
+        return f"{words}{gap}{self.label}" if words and self.label else words or self.label
+
 
 @dataclass(frozen=True, kw_only=True)
 class Layer:
-    """Something drawn. ``label`` : in the legend; ``shared`` : by all scenes, one entry; ``styled``
-    : takes a caller's style.
+    """Something drawn. ``label`` : in the legend; ``name`` : at the curve, in place of an entry in
+    the legend; ``shared`` : by all scenes, one entry; ``styled`` : takes a caller's style.
 
     ``look`` : more that the artist is told, as matplotlib names it.
     """
 
     label: str = ""
+    name: str = ""
     shared: bool = False
     styled: bool = False
     look: Mapping[str, Any] = field(default_factory=dict)
@@ -281,6 +292,10 @@ class Layer:
     def keys(self, _on: On, made: list[Artist]) -> list[tuple[str, Artist]]:
         """Return the entries of the legend, each with its words; none where nothing was drawn."""
         return [(self.label, made[0])] if self.label and made else []
+
+    def named(self, on: On) -> str:
+        """Return what stands at the curve: its name; with several scenes, the scene's."""
+        return on.labelled(self.name) if self.name else ""
 
 
 @dataclass(frozen=True)
@@ -302,6 +317,10 @@ class Polyline(Layer):
             **self.look,
         }
         return list(on.ax.plot(on.x.of(self.x), on.y.of(self.y), **style))
+
+    def named(self, on: On) -> str:
+        # A curve that the legend explains bears the name of its scene.
+        return on.label if self.label and not (self.shared or self.name) else super().named(on)
 
 
 @dataclass(frozen=True)
@@ -512,7 +531,7 @@ class Note(Layer):
             "transform": on.ax.transAxes,
             "ha": "center",
             "va": "top",
-            "fontsize": pen.SMALL,
+            "fontsize": small(on.ax),
         }
         return [on.ax.text(0.5, 0.97, self.text, bbox=plate(pen.SHADE), zorder=6, **place)]
 
@@ -536,7 +555,7 @@ class Above(Layer):
         rows = [(float(x.xy[0]), x.get_text(), str(x.get_color())) for x in before]
         new = [(float(on.x.of(x)), text, ink) for x, text in self.places]
         # Without room for all, the row of the first scene stays whole.
-        if rows and _UPRIGHT * em(ax) * len([*rows, *new]) > 1:
+        if rows and UPRIGHT * em(ax) * len([*rows, *new]) > 1:
             new = []
         for old in before:
             old.remove()
@@ -547,7 +566,7 @@ class Above(Layer):
         widths = [text_width(ax, text) for _, text, _ in ordered]
         is_upright = sum(widths) > 1
         if is_upright:
-            widths = [_UPRIGHT * em(ax)] * len(ordered)
+            widths = [UPRIGHT * em(ax)] * len(ordered)
         places = spread([share_of(ax, x) for x, _, _ in ordered], widths)
         return [
             ax.annotate(
@@ -559,7 +578,7 @@ class Above(Layer):
                 ha="center",
                 va="bottom",
                 rotation=90 if is_upright else 0,
-                fontsize=pen.SMALL,
+                fontsize=small(ax),
                 color=own,
                 arrowprops=pen.LEADER,
                 label=_ABOVE,
@@ -568,7 +587,7 @@ class Above(Layer):
         ]
 
 
-_UPRIGHT = 1.25
+UPRIGHT = 1.25
 """Sizes of the font that a text takes along the axes where it stands upright."""
 _ABOVE = "_above"
 """The mark of labels above the axes, by which those of a scene drawn before are found."""
@@ -600,33 +619,41 @@ def draw(
     """Draw a chart on axes, on those of scenes before it; the artists that take ``style``, which
     are its curves where it has any.
 
-    ``color``, ``label`` : of the scene, in the drawing and behind its entries in the legend.
+    ``color``, ``label`` : of the scene; its label stands at its curves.
 
     >>> from matplotlib.figure import Figure
     >>> ax = Figure().add_subplot()
     >>> limit = Limit(2.5, label="limit", shared=True)
     >>> [line] = draw(ax, Panel([Polyline([0, 1], [2, 3], label="a line"), limit]), label="one")
     >>> [line] = draw(ax, Panel([Polyline([0, 2], [5, 3], label="a line"), limit]))
-    >>> [text.get_text() for text in ax.get_legend().get_texts()]
-    ['a line, one', 'limit', 'a line (2)']
+    >>> [text.get_text() for text in (*ax.get_legend().get_texts(), *ax.texts)]
+    ['a line', 'limit', 'one', '(2)']
     """
     return fill(frame(ax, chart, color=color, label=label), chart, **style)
 
 
-def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") -> On:
+def frame(
+    ax: Axes,
+    chart: Panel,
+    *,
+    color: str | None = None,
+    label: str = "",
+    style: pen.FigureStyle = pen.SCREEN,
+) -> On:
     """Limits, numbers and labels of the axes; for layers to be drawn on."""
     # fill marks every artist of scene N by a gid that begins with the group and N: how many
     # different ones there are is how many scenes were drawn.
     marks = (str(x.get_gid()) for x in ax.get_children())
     number = len({x.partition(".")[0] for x in marks if x.startswith(_GROUP)})
-    suffix = f", {label}" if label else f" ({number + 1})" if number else ""
+    label = printable(label) or (f"({number + 1})" if number else "")
     x, y = chart.x, chart.y
     if number:
         x, y = _kept_unit(x, ax.get_xlabel()), _kept_unit(y, ax.get_ylabel())
     if chart.y.names:
         before = [t.get_text() for t in ax.get_yticklabels()] if number else []
         y = replace(y, names=list(dict.fromkeys([*before, *y.names])))
-    thin(ax)
+    if not number:
+        thin(ax, style)
     for axis, get, put in ((x, ax.get_xlim, ax.set_xlim), (y, ax.get_ylim, ax.set_ylim)):
         if axis.ends:
             # Limits only grow, so that scenes before stay in sight.
@@ -640,7 +667,7 @@ def frame(ax: Axes, chart: Panel, *, color: str | None = None, label: str = "") 
         # then true angles are given up.
         ax.set_aspect("equal" if 0.25 < width / height < 4 else "auto", adjustable="box")
     return On(
-        ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, suffix
+        ax, x, y, number, color or pen.SCENES[number % len(pen.SCENES)], color is not None, label
     )
 
 
@@ -648,32 +675,109 @@ def fill(on: On, chart: Panel, **style: Any) -> list[Any]:
     """Draw the layers of a chart on axes that are framed, and the legend; return the artists that
     take ``style``."""
     ax, before = on.ax, set(on.ax.get_children())
-    handles, styled, drawn = list[Artist](), list[Artist](), list[Artist]()
     # Layers without given ends let matplotlib fit the axes anew while they are drawn; what was seen
     # before is kept for _refit.
     rest = ax.get_xlim(), ax.get_ylim()
-    for layer in chart.layers:
-        made = layer.draw(on)
-        drawn += made
-        for words, key in layer.keys(on, made):
-            key.set_label(words if layer.shared else f"{words}{on.suffix}")
+    drawn = [(layer, layer.draw(on)) for layer in chart.layers]
+    styled = [artist for layer, made in drawn if layer.styled for artist in made]
+    for artist in styled:
+        artist.set(**style)
+    _refit(on, chart, rest)
+    names, handles = _names(on, drawn), list[Artist]()
+    known = entries(ax)
+    for layer, made in drawn:
+        keys = layer.keys(on, made)
+        if layer.name and (layer.name, layer.named(on)) not in names:
+            # There is no curve on the axes at which the name could stand.
+            keys += [(layer.name, x) for x in made[:1]]
+        for words, key in keys:
+            # Where the scene's name stands at its curves, entries need it only if they are new.
+            is_bare = layer.shared or (names and (words in known or not on.number))
+            key.set_label(words if is_bare else on.labelled(words))
             handles.append(key)
-            # A key that is one of the artists gets the style with them, below.
+            # A key that is one of the artists has got the style with them.
             if layer.styled and key not in made:
                 key.set(**style)
-        if layer.styled:
-            styled += made
-            for artist in made:
-                artist.set(**style)
-    _refit(on, chart, rest)
     rows = legend(ax, handles, above=_height_above(ax))
     if chart.title and not on.number:
         # The title stands above the legend, of which a row takes about 1.42 sizes of its font.
-        ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * pen.SMALL)
+        ax.set_title(chart.title, fontsize=pen.TEXT, pad=(0.8 + 1.42 * rows) * small(ax))
     for n, artist in enumerate(x for x in ax.get_children() if x not in before):
         # A gid becomes an id in SVG, which must occur once in a file: hence the count n.
         artist.set_gid(f"{_GROUP}{on.number + 1}.{n}")
-    return styled or drawn
+    _name_curves(on, names)
+    return styled or [artist for _, made in drawn for artist in made]
+
+
+def _names(
+    on: On, drawn: Iterable[tuple[Layer, list[Artist]]]
+) -> dict[tuple[str, str], list[Line2D]]:
+    """Return the curves that bear a name, by what they are and by that name: all pieces of one
+    together, those alone that are seen."""
+    names: dict[tuple[str, str], list[Line2D]] = {}
+    for layer, made in drawn:
+        if words := layer.named(on):
+            seen = [x for x in made if isinstance(x, Line2D) and _seen(on.ax, x)]
+            if seen:
+                names.setdefault((layer.name or layer.label, words), []).extend(seen)
+    return names
+
+
+_NAME = "_name "
+"""The mark of names at curves, before the ids of these."""
+_PLACES = 12
+"""Places of a curve at which its name is tried."""
+
+
+def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> None:
+    """Write names at their curves, where they meet nothing else; those of scenes drawn before move
+    for them."""
+    ax = on.ax
+    before = [x for x in ax.texts if str(x.get_label()).startswith(_NAME)]
+    wanted = [(x.get_text(), str(x.get_label())) for x in before]
+    wanted += [
+        (text, _NAME + " ".join(str(x.get_gid()) for x in made))
+        for (_, text), made in names.items()
+    ]
+    for old in before:
+        old.remove()
+    if not wanted:
+        return
+    room, by_gid = Room(ax), {str(x.get_gid()): x for x in ax.lines}
+    room.take_all()
+
+    def lines_of(mark: str) -> list[Line2D]:
+        return [by_gid[x] for x in mark.removeprefix(_NAME).split() if x in by_gid]
+
+    for count, (text, mark) in enumerate(wanted):
+        curves = lines_of(mark)
+        places = [place for x in curves for place in _seen(ax, x)]
+        if not places:
+            continue
+        # From the high end down: there curves are farthest apart.
+        places.sort(reverse=True)
+        tried = [places[i] for i in np.linspace(0, len(places) - 1, _PLACES).round().astype(int)]
+        others = [room.curve(x) for other in wanted if other[1] != mark for x in lines_of(other[1])]
+        which, offset = room.along(tried, text, small(ax), others)
+        made = ax.annotate(
+            text,
+            xy=tried[which],
+            xytext=offset,
+            textcoords="offset points",
+            fontsize=small(ax),
+            color=curves[0].get_color(),
+            label=mark,
+        )
+        made.set_gid(f"{_GROUP}{on.number + 1}.name.{count}")
+
+
+def _seen(ax: Axes, line: Line2D) -> list[Span]:
+    """Return the points of a line that are within the axes."""
+    points = np.asarray(line.get_xydata(), dtype=float)
+    points = points[np.isfinite(points).all(axis=1)]
+    at = ax.transAxes.inverted().transform(line.get_transform().transform(points))
+    inside = ((at >= 0) & (at <= 1)).all(axis=1)
+    return [(float(x), float(y)) for x, y in points[inside]]
 
 
 def _height_above(ax: Axes) -> float:
@@ -724,36 +828,35 @@ def legend(ax: Axes, handles: Iterable[Artist], *, above: float = 0.0) -> int:
         known.setdefault(str(x.get_label()), x)
     if not known:
         return 0
-    columns = _columns(ax, list(known))
-    up = ScaledTranslation(0, (0.5 + above) * pen.SMALL / 72, ax.figure.dpi_scale_trans)
-    ax.legend(
-        handles=list(known.values()),
-        labels=list(known),
-        ncols=columns,
-        loc="lower left",
-        bbox_to_anchor=(0, 1),
-        bbox_transform=ax.transAxes + up,
-        borderaxespad=0,
-        borderpad=0,
-        fontsize=pen.SMALL,
-        frameon=False,
-        handlelength=2.2,
-        handletextpad=0.5,
-        columnspacing=1.2,
-        labelspacing=0.3,
-    )
+    up = ScaledTranslation(0, (0.5 + above) * small(ax) / 72, ax.figure.dpi_scale_trans)
+    look: dict[str, Any] = {
+        "handles": list(known.values()),
+        "labels": list(known),
+        "loc": "lower left",
+        "bbox_to_anchor": (0, 1),
+        "bbox_transform": ax.transAxes + up,
+        "borderaxespad": 0,
+        "borderpad": 0,
+        "fontsize": small(ax),
+        "frameon": False,
+        "handlelength": 2.2,
+        "handletextpad": 0.5,
+        "columnspacing": 1.2,
+        "labelspacing": 0.3,
+    }
+    columns, edge = _columns(ax, list(known)), float(ax.figure.bbox.x1)
+    # The count of columns follows from estimates, which may leave the figure by a letter.
+    while ax.legend(ncols=columns, **look).get_window_extent().x1 > edge and columns > 1:
+        columns -= 1
     # Upwards: a row that is not full is a row.
     return -(-len(known) // columns)
 
 
 def _columns(ax: Axes, labels: Sequence[str]) -> int:
     """Return the largest number of columns with which a legend is no wider than the axes."""
-    # TeX commands and braces are not printed as letters. The 3.2 font sizes, with the margin of
-    # text_width, are a handle, its gap, and the space to the next column, which the last one has
-    # not.
-    widths = [
-        text_width(ax, re.sub(r"\\[a-z]+|[\\${}_,]", "", label)) + 3.2 * em(ax) for label in labels
-    ]
+    # The 3.2 font sizes, with the margin of text_width, are a handle, its gap, and the space to the
+    # next column, which the last one has not.
+    widths = [text_width(ax, label) + 3.2 * em(ax) for label in labels]
     # array_split deals labels out to columns as the legend of matplotlib does, so these are the
     # widths that it will have.
     for columns in range(len(labels), 1, -1):
@@ -766,12 +869,17 @@ def text_width(ax: Axes, text: str) -> float:
     """About the width of a small text with a margin, as a fraction of the axes."""
     # A letter of the font is about 0.54 of its size wide. Exact widths need a renderer, which there
     # is none of before the layout.
-    return (0.54 * max(map(len, text.split("\n"))) + 0.7) * em(ax)
+    return (0.54 * max(map(_letters, text.split("\n"))) + 0.7) * em(ax)
+
+
+def _letters(text: str) -> int:
+    """Return how many letters a text has in print: commands and braces of TeX are none."""
+    return len(re.sub(r"\\[a-z]+|[\\${}_,]", "", text)) if "$" in text else len(text)
 
 
 def em(ax: Axes) -> float:
     """The size of a small text, as a fraction of the width of the axes."""
-    return pen.SMALL * ax.figure.dpi / (72 * ax.bbox.width)
+    return small(ax) * ax.figure.dpi / (72 * ax.bbox.width)
 
 
 def share_of(ax: Axes, x: float) -> float:
@@ -858,24 +966,59 @@ class Room:
         places = self._on_page(x, y)
         self.lines.append(_dense(places[np.isfinite(places).all(axis=1)]))
 
+    def take_all(self) -> None:
+        """Take the places of all lines, marks and texts that are on the axes."""
+        for line in self.ax.lines:
+            if line.get_linestyle() in ("None", "none", " ", ""):
+                self.boxes += [
+                    (a - _MARK, b - _MARK, a + _MARK, b + _MARK) for a, b in self.curve(line)
+                ]
+            else:
+                self.lines.append(self.curve(line))
+        scale = 72 / self.ax.figure.dpi
+        for text in self.ax.texts:
+            if text.get_text():
+                box = text.get_window_extent()
+                self.boxes.append((box.x0 * scale, box.y0 * scale, box.x1 * scale, box.y1 * scale))
+
+    def curve(self, line: Line2D) -> Array:
+        """Return the points of a line within the axes, in points of the page: of one that is drawn
+        through, no more than about a point apart."""
+        points: Any = line.get_transform().transform(np.asarray(line.get_xydata(), dtype=float))
+        points = points[np.isfinite(points).all(axis=1)]
+        low, high = (np.asarray(x) for x in (self.ax.bbox.min, self.ax.bbox.max))
+        if line.get_linestyle() not in ("None", "none", " ", ""):
+            # What is far off the axes is brought near: its length would make samples coarse.
+            scale = self.ax.figure.dpi / 72
+            points = _dense(np.clip(points, 2 * low - high, 2 * high - low) / scale) * scale
+        seen: Array = points[((points >= low) & (points <= high)).all(axis=1)]
+        return seen * 72 / self.ax.figure.dpi
+
     def beside(self, x: float, y: float, text: str, size: float) -> Span:
         """Return the best place of a name, from its point to its lower left corner in points of the
         page; that place is taken then."""
         return self.along([(x, y)], text, size)[1]
 
-    def along(self, places: Sequence[Span], text: str, size: float) -> tuple[int, Span]:
+    def along(
+        self, places: Sequence[Span], text: str, size: float, others: Sequence[Array] = ()
+    ) -> tuple[int, Span]:
         """Return the best place of a name beside one of several points: which point, and the place
-        from it to the name's lower left corner in points of the page; that place is taken then."""
-        wide, high = _WIDE * size * len(text), _HIGH * size
+        from it to the name's lower left corner in points of the page; that place is taken then.
+
+        ``others`` : points of curves that the name is not of.
+        """
+        wide, high = _WIDE * size * _letters(text), _HIGH * size
         tried: list[tuple[float, int, int, Span, Box]] = []
         for which, point in enumerate(places):
             a, b = self.at(*point)
-            others = [p for p in self.points if p != (a, b)]
+            strangers = [np.array([p]) for p in self.points if p != (a, b)]
+            strangers += [x for x in others if len(x)]
             for gap, i, j in _tried(wide, high):
                 box = (a + i, b + j, a + i + wide, b + j + high)
                 # A name nearer to another point than to its own, or as near, would be read as the
                 # other's.
-                doubtful = any(_apart(box, p) <= _apart(box, (a, b)) for p in others)
+                own = _apart(box, np.array([(a, b)]))
+                doubtful = any(_apart(box, x) <= own for x in strangers)
                 cost = self._cost(box) + _DOUBTFUL * doubtful + _LONG * gap
                 # The number settles equal costs: the place that is tried first, the usual one, is
                 # taken.
@@ -924,10 +1067,11 @@ def _tried(wide: float, high: float) -> Iterable[tuple[float, float, float]]:
         yield from ((gap, -wide - gap, up) for up in sides)
 
 
-def _apart(box: Box, point: Span) -> float:
-    """How far a point is from a box."""
-    (left, bottom, right, top), (x, y) = box, point
-    return float(np.hypot(max(left - x, 0.0, x - right), max(bottom - y, 0.0, y - top)))
+def _apart(box: Box, points: Array) -> float:
+    """How far the nearest of some points is from a box."""
+    low, high = np.array(box[:2]), np.array(box[2:])
+    outside = np.maximum(np.maximum(low - points, points - high), 0.0)
+    return float(np.hypot(*outside.T).min())
 
 
 def _dense(points: Array) -> Array:

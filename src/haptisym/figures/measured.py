@@ -629,7 +629,7 @@ def _reach(a: Identification) -> Any:
 
 IDENTIFICATION = Drawings[Identification](
     {"magnitude": magnitude, "phase": phase, "residuals": residuals},
-    {"model": lambda a: sheet(magnitude(a), phase(a), residuals(a))},
+    {"model": lambda a, style: sheet(magnitude(a), phase(a), residuals(a), style=style)},
 )
 
 

@@ -812,5 +812,6 @@ def design_map(found: DesignMap) -> Panel:
 
 
 DESIGN_MAP = Drawings[DesignMap](
-    {"map": design_map, "wishes": wishes, "slices": slices}, {"map": lambda m: sheet(design_map(m))}
+    {"map": design_map, "wishes": wishes, "slices": slices},
+    {"map": lambda m, style: sheet(design_map(m), style=style)},
 )

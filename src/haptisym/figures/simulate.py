@@ -27,6 +27,7 @@ from haptisym.figures.layers import (
     Polyline,
     force_per_position,
     frequency,
+    small,
 )
 from haptisym.kernel.errors import NothingToDrawError
 from haptisym.model.jnd import Part
@@ -115,7 +116,7 @@ class _Motion(Layer):
         right: Any = on.ax.secondary_yaxis("right", functions=there)
         right.set_ylabel(f"motion ({self.unit.text})", fontsize=pen.TEXT, color=pen.BLUE)
         right.tick_params(
-            labelsize=pen.SMALL, width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE
+            labelsize=small(on.ax), width=0.5, length=2.5, color=pen.GREY, labelcolor=pen.BLUE
         )
         right.spines["right"].set(linewidth=0.5, color=pen.GREY)
         return list(
@@ -275,10 +276,10 @@ SIMULATION = Drawings[Runs](
         "recovered-imag": partial(recovered, part=Part.IMAG),
     },
     {
-        "simulated-time": lambda x: sheet(in_time(x)),
-        "simulated-loop": lambda x: sheet(loop(x)),
-        "recovered-real": lambda x: sheet(recovered(x, Part.REAL)),
-        "recovered-imag": lambda x: sheet(recovered(x, Part.IMAG)),
+        "simulated-time": lambda x, style: sheet(in_time(x), style=style),
+        "simulated-loop": lambda x, style: sheet(loop(x), style=style),
+        "recovered-real": lambda x, style: sheet(recovered(x, Part.REAL), style=style),
+        "recovered-imag": lambda x, style: sheet(recovered(x, Part.IMAG), style=style),
     },
 )
 """Time and loops are those of the middle run; H_perc is drawn where at least one ratio was
@@ -335,4 +336,6 @@ def _envelope(r: Release, time: Array, x: Array) -> list[Layer]:
     ]
 
 
-RELEASE = Drawings[Release]({"motion": release}, {"release": lambda r: sheet(release(r))})
+RELEASE = Drawings[Release](
+    {"motion": release}, {"release": lambda r, style: sheet(release(r), style=style)}
+)

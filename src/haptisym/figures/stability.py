@@ -41,6 +41,7 @@ from haptisym.figures.layers import (
     handle,
     number,
     parameter,
+    small,
 )
 from haptisym.kernel.errors import NothingToDrawError, UndecidedError
 from haptisym.model.catalogue import NOBODY, Hand
@@ -54,7 +55,6 @@ from haptisym.verbs.stability.ranges import HeldPlane, held_plane
 from haptisym.verbs.tolerances.proofs import Tolerances
 from haptisym.writing.characters import printable
 
-_SMALLER = pen.SMALL - 0.5
 _ROOM = 1.25  # of the largest number that is shown
 _TOGETHER = 2.5  # pt: marks that are nearer to each other cover each other
 _NARROW, _RIM = 9, 4  # pixels of a cell in which nothing is written, and of its rim
@@ -301,10 +301,10 @@ class _Counts(Layer):
         named = [(printable(x.name), _place(x), pen.INK) for x in self.asked]
         named += [(name, place, pen.GREY) for name, place in self._names(room)]
         for name, (k, b), color in named:
-            at = room.beside(k, b, name, _SMALLER)
+            at = room.beside(k, b, name, small(on.ax))
             made.append(
                 on.ax.annotate(
-                    name, (k, b), at, textcoords="offset points", fontsize=_SMALLER, color=color
+                    name, (k, b), at, textcoords="offset points", fontsize=small(on.ax), color=color
                 )
             )
         low, high, least, most = self.drawn.window
@@ -585,21 +585,22 @@ def _has_rows(a: Tolerances) -> bool:
     )
 
 
-def tolerances(a: Tolerances) -> Figure:
+def tolerances(a: Tolerances, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """The rows of both parts, and below them the plane of the hand; NothingToDrawError where there
     is neither."""
     if a.held:
         with suppress(NothingToDrawError):
             below = held(a)
-            return sheet(enclosures(a), below, joined=False) if _has_rows(a) else sheet(below)
-    return sheet(enclosures(a))
+            charts = (enclosures(a), below) if _has_rows(a) else (below,)
+            return sheet(*charts, joined=False, style=style)
+    return sheet(enclosures(a), style=style)
 
 
 TOLERANCES = Drawings[Tolerances](
     {"enclosures": enclosures, "hands": held},
     {
         "tolerances": tolerances,
-        "enclosures": lambda a: sheet(enclosures(a)),
-        "hands": lambda a: sheet(held(a)),
+        "enclosures": lambda a, style: sheet(enclosures(a), style=style),
+        "hands": lambda a, style: sheet(held(a), style=style),
     },
 )

@@ -36,6 +36,7 @@ from haptisym.figures.layers import (
     frequency,
     handle,
     number,
+    small,
 )
 from haptisym.figures.measured import unit_of
 from haptisym.figures.requirement import boundary
@@ -190,7 +191,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
 
     >>> from haptisym import load_scene, sweep
     >>> found = sweep(load_scene("fu2019"), {"effects.filter.omega_n": [40.0, 60.0, 80.0]})
-    >>> [layer.label for layer in curves(found).layers if isinstance(layer, Polyline)]
+    >>> [layer.name for layer in curves(found).layers if isinstance(layer, Polyline)]
     ['real part crosses', 'imaginary part crosses', 'bandwidth']
     """
     [path] = _dimensions(data, 1)
@@ -216,7 +217,7 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
                 color,
                 stroke,
                 width,
-                label=name,
+                name=name,
                 look=look,
             )
         )
@@ -373,7 +374,7 @@ class _Field(Layer):
         levels = _round_levels(z, high)
         if len(levels):
             lines = on.ax.contour(x, y, z, levels=levels, colors=pen.INK, linewidths=0.7)
-            on.ax.clabel(lines, fontsize=pen.SMALL, fmt=number, inline_spacing=3)
+            on.ax.clabel(lines, fontsize=small(on.ax), fmt=number, inline_spacing=3)
             made.append(lines)
         return made
 
@@ -443,18 +444,20 @@ def chart(found: Swept) -> Panel:
     )
 
 
-def swept(found: Swept) -> Figure:
+def swept(found: Swept, style: pen.FigureStyle = pen.SCREEN) -> Figure:
     """The chart of a sweep; where that takes moments, with the exact boundary of the transparent
     region on a map."""
-    return sweep_figure(found.data, found.scene)
+    return sweep_figure(found.data, found.scene, style)
 
 
-def sweep_figure(data: xr.Dataset, scene: Scene | None = None) -> Figure:
+def sweep_figure(
+    data: xr.Dataset, scene: Scene | None = None, style: pen.FigureStyle = pen.SCREEN
+) -> Figure:
     """The chart of a sweep over one or two parameters, one column (3.4 in) wide."""
     if len(data.bandwidth.dims) == 1:
-        return sheet(curves(data, scene))
+        return sheet(curves(data, scene), style=style)
     exact = _exact(data, scene) if scene is not None and is_quick(scene) else None
-    return sheet(plane(data, exact, scene))
+    return sheet(plane(data, exact, scene), style=style)
 
 
 def _exact(data: xr.Dataset, scene: Scene) -> DesignMap:

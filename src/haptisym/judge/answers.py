@@ -118,21 +118,45 @@ class Answer(Shown):
         """The same as text."""
         return json.dumps(self.to_dict(), indent=2, ensure_ascii=False)
 
-    def figure(self) -> Any:
+    def figure(self, *, style: str = "") -> Any:
         """The figure, of matplotlib. NothingToDrawError where there is nothing in the answer to
-        draw."""
-        return resolve_name("haptisym.figures.files:draw_figure")(self)
+        draw.
 
-    def save_figure(self, path: str | Path) -> Path:
+        ``style`` : "paper" for one column of a journal: 3.4 in wide, all text of 8 pt, in greys.
+        """
+        return resolve_name("haptisym.figures.files:draw_figure")(self, style=style)
+
+    def save_figure(
+        self,
+        path: str | Path,
+        *,
+        format: str = "",  # noqa: A002  as matplotlib calls it
+        style: str = "",
+    ) -> Path:
         """Write the figure, as the name ends: .svg, .pdf or .png; the same file for the same
-        answer."""
-        target: Path = resolve_name("haptisym.figures.files:save_as")(self.figure(), path)
+        answer.
+
+        ``format`` : the ending of a name that has none. ``style`` : as of ``figure``.
+        """
+        checked = resolve_name("haptisym.figures.pen:checked")(path, format)
+        figure = self.figure(style=style)
+        target: Path = resolve_name("haptisym.figures.files:save_as")(figure, checked)
         return target
 
-    def save_figures(self, folder: str | Path) -> list[Path]:
+    def save_figures(
+        self,
+        folder: str | Path,
+        *,
+        format: str = "",  # noqa: A002
+        style: str = "",
+    ) -> list[Path]:
         """Write all figures to a folder, each as SVG, PDF and PNG. NothingToDrawError where there
-        is nothing to draw."""
-        files: list[Path] = resolve_name("haptisym.figures.files:save_figures")(self, folder)
+        is nothing to draw.
+
+        ``format`` : "svg", "pdf" or "png" for this one alone. ``style`` : as of ``figure``.
+        """
+        save = resolve_name("haptisym.figures.files:save_figures")
+        files: list[Path] = save(self, folder, format, style)
         return files
 
     def plot(
@@ -142,14 +166,15 @@ class Answer(Shown):
         kind: str = "",
         color: str | None = None,
         label: str = "",
-        **style: Any,
+        style: str = "",
+        **look: Any,
     ) -> Any:
         """Draw it on axes of matplotlib, which are returned; a further scene on the same axes has
-        the next colour.
+        the next colour, and its label stands at its curves.
 
         ``ax`` : None for new ones, of pyplot, which a notebook shows. ``kind`` : what is drawn,
         where there are several kinds; an error lists them. ``color``, ``label`` : of the scene.
-        ``style`` : of the curves, as matplotlib's ``Line2D`` takes it.
+        ``style`` : as of ``figure``. ``look`` : of the curves, as matplotlib's ``Line2D`` takes it.
 
         >>> from haptisym import evaluate
         >>> from matplotlib.figure import Figure
@@ -157,7 +182,9 @@ class Answer(Shown):
         >>> evaluate("helicopter-cyclic").plot(ax, label="stick").get_xlabel()
         '$\\\\omega$ (rad/s)'
         """
-        return resolve_name("haptisym.figures.files:plot")(self, ax, kind, color, label, style)
+        styled = resolve_name("haptisym.figures.pen:styled")(style)
+        draw = resolve_name("haptisym.figures.files:plot")
+        return draw(self, ax, kind, color, label, styled, look)
 
     def certificate(self) -> str:
         """The answer with a proof that ``python -m haptisym_check`` checks, as JSON. SceneError
