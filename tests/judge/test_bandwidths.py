@@ -29,6 +29,7 @@ from sympy import Expr, Integer, Rational, exp, lambdify, pi, sqrt
 import haptisym as hs
 from haptisym.effects import delay, first_order_lag, series, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.judge.bindings import Kind
 from haptisym.judge.peaks import largest_value, maximum_candidates, supremum
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.rings import omega as w
@@ -225,9 +226,9 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
     assert abs(float(lambdify(w, x)(float(best.omega))) - own.max()) < 1e-3
     listed = maximum_candidates(f, *BAND)
     assert listed is not None
-    assert [t.end for t in listed if t.end is not None] == [False, True]
+    assert [t.kind for t in listed if t.kind is not Kind.TOUCH] == [Kind.START, Kind.EDGE]
     inside = [GRID[i] for i in range(1, len(GRID) - 1) if own[i - 1] < own[i] > own[i + 1]]
-    told = [float(t.omega) for t in listed if t.end is None]
+    told = [float(t.omega) for t in listed if t.kind is Kind.TOUCH]
     assert len(told) == len(inside)
     assert np.allclose(told, inside, atol=0.002)
     for sign, bound in ((1, None), (-1, 0)):
@@ -249,21 +250,22 @@ def test_the_largest_value_on_a_band_is_that_of_samples(seed: int) -> None:
 
 
 def test_the_tops_of_a_function_are_its_ends_and_its_local_maxima() -> None:
-    def all_of(expression: Expr, low: int, high: int) -> list[tuple[str, str, bool | None]]:
+    def all_of(expression: Expr, low: int, high: int) -> list[tuple[str, str, Kind]]:
         found = maximum_candidates(RealFunction(Ring().axis.convert(expression)), Integer(low), Integer(high))
         assert found is not None
-        return [(x.omega.digits(3), x.value.digits(4), x.end) for x in found]
+        return [(x.omega.digits(3), x.value.digits(4), x.kind) for x in found]
 
     W = hs.omega**2
-    assert all_of(W, 1, 3) == [("1.00", "1.000", False), ("3.00", "9.000", True)]
-    assert all_of(-((W - 4) ** 2), 1, 3) == [("1.00", "-9.000", False), ("2.00", "0", None), ("3.00", "-25.00", True)]
-    assert all_of((W - 4) ** 2, 1, 3) == [("1.00", "9.000", False), ("3.00", "25.00", True)]
-    assert all_of((W - 4) ** 3, 1, 3) == [("1.00", "-27.00", False), ("3.00", "125.0", True)]
-    assert all_of(W - 4, 2, 3) == [("2.00", "0", False), ("3.00", "5.000", True)]
+    START, EDGE, TOUCH = Kind.START, Kind.EDGE, Kind.TOUCH
+    assert all_of(W, 1, 3) == [("1.00", "1.000", START), ("3.00", "9.000", EDGE)]
+    assert all_of(-((W - 4) ** 2), 1, 3) == [("1.00", "-9.000", START), ("2.00", "0", TOUCH), ("3.00", "-25.00", EDGE)]
+    assert all_of((W - 4) ** 2, 1, 3) == [("1.00", "9.000", START), ("3.00", "25.00", EDGE)]
+    assert all_of((W - 4) ** 3, 1, 3) == [("1.00", "-27.00", START), ("3.00", "125.0", EDGE)]
+    assert all_of(W - 4, 2, 3) == [("2.00", "0", START), ("3.00", "5.000", EDGE)]
     assert all_of(1 - (W - 1) ** 2 * (W - 4) ** 2, 0, 3) == [
-        ("0", "-15.00", False), ("1.00", "1.000", None), ("2.00", "1.000", None), ("3.00", "-1599", True)
+        ("0", "-15.00", START), ("1.00", "1.000", TOUCH), ("2.00", "1.000", TOUCH), ("3.00", "-1599", EDGE)
     ]  # fmt: skip
-    assert all_of(Integer(7) + 0 * W, 0, 3) == [("0", "7.000", False), ("3.00", "7.000", True)]
+    assert all_of(Integer(7) + 0 * W, 0, 3) == [("0", "7.000", START), ("3.00", "7.000", EDGE)]
     assert maximum_candidates(RealFunction(Ring().axis.convert(1 / (W - 4))), Integer(0), Integer(3)) is None
 
 
@@ -275,7 +277,7 @@ def test_a_slope_that_nearly_vanishes_leaves_open_whether_there_is_a_top() -> No
         maximum_candidates(rising, Integer(1), Integer(5))
     found = maximum_candidates(rising, Integer(4), Integer(5))
     assert found is not None
-    assert [x.end for x in found] == [False, True]
+    assert [x.kind for x in found] == [Kind.START, Kind.EDGE]
 
 
 # --- ranges of thresholds --------------------------------------------------------------------------------------------

@@ -35,6 +35,7 @@ from flint import arb
 from sympy import Expr, Integer
 
 from haptisym.judge.answers import Answer
+from haptisym.judge.bindings import Kind
 from haptisym.judge.crossings import Criterion, Judged, noticed
 from haptisym.judge.regions import WayOutside
 from haptisym.kernel.budget import SECONDS, limited
@@ -334,13 +335,13 @@ class MaximumCandidate:
     """A frequency, rad/s, at which a real function may be largest on a closed band, and its value
     there.
 
-    ``end`` : None for a local maximum inside of the band; for an end of it, whether that is the
-    high one.
+    ``kind`` : ``TOUCH`` for a local maximum inside of the band, ``START`` and ``EDGE`` for its low
+    and its high end: how a limit at the largest value binds.
     """
 
     omega: RealNumber
     value: RealNumber
-    end: bool | None
+    kind: Kind
 
 
 def maximum_candidates(
@@ -359,11 +360,15 @@ def maximum_candidates(
     first, last = table.points[0], table.points[-1]
     candidates: list[MaximumCandidate] = []
     for point in table.points:
-        is_end = point is first or point is last
-        is_maximum = (point.before["slope"], point.after["slope"]) == (1, -1)
-        if is_end or is_maximum:
-            end = point is last if is_end else None
-            candidates.append(MaximumCandidate(point.omega, _value_at(f, point), end))
+        if point is last:
+            kind = Kind.EDGE
+        elif point is first:
+            kind = Kind.START
+        elif (point.before["slope"], point.after["slope"]) == (1, -1):
+            kind = Kind.TOUCH
+        else:
+            continue
+        candidates.append(MaximumCandidate(point.omega, _value_at(f, point), kind))
     return tuple(candidates)
 
 

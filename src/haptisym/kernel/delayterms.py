@@ -319,7 +319,10 @@ class CompiledWaves:
         row.append(self.taylor(box, _TAYLOR_ORDER))
         slopes = [n * c for n, c in enumerate(row)][1:]
         half_curvatures = [n * c / 2 for n, c in enumerate(slopes)][1:]
-        return (range_of(row, reach), range_of(slopes, reach), range_of(half_curvatures, reach))
+        value = range_of(row, reach)
+        slope = range_of(slopes, reach)
+        half_curvature = range_of(half_curvatures, reach)
+        return value, slope, half_curvature
 
     def cofactor_values(self, x: Ball) -> list[Ball]:
         """Balls around all cofactors A_l at every point of a ball of frequencies."""

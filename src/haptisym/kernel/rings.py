@@ -86,6 +86,25 @@ def monomials(polynomial: Any) -> Iterator[tuple[tuple[Any, ...], Any]]:
 Polynomial: TypeAlias = Any  # flint.fmpq_mpoly, which ships no types
 
 
+def coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:
+    """The coefficients of a polynomial by ascending powers of the variable of that number: they are
+    polynomials of the same ring, without the variable.
+
+    >>> ring = PolynomialRing(s)
+    >>> s_, pi_ = ring.context.gens()
+    >>> coefficients(pi_ * s_**2 + 3 * s_ - 1, 0), coefficients(pi_ * s_**2 + 3 * s_ - 1, 1)
+    ([-1, 3, x1], [3*x0 - 1, x0^2])
+    """
+    degree = int(polynomial.degrees()[index]) if polynomial else 0
+    rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(degree + 1)]
+    for exponents, c in monomials(polynomial):
+        others = [int(n) for n in exponents]
+        power, others[index] = others[index], 0
+        rows[power][tuple(others)] = c
+    context = polynomial.context()
+    return [context.from_dict(row) for row in rows]
+
+
 class PolynomialRing:
     """Polynomials over Q in the variable, pi, symbols and further functions; ``meanings`` has what
     each stands for."""
@@ -254,10 +273,11 @@ class PolynomialRing:
         """The coefficients of a polynomial as expressions, by powers of the variable."""
         powers: dict[int, list[Expr]] = {}
         for (power, *rest), coefficient in monomials(polynomial):
-            factors = [x ** int(n) for x, n in zip(self.meanings[1:], rest, strict=True) if n]
-            powers.setdefault(int(power), []).append(
-                Mul(Rational(int(coefficient.p), int(coefficient.q)), *factors)
-            )
+            factors: list[Expr] = [Rational(int(coefficient.p), int(coefficient.q))]
+            for x, n in zip(self.meanings[1:], rest, strict=True):
+                if n:
+                    factors.append(x ** int(n))
+            powers.setdefault(int(power), []).append(Mul(*factors))
         return {power: Add(*terms) for power, terms in powers.items()}
 
     def factored_expression(self, polynomial: Polynomial) -> Expr:

@@ -146,14 +146,26 @@ class Domain:
 
     @staticmethod
     def common(domains: Sequence[Domain]) -> Domain:
-        """The intersection of some domains."""
-        lows = [end for x in domains if (end := x.ends[0]) is not None]
-        highs = [end for x in domains if (end := x.ends[1]) is not None]
-        low = ascending(lows, lambda x: x)[-1] if lows else None
-        high = ascending(highs, lambda x: x)[0] if highs else None
-        holds_low = low is None or all(x.holds(low) for x in domains)
-        holds_high = high is None or all(x.holds(high) for x in domains)
-        return Domain(low and low.value, high and high.value, holds_low, holds_high)
+        """The intersection of some domains: from the highest low end to the lowest high one. Such
+        an end belongs to it if it belongs to all of them."""
+        lows: list[ExactNumber] = []
+        highs: list[ExactNumber] = []
+        for x in domains:
+            low, high = x.ends
+            if low is not None:
+                lows.append(low)
+            if high is not None:
+                highs.append(high)
+        common = Domain(None, None)
+        if lows:
+            last = ascending(lows, lambda x: x)[-1]
+            is_in_all = all(x.holds(last) for x in domains)
+            common = replace(common, low=last.value, holds_low=is_in_all)
+        if highs:
+            first = ascending(highs, lambda x: x)[0]
+            is_in_all = all(x.holds(first) for x in domains)
+            common = replace(common, high=first.value, holds_high=is_in_all)
+        return common
 
 
 @dataclass(frozen=True)

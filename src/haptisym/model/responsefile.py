@@ -330,14 +330,20 @@ def _plain_rate(t: Any, step: float) -> float:
     much, and those at the ends of a band off it. The mean step is known to about its standard error
     in a fit of a straight line, and to the spacing of floats at the times.
     """
+    # The least squares of t - mean = step (i - mean of all i), and three standard errors of it.
     places = np.arange(len(t)) - (len(t) - 1) / 2
     spread = float((places**2).sum())
-    mean_step = float((places * (t - t.mean())).sum()) / spread
-    rest = t - t.mean() - mean_step * places
-    error = 3 * float(np.sqrt((rest**2).sum() / max(len(t) - 2, 1) / spread))
+    centred = t - t.mean()
+    mean_step = float((places * centred).sum()) / spread
+    residuals = centred - mean_step * places
+    variance = (residuals**2).sum() / max(len(t) - 2, 1)
+    error = 3 * float(np.sqrt(variance / spread))
     error += float(np.spacing(np.abs(t).max())) / len(t)
     for digits in range(1, 17):
-        for rate in (float(f"{1 / mean_step:.{digits}g}"), 1 / float(f"{mean_step:.{digits}g}")):
+        # Some instruments have a round rate, others a round step.
+        round_rate = float(f"{1 / mean_step:.{digits}g}")
+        round_step = float(f"{mean_step:.{digits}g}")
+        for rate in (round_rate, 1 / round_step):
             if abs(1 / rate - mean_step) <= error:
                 return rate
     return 1 / step

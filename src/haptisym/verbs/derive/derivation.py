@@ -64,7 +64,15 @@ from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import SceneError, meant, quoted, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, SquareRoot
-from haptisym.kernel.rings import Polynomial, PolynomialRing, RationalFunction, c, omega, s
+from haptisym.kernel.rings import (
+    Polynomial,
+    PolynomialRing,
+    RationalFunction,
+    c,
+    coefficients,
+    omega,
+    s,
+)
 from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
@@ -217,18 +225,8 @@ def _by_powers(
     """The coefficients of a polynomial by the powers of one variable, without those that are 0."""
     if variable not in ring.meanings:  # nothing depends on it
         return {0: ring.function(polynomial)}
-    column = ring.meanings.index(variable)
-    coefficients: dict[int, dict[tuple[int, ...], object]] = {}
-    for exponents, value in polynomial.to_dict().items():
-        others = [int(n) for n in exponents]
-        power = others[column]
-        others[column] = 0
-        terms = coefficients.setdefault(power, {})
-        terms[tuple(others)] = value
-    by_power = {}
-    for power, terms in coefficients.items():
-        by_power[power] = ring.function(ring.context.from_dict(terms))
-    return by_power
+    rows = coefficients(polynomial, ring.meanings.index(variable))
+    return {power: ring.function(row) for power, row in enumerate(rows) if row}
 
 
 # Dimensionless groups.
@@ -400,13 +398,14 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
     """Whether two rows, the first not all 0, are the same up to a common factor: by cross
-    products with the last entry that is not 0."""
+    products with an entry that is not 0."""
     ring = Ring.of([*row, *other])
-    x = [ring.convert(entry.expand()) for entry in row]
-    y = [ring.convert(entry.expand()) for entry in other]
-    last = max(i for i, entry in enumerate(x) if not entry.is_zero)
-    pairs = zip(x, y, strict=True)
-    return all((a * y[last]).equals(b * x[last]) for a, b in pairs)
+    pairs = []
+    for entry, other_entry in zip(row, other, strict=True):
+        pairs.append((ring.convert(entry.expand()), ring.convert(other_entry.expand())))
+    # x y_i = y x_i for all i, with x not 0: then y_i = (y/x) x_i.
+    x, y = next(pair for pair in reversed(pairs) if not pair[0].is_zero)
+    return all((x_i * y).equals(y_i * x) for x_i, y_i in pairs)
 
 
 def _base(parameters: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:

@@ -24,12 +24,11 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
-from sympy import Expr, Integer, Mul, Rational
+from sympy import Expr, Integer
 
 from haptisym.judge.crossings import PASSIVE, noticed
 from haptisym.judge.excess import Box, Excess, Side, excess_of
 from haptisym.kernel.dynamics import RealFunction
-from haptisym.kernel.rings import monomials, omega
 from haptisym.kernel.where import (
     Array,
     Cells,
@@ -437,22 +436,10 @@ def _at_both_ends(box: DesignBox) -> list[Expr]:
         or activity.function.is_zero
     ):
         return []
-    quotient = activity.function
-    above, below = (_by_powers(activity, x) for x in (quotient.numerator, quotient.denominator))
+    rows = []
+    for polynomial in (activity.function.numerator, activity.function.denominator):
+        row = activity.axis.coefficients(polynomial)
+        rows.append([x for x in row if not x.is_zero])
+    above, below = rows
     # near 0 the lowest powers of omega decide the sign of a quotient, at high frequency the highest
-    return [above[end(above)] * below[end(below)] for end in (min, max)]
-
-
-def _by_powers(f: RealFunction, polynomial: object) -> dict[int, Expr]:
-    """The coefficient of each power of omega, as a formula."""
-    coefficients: dict[int, Expr] = {}
-    place = f.axis.meanings.index(omega)
-    others = [(i, x) for i, x in enumerate(f.axis.meanings) if x != omega]
-    for exponents, value in monomials(polynomial):
-        power = int(exponents[place])
-        term = Mul(
-            Rational(int(value.p), int(value.q)),
-            *(x ** int(exponents[i]) for i, x in others if exponents[i]),
-        )
-        coefficients[power] = coefficients.get(power, Integer(0)) + term
-    return coefficients
+    return [above[0] * below[0], above[-1] * below[-1]]

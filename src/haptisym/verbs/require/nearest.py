@@ -19,7 +19,7 @@ from math import inf, sqrt
 
 from sympy import Expr, Rational, S
 
-from haptisym.judge.bindings import Binding, Kind
+from haptisym.judge.bindings import Binding
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.peaks import MaximumCandidate, maximum_candidates
 from haptisym.kernel.arrays import np
@@ -172,7 +172,6 @@ _SECONDS = 5.0
 # larger: for p near 1 at first, and a smaller one where that stays open.
 _CLOSE = (0.99, 0.9, 0.6)
 _ROUNDS = 6
-_KINDS = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 
 
 @dataclass(frozen=True)
@@ -273,4 +272,4 @@ def _at(r: ParameterQuestion, value: Expr) -> Nearest | None:
     if worst is None or worst[0] == inf:
         return None
     times, x, top = worst
-    return Nearest(value, SquareRoot(top.value), Binding(x, top.omega, _KINDS[top.end]), times)
+    return Nearest(value, SquareRoot(top.value), Binding(x, top.omega, top.kind), times)

@@ -116,9 +116,6 @@ _MAXIMUM_BITS = (64, 256, 1024)
 _UNSETTLED = (
     "bounds for all of these values show neither that a condition is kept nor that it is broken"
 )
-# The kind of a binding at a maximum, by ``MaximumCandidate.end``: whether it is at the band's high
-# end rather than at the low one; None for one inside of the band.
-_KIND_OF_TOP = {None: Kind.TOUCH, False: Kind.START, True: Kind.EDGE}
 # The order in which bindings are listed: the high end of the band first.
 _BINDING_ORDER = (Kind.EDGE, Kind.START, Kind.TOUCH)
 
@@ -262,7 +259,7 @@ class ThresholdProblem:
 
 def _bindings(maxima: list[tuple[Criterion, MaximumCandidate]]) -> tuple[Binding, ...]:
     """Return what binds where the largest ratio is attained."""
-    return tuple(Binding(criterion, x.omega, _KIND_OF_TOP[x.end]) for criterion, x in maxima)
+    return tuple(Binding(criterion, x.omega, x.kind) for criterion, x in maxima)
 
 
 def _threshold_problem(
@@ -815,10 +812,15 @@ class TangencyFrequency(RealNumber):
     def ball(self, bits: int) -> Ball:
         low, high = self.end.between(2 * bits)
         with flint.ctx.workprec(2 * bits + 32):
-            before = arb(0, self.slant * fraction_ball(self.width).upper())
-            now = arb(0, self.slant * fraction_ball(high - low).upper())
-            near = self.near.ball(2 * bits) + before
-            broken = self.verdict.broken(rational(self.end.beyond))
-            of_criterion = (x for x in broken if x.criterion == self.near.criterion)
-            balls = [x.ball(2 * bits) for x in of_criterion]
-            return reduce(arb.union, (x + now for x in balls if x.overlaps(near)))
+            near = self.near.ball(2 * bits) + self._moved(self.width)
+            pieces: list[Ball] = []
+            for piece in self.verdict.broken(rational(self.end.beyond)):
+                if piece.criterion == self.near.criterion:
+                    ball = piece.ball(2 * bits)
+                    if ball.overlaps(near):
+                        pieces.append(ball + self._moved(high - low))
+            return reduce(arb.union, pieces)
+
+    def _moved(self, apart: Fraction) -> Ball:
+        """A ball about 0 of all ways that a frequency can move while the value moves so far."""
+        return arb(0, self.slant * fraction_ball(apart).upper())

@@ -47,9 +47,9 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction
+from haptisym.kernel.rings import Polynomial, RationalFunction, coefficients
 from haptisym.kernel.roots import Point, chart
-from haptisym.verbs.stability.loops import CriticalRoot, Loop, coefficients
+from haptisym.verbs.stability.loops import CriticalRoot, Loop
 
 # The names under which the functions of a curve are on a chart (``kernel.roots``).
 _CONDITION, _VALUE, _SHARED = "condition", "value", "shared"

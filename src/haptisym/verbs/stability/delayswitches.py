@@ -31,9 +31,9 @@ from haptisym.kernel.asymptoticsign import Sense, sign_without_zeros
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball
-from haptisym.kernel.rings import RationalFunction, degree_in
+from haptisym.kernel.rings import RationalFunction, coefficients, degree_in
 from haptisym.kernel.roots import chart
-from haptisym.verbs.stability.loops import CriticalRoot, Loop, coefficients, minus
+from haptisym.verbs.stability.loops import CriticalRoot, Loop, minus
 
 # Critical delays of each frequency that are listed beyond the value that tau has.
 _MORE_PERIODS = 8

@@ -40,7 +40,7 @@ from haptisym.judge.passivity import is_stable_by_parts
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
-from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials
+from haptisym.kernel.rings import Polynomial, RationalFunction, coefficients, monomials
 from haptisym.kernel.rootcount import Roots, Row, terms_of
 from haptisym.kernel.roots import ordered, sign_of_number
 from haptisym.kernel.sets import CriticalValue
@@ -150,7 +150,7 @@ class Loop:
     def coefficients(self) -> list[Polynomial]:
         """C by ascending powers of q; C alone where q is in no coefficient."""
         is_variable = self.symbol in self.ring.meanings
-        return coefficients(self.numerator, self._index if is_variable else None)
+        return coefficients(self.numerator, self._index) if is_variable else [self.numerator]
 
     @cached_property
     def table(self) -> Table:
@@ -300,21 +300,6 @@ def horner(row: Sequence[Ball], q: Ball) -> tuple[Ball, Ball]:
 
 
 # Polynomials, functions and numbers
-
-
-def coefficients(polynomial: Polynomial, index: int | None) -> list[Polynomial]:
-    """The coefficients of a polynomial by ascending powers of the variable of that number in its
-    ring; the polynomial alone where ``index`` is None."""
-    if index is None:
-        return [polynomial]
-    size = degree_in([polynomial], index) + 1
-    rows: list[dict[Exponents, object]] = [{} for _ in range(size)]
-    for exponents, c in polynomial.to_dict().items():
-        others = [int(n) for n in exponents]
-        power, others[index] = others[index], 0
-        rows[power][tuple(others)] = c
-    context = polynomial.context()
-    return [context.from_dict(row) for row in rows]
 
 
 def minus(f: RationalFunction, number: Expr) -> RationalFunction:
