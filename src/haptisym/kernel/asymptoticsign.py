@@ -28,8 +28,8 @@ absolute values of all coefficients of W_q.
 of sign, as 1 - cos(omega tau); both signs may have been missed between samples; or R may be larger
 than all that were tried. LimitError comes from a product that is too large (``kernel.budget``).
 
-Begin reading with ``asymptotic_sign``; ``sign_without_zeros`` is for callers that must know of every
-zero.
+Begin reading with ``asymptotic_sign``; ``sign_without_zeros`` is for callers that must know of
+every zero.
 """
 
 from __future__ import annotations

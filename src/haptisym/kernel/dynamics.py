@@ -211,7 +211,8 @@ def _lags(exponential: Expr) -> dict[Expr, int]:
     rate = argument.coeff(s)
     if rate.has(s) or (argument - rate * s).expand() != 0:
         raise SceneError(
-            f"{exponential} is not a delay, whose exponent is -s times a time: give a constant a symbol"
+            f"{exponential} is not a delay, whose exponent is -s times a time: give a constant a "
+            f"symbol"
         )
     signs = {}
     for term in Add.make_args(-rate):

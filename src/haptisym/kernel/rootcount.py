@@ -42,7 +42,7 @@ from math import ceil
 from typing import TypeAlias
 
 import flint
-from flint import acb, arb
+from flint import acb, arb, arb_poly
 from sympy import Expr, I, Integer, Rational, factorial, pi
 
 from haptisym.kernel.dynamics import RealFunction, Ring
@@ -57,16 +57,21 @@ from haptisym.kernel.reals import (
 from haptisym.kernel.rings import Polynomial, RationalFunction, degree_in, monomials, s
 from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 
-Terms: TypeAlias = dict[Rational, dict[tuple[int, ...], Expr]]
-"""The coefficients c of a characteristic function by the power of s, and then by the exponent of
-each unit delay, in the order of ``ring.lags``; (0, ...) is the undelayed term."""
+Exponents: TypeAlias = tuple[int, ...]
+"""How often each unit delay is in a product of them, in the order of ``ring.lags``; (0, ...) is the
+undelayed term."""
+Coefficient: TypeAlias = Mapping[Exponents, Expr]
+"""L_p, the coefficient of a power of s: its numbers c by the exponents of exp(-s lag)."""
+Terms: TypeAlias = dict[Rational, dict[Exponents, Expr]]
+"""The coefficients L_p of a characteristic function by the power p of s."""
 Row: TypeAlias = list[Expr]
 """The coefficients, ascending, of a polynomial in one free parameter; a single one where there is
 no parameter."""
 
+# Bits of working precision of balls: far more than it takes to tell whole numbers of turns.
 BITS = 128
-"""Bits of working precision of balls: far more than it takes to tell whole numbers of turns."""
-_ROUTH_BITS = 512  # the most bits of working precision for Routh's array
+# The most bits of working precision for Routh's array: the next way, a count, is slower.
+_ROUTH_BITS = 512
 # Terms of the expansion at s = 0 that are tried until one does not vanish.
 _MOST_TERMS = 64
 # Radians by which a delay may turn up to the reach: thousands of zeros on a chart take minutes.
@@ -75,6 +80,8 @@ _MOST_TURNING = 2000
 _ARCS = 1 << 8, 1 << 13
 # Frequencies that are tried as the one beyond which |A| > |B|: from about 1e-6 to 1e18 rad/s.
 _FIRST, _MOST_DOUBLINGS = Rational(1, 1 << 20), 80
+# The first exponent n of the radii 2^n that are tried for the reach: about 1e-6 rad/s.
+_LOWEST_POWER_OF_2 = -20
 # The quadrant by the signs of real and imaginary part, as the quarter turn at which it begins.
 _QUADRANT = {(1, 1): 0, (-1, 1): 1, (-1, -1): 2, (1, -1): 3}
 
@@ -106,9 +113,8 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     polynomial = _without_shared_delays(polynomial, ring)
     terms = terms_of(polynomial, ring)
     degree = max(terms)
-    floor = (
-        RootChain.NEAR if rests and is_mirrored(terms[degree]) else floor_of(terms[degree], ring)
-    )
+    leading = terms[degree]
+    floor = RootChain.NEAR if rests and is_mirrored(leading) else floor_of(leading, ring)
     if isinstance(floor, RootChain):
         return Roots(None, None, chain=floor)
     if rests:
@@ -116,7 +122,9 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
         return Roots(at_least(order), 0, (ExactNumber(Integer(0)),) if order else ())
     reach, undelayed = _reach(polynomial, terms, floor, ring)
     parts = parts_of(polynomial, ring)
-    every_part = (*parts, *(() if undelayed is None else parts_of(undelayed, ring)))
+    every_part = [*parts]
+    if undelayed is not None:
+        every_part += parts_of(undelayed, ring)
     if any(part.is_zero for part in every_part):
         # As of s^2 + 1, which is real on the axis, so that no quadrant shows where it is. A further
         # root at -1 turns it off both axes and does not count.
@@ -127,7 +135,7 @@ def count_roots(polynomial: Polynomial, ring: Ring, *, rests: bool = False) -> R
     # N = (phi(e) + settled - phi(j R))/2, with phi(e) = ``start`` (see the module's docstring).
     with flint.ctx.workprec(BITS):
         if undelayed is None:
-            settled = expression_ball(degree) + _own_turn(terms[degree], reach, ring)
+            settled = expression_ball(degree) + _own_turn(leading, reach, ring)
         else:
             settled = _turn_of_own(undelayed, terms, reach, ring)
         lacking = (start + settled - angle) / 2
@@ -206,14 +214,13 @@ def _reach(
     degree = max(terms)
     # Doubled: |D/(s^n L) - 1| <= 1/2 leaves the angle of D within arcsin(1/2), 1/6 of a half turn,
     # of that of s^n L, and the count within 1/6 of a whole number, as ``whole`` needs it.
-    weights = {
-        p: 2 * sum(map(size, group.values()), Integer(0))
-        for p, group in terms.items()
-        if p < degree
-    }
+    weights = dict[Rational, Expr]()
+    for p, coefficient in terms.items():
+        if p < degree:
+            weights[p] = 2 * sum(map(size, coefficient.values()), Integer(0))
     radius = prevailing(degree, floor, weights)
-    late = late_turns({x for group in terms.values() for x in group}, [*terms])
-    nearer = None if late is None else positive_from(terms, late)
+    delay = single_delay({x for coefficient in terms.values() for x in coefficient}, [*terms])
+    nearer = None if delay is None else positive_from(terms, delay)
     if nearer is not None and 2 * nearer < radius:
         _need_few_turns(nearer, terms, ring)
         return nearer, _undelayed(polynomial, ring)
@@ -233,19 +240,26 @@ def prevailing(degree: Rational, floor: Expr, weights: Mapping[Rational, Expr]) 
     # A power of 2, so that it is exact and short; once lower powers are exceeded, they stay so.
     with flint.ctx.workprec(BITS):
         least = expression_ball(floor)
-        lower = [
-            (expression_ball(p - degree), expression_ball(weight)) for p, weight in weights.items()
-        ]
-        n = -20
-        while not least > sum((weight * arb(2) ** (n * p) for p, weight in lower), arb(0)):
+        lower = []
+        for p, weight in weights.items():
+            lower.append((expression_ball(p - degree), expression_ball(weight)))
+
+        def prevails(n: int) -> bool:
+            others = (weight * arb(2) ** (n * p) for p, weight in lower)
+            return bool(least > sum(others, arb(0)))
+
+        n = _LOWEST_POWER_OF_2
+        while not prevails(n):
             n += 1
     return Rational(2) ** n
 
 
 def _need_few_turns(radius: Rational, terms: Terms, ring: Ring) -> None:
     """Raise UndecidedError where a delay turns too often up to the radius for a chart."""
-    late = {i for group in terms.values() for turns in group for i, n in enumerate(turns) if n}
-    if any(sign_of_number(radius * ring.lags[i] - _MOST_TURNING) > 0 for i in late):
+    occurring = set[Expr]()
+    for coefficient in terms.values():
+        occurring.update(_delays_of(coefficient, ring))
+    if any(sign_of_number(radius * lag - _MOST_TURNING) > 0 for lag in occurring):
         raise UndecidedError("the roots of a function that its delays turn thousands of times")
 
 
@@ -256,62 +270,74 @@ def _undelayed(polynomial: Polynomial, ring: Ring) -> Polynomial:
     return polynomial.context().from_dict(kept)
 
 
-def _delays_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> list[Expr]:
+def _delays_of(coefficient: Coefficient, ring: Ring) -> list[Expr]:
     """Return the unit delays, s, that occur in the coefficient of a power of s."""
-    return [lag for i, lag in enumerate(ring.lags) if any(turns[i] for turns in group)]
+    return [lag for i, lag in enumerate(ring.lags) if any(x[i] for x in coefficient)]
 
 
-def _own_turn(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> Ball:
+def _own_turn(leading: Coefficient, reach: Expr, ring: Ring) -> Ball:
     """Return the angle of L at j R, in quarter turns, less that of its undelayed term: 0 where the
     one delay in it has made whole turns (``_reach``).
 
     Of several delays the undelayed term outweighs all others, so that the angle is less than a
     quarter turn.
     """
-    if len(_delays_of(group, ring)) <= 1:
+    if len(_delays_of(leading, ring)) <= 1:
         return arb(0)
-    undelayed = next(c for turns, c in group.items() if not any(turns))
+    undelayed = leading[(0,) * len(ring.lags)]
     with flint.ctx.workprec(BITS):
-        return (factor_at(group, reach, ring) / expression_ball(undelayed)).arg() * 2 / arb.pi()
+        ratio = coefficient_at(leading, reach, ring) / expression_ball(undelayed)
+        return ratio.arg() * 2 / arb.pi()
 
 
-def late_turns(turns: set[tuple[int, ...]], powers: Sequence[Rational]) -> tuple[int, ...] | None:
+def single_delay(exponents: set[Exponents], powers: Sequence[Rational]) -> Exponents | None:
     """Return the exponents of the one product of unit delays, exp(-s tau), that occurs in D = A + B
     exp(-s tau) with polynomials A and B; None where D has not that form, as none or several occur,
-    or a power of s is fractional. ``turns`` : the exponents of all terms; ``powers`` : of s."""
-    late = [x for x in turns if any(x)]
-    return late[0] if len(late) == 1 and all(p.is_Integer for p in powers) else None
+    or a power of s is fractional. ``exponents`` : those of all terms; ``powers`` : of s."""
+    delayed = [x for x in exponents if any(x)]
+    if len(delayed) != 1 or not all(p.is_Integer for p in powers):
+        return None
+    return delayed[0]
 
 
-def positive_from(terms: Terms, late: tuple[int, ...]) -> Rational | None:
+def positive_from(terms: Terms, delay: Exponents) -> Rational | None:
     """Return a frequency from which on |A|^2 - |B|^2 > 0 on the axis; None where none is found. |A|
     must not be the smaller one at infinity."""
-    table = {p: {turns: [c] for turns, c in group.items()} for p, group in terms.items()}
+    table: dict[Rational, dict[Exponents, Row]] = {}
+    for p, coefficient in terms.items():
+        table[p] = {exponents: [c] for exponents, c in coefficient.items()}
     with flint.ctx.workprec(BITS):
-        first, *others = (expression_ball(row[0]).lower() for row in squares(table, late))
-        second, later = others[:1], others[1:]
-        # |A|^2 - |B|^2 over omega^(2 n - 2) is c_0 omega^2 + c_1 + c_2/omega^2 + ... . It is at
-        # least the same sum with c_0 >= 0 at its lower bound and positive c_2, c_3, ... left out,
-        # which does not fall with omega: once positive, it stays so.
-        weights = [first.max(arb(0)), *second, *(x.min(arb(0)) for x in later)]
-        at = _FIRST
+        bound = positive_bound([expression_ball(row[0]) for row in squares(table, delay)])
+        omega = _FIRST
         for _ in range(_MOST_DOUBLINGS):
-            ball = arb(int(at.p)) / int(at.q)
-            if sum((x * ball ** (2 - 2 * i) for i, x in enumerate(weights)), arb(0)) > 0:
-                return at
-            at *= 2
+            if bound(expression_ball(omega) ** -2) > 0:
+                return omega
+            omega *= 2
     return None
 
 
-def squares(
-    table: Mapping[Rational, Mapping[tuple[int, ...], Row]], late: tuple[int, ...]
-) -> list[Row]:
+def positive_bound(row: Sequence[Ball]) -> arb_poly:
+    """Return a lower bound of P/omega^(2N), a polynomial in x = 1/omega^2, that is positive at all
+    frequencies above one at which it is.
+
+    P = w_0 omega^(2N) + w_1 omega^(2N - 2) + ..., with its coefficients in the balls of ``row``, must
+    not be negative at infinity, so that w_0 >= 0. Then P/omega^(2N) >= w_0 + w_1 x + w_2 x^2 + ...
+    with their lower bounds for all w, also where w_2 and all further ones are replaced by 0 if they
+    are positive. Divided by x that is w_0/x + w_1 + w_2 x + ..., which falls as x grows, whatever
+    w_1 is.
+    """
+    first, *others = (x.lower() for x in row)
+    later = [x.min(arb(0)) for x in others[1:]]
+    return arb_poly([first.max(arb(0)), *others[:1], *later])
+
+
+def squares(table: Mapping[Rational, Mapping[Exponents, Row]], delay: Exponents) -> list[Row]:
     """Return the coefficients of |A|^2 - |B|^2 at s = j omega, by falling powers of omega^2, for
     D = A + B exp(-s tau). ``table`` : as ``Terms``, each coefficient a polynomial in a free
-    parameter; ``late`` : the exponents of exp(-s tau)."""
-    none = (0,) * len(late)
+    parameter; ``delay`` : the exponents of exp(-s tau)."""
+    undelayed = (0,) * len(delay)
     degree = int(max(table))
-    longest = max(len(row) for group in table.values() for row in group.values())
+    longest = max(len(row) for rows in table.values() for row in rows.values())
     rows = [[Integer(0)] * (2 * longest - 1) for _ in range(degree + 1)]
     # The products a_p a_r j^p (-j)^r omega^(p + r): those of odd p - r cancel in pairs.
     for p, r in product(table, repeat=2):
@@ -319,9 +345,9 @@ def squares(
             continue
         row = rows[degree - int(p + r) // 2]
         sign = (-1) ** (int(abs(p - r)) // 2)
-        for turns, side in ((none, sign), (late, -sign)):
-            for i, x in enumerate(table[p].get(turns, ())):
-                for k, y in enumerate(table[r].get(turns, ())):
+        for exponents, side in ((undelayed, sign), (delay, -sign)):
+            for i, x in enumerate(table[p].get(exponents, ())):
+                for k, y in enumerate(table[r].get(exponents, ())):
                     row[i + k] += side * x * y
     return [[c.expand() for c in row] for row in rows]
 
@@ -387,10 +413,9 @@ def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunc
     axis = ring.axis
     (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
     modulus = c * c + d * d
-    return (
-        RealFunction(axis.function(a * c + b * d, modulus).reduced()),
-        RealFunction(axis.function(b * c - a * d, modulus).reduced()),
-    )
+    real = axis.function(a * c + b * d, modulus)
+    imag = axis.function(b * c - a * d, modulus)
+    return RealFunction(real.reduced()), RealFunction(imag.reduced())
 
 
 def times(point: Point) -> int:
@@ -401,18 +426,18 @@ def times(point: Point) -> int:
 
 def value_at(terms: Terms, reach: Expr, ring: Ring) -> acb:
     """Return a ball around the value of D at j R."""
-    at = expression_ball(reach)
-    return sum(
-        (_power(at, p) * factor_at(group, reach, ring) for p, group in terms.items()), acb(0)
-    )
+    omega, total = expression_ball(reach), acb(0)
+    for p, coefficient in terms.items():
+        total += _power(omega, p) * coefficient_at(coefficient, reach, ring)
+    return total
 
 
-def factor_at(group: Mapping[tuple[int, ...], Expr], reach: Expr, ring: Ring) -> acb:
+def coefficient_at(coefficient: Coefficient, reach: Expr, ring: Ring) -> acb:
     """Return a ball around the value at j R of the coefficient L_p of a power of s."""
     angles = [expression_ball(lag) * expression_ball(reach) for lag in ring.lags]
     total = acb(0)
-    for turns, c in group.items():
-        angle = sum((n * x for n, x in zip(turns, angles, strict=True)), arb(0))
+    for exponents, c in coefficient.items():
+        angle = sum((n * x for n, x in zip(exponents, angles, strict=True)), arb(0))
         total += expression_ball(c) * acb(0, -angle).exp()
     return total
 
@@ -436,21 +461,23 @@ def terms_of(polynomial: Polynomial, ring: Ring) -> Terms:
     lags = len(ring.lags)
     for exponents, value in monomials(polynomial):
         degrees = [int(n) for n in exponents]
-        turns, powers = tuple(degrees[ring.size : ring.size + lags]), degrees[ring.size + lags :]
+        of_delays = tuple(degrees[ring.size : ring.size + lags])
+        of_orders = degrees[ring.size + lags :]
         # s^n times powers s^alpha are one power of s; terms that differ as monomials may meet in
         # it.
-        broken = (n * order for n, order in zip(powers, ring.orders, strict=False))
-        power = sum(broken, Integer(degrees[0]))
-        group = table.setdefault(power, {})
+        fractional = (n * order for n, order in zip(of_orders, ring.orders, strict=False))
+        power = sum(fractional, Integer(degrees[0]))
         number = Rational(int(value.p), int(value.q))
-        group[turns] = group.get(turns, Integer(0)) + (
-            number * pi ** degrees[1] if degrees[1] else number
-        )
-    exact = {
-        p: {turns: c for turns, c in group.items() if sign_of_number(c)}
-        for p, group in table.items()
-    }
-    return {p: group for p, group in exact.items() if group}
+        if degrees[1]:
+            number *= pi ** degrees[1]
+        coefficient = table.setdefault(power, {})
+        coefficient[of_delays] = coefficient.get(of_delays, Integer(0)) + number
+    without_zeros: Terms = {}
+    for p, coefficient in table.items():
+        numbers = {x: c for x, c in coefficient.items() if sign_of_number(c)}
+        if numbers:
+            without_zeros[p] = numbers
+    return without_zeros
 
 
 def size(number: Expr) -> Expr:
@@ -478,74 +505,73 @@ def beginning_at_0(terms: Terms, ring: Ring) -> tuple[Rational, int]:
     # A term of power p has, with its delays expanded, the exponents p, p + 1, p + 2, ...
     rising = merge(*(map(p.__add__, map(Integer, range(_MOST_TERMS))) for p in terms))
     for exponent, _ in groupby(rising):
-        meeting = ((group, exponent - p) for p, group in terms.items() if exponent >= p)
-        total = sum(
-            (_coefficient(group, int(k), ring) for group, k in meeting if k.is_Integer), Integer(0)
-        )
+        total = Integer(0)
+        for p, coefficient in terms.items():
+            k = exponent - p
+            if k >= 0 and k.is_Integer:
+                total += _taylor(coefficient, int(k), ring)
         if sign := sign_of_number(total):
             return exponent, sign
     raise UndecidedError("the order of a characteristic function at s = 0")
 
 
-def _coefficient(group: Mapping[tuple[int, ...], Expr], k: int, ring: Ring) -> Expr:
+def _taylor(coefficient: Coefficient, k: int, ring: Ring) -> Expr:
     """Return the coefficient of s^k, sum of c (-lag)^k/k!, in the expansion of the sum of c exp(-s
     lag) at s = 0."""
     if not k:
-        return sum(group.values(), Integer(0))
-    lags = {
-        turns: sum((n * x for n, x in zip(turns, ring.lags, strict=True)), Integer(0))
-        for turns in group
-    }
-    return sum(
-        (c * (-lags[turns]) ** k for turns, c in group.items()), Integer(0)
-    ).expand() / factorial(k)
+        return sum(coefficient.values(), Integer(0))
+    total = Integer(0)
+    for exponents, c in coefficient.items():
+        lag = sum((n * x for n, x in zip(exponents, ring.lags, strict=True)), Integer(0))
+        total += c * (-lag) ** k
+    return total.expand() / factorial(k)
 
 
 # The leading coefficient L, a polynomial in the unit delays exp(-s tau_i). Where it has delays (the
 # neutral type), its zeros are the limits of a chain of infinitely many roots of D.
 
 
-def floor_of(group: Mapping[tuple[int, ...], Expr], ring: Ring) -> Expr | RootChain:
+def floor_of(leading: Coefficient, ring: Ring) -> Expr | RootChain:
     """Return a lower bound > 0 of |L| for all s with Re s >= 0; or, where there is none, where the
     chain of roots lies. UndecidedError for several delays that outweigh the undelayed term."""
-    undelayed = next((c for turns, c in group.items() if not any(turns)), Integer(0))
-    delayed = {turns: c for turns, c in group.items() if any(turns)}
-    margin = size(undelayed) - sum(map(size, delayed.values()), Integer(0))
+    undelayed = leading.get((0,) * len(ring.lags), Integer(0))
+    delayed = {exponents: c for exponents, c in leading.items() if any(exponents)}
     # A highest power with delays alone (the advanced type): roots run off to the right.
     if sign_of_number(undelayed) == 0:
         return RootChain.RIGHT
+    # |z| <= 1 for all delays z, as Re s >= 0.
+    margin = size(undelayed) - sum(map(size, delayed.values()), Integer(0))
     if sign_of_number(margin) > 0:
         return margin
-    used = {i for turns in delayed for i, n in enumerate(turns) if n}
+    used = {i for exponents in delayed for i, n in enumerate(exponents) if n}
     if len(used) == 1:
-        return _floor_of_one(group, used.pop())
+        return _floor_of_one(leading, used.pop())
     raise UndecidedError("the chain of roots of a neutral function with several delays")
 
 
-def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | RootChain:
+def _floor_of_one(leading: Coefficient, place: int) -> Expr | RootChain:
     """Return what ``floor_of`` does for an L with one unit delay z = exp(-s tau), the one with the
     index ``place``: a polynomial in z, and |z| <= 1 where Re s >= 0.
 
     With z = (1 - w)/(1 + w) the disc |z| <= 1 is the half plane Re w >= 0, in which zeros are
     counted; z = -1 is w = infinity, and shows as a lower degree in w.
     """
-    ring = Ring()
-    n = max(turns[place] for turns in group)
-    powers = [
-        sum((c for turns, c in group.items() if turns[place] == i), Integer(0))
-        for i in range(n + 1)
-    ]
-    in_w = Integer(0)
-    for i, c in enumerate(powers):
+    n = max(exponents[place] for exponents in leading)
+    by_power = [Integer(0)] * (n + 1)
+    for exponents, c in leading.items():
+        by_power[exponents[place]] += c
+    # The variable of this ring, s, is w.
+    ring, in_w = Ring(), Integer(0)
+    for i, c in enumerate(by_power):
         in_w += c * (1 - s) ** i * (1 + s) ** (n - i)
-    w = ring.convert(in_w.expand()).numerator
-    inside = count_roots(w, ring)
-    if inside.number or int(w.degrees()[0]) < n:
+    polynomial = ring.convert(in_w.expand()).numerator
+    inside = count_roots(polynomial, ring)
+    if inside.number or int(polynomial.degrees()[0]) < n:
         return RootChain.RIGHT if inside.right else RootChain.NEAR
     # No zero in the disc: by the minimum principle |L| is least on the circle, which is covered by
     # balls of short arcs.
     with flint.ctx.workprec(BITS):
-        row = [expression_ball(c) for c in powers]
+        row = [expression_ball(c) for c in by_power]
 
         def value_on(arc: Ball) -> acb:
             waves = (acb(0, 2 * arb.pi() * arc * k).exp() for k in range(len(row)))
@@ -561,7 +587,7 @@ def _floor_of_one(group: Mapping[tuple[int, ...], Expr], place: int) -> Expr | R
     raise UndecidedError("how near the chain of a neutral function comes to the axis")
 
 
-def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
+def is_mirrored(leading: Coefficient) -> bool:
     """Whether L(1/z) is L(z) or -L(z) up to powers of z, for L as a polynomial in the unit delays z
     = exp(-s tau): then with each zero s of L, -s is one too, however long the delays are, and a
     chain of roots cannot lie on the left alone.
@@ -571,14 +597,15 @@ def is_mirrored(group: Mapping[tuple[int, ...], Expr]) -> bool:
     >>> [is_mirrored({turns: Integer(c) for turns, c in group.items()}) for group in of]
     [True, False, False]
     """
-    most = [max(column) for column in zip(*group, strict=True)]
-    other = {
-        turns: group.get(tuple(n - k for n, k in zip(most, turns, strict=True)), 0)
-        for turns in group
-    }
-    return len(group) > 1 and any(
-        all(c == side * other[turns] for turns, c in group.items()) for side in (1, -1)
-    )
+    if len(leading) <= 1:
+        return False
+    # Times z^degrees, L(1/z) has the same numbers c in the opposite order.
+    degrees = [max(column) for column in zip(*leading, strict=True)]
+    pairs = []
+    for exponents, c in leading.items():
+        opposite = tuple(n - k for n, k in zip(degrees, exponents, strict=True))
+        pairs.append((c, leading.get(opposite, 0)))
+    return all(c == other for c, other in pairs) or all(c == -other for c, other in pairs)
 
 
 # Stability of a dynamics
@@ -606,14 +633,15 @@ def is_stable(dynamics: RationalFunction) -> bool | None:
         order = order_at_0(dynamics.denominator, ring)
         if order and order > order_at_0(dynamics.numerator, ring):
             return False  # a pole at 0
-        if not any(
-            degree_in([dynamics.denominator], i) for i in range(ring.size, len(ring.meanings))
-        ):
+        beyond_s = range(ring.size, len(ring.meanings))
+        if not any(degree_in([dynamics.denominator], i) for i in beyond_s):
             # A zero at 0 that the numerator shares is no pole.
             row = ring.coefficients(dynamics.denominator / ring.variable ** int(order))
-            right = at_rising_precision(
-                lambda _: routh([expression_ball(c) for c in row]), 128, _ROUTH_BITS
-            )
+
+            def count(_: int) -> int | None:
+                return routh([expression_ball(c) for c in row])
+
+            right = at_rising_precision(count, BITS, _ROUTH_BITS)
             if right is not None:
                 return right == 0
         roots = count_roots(dynamics.denominator, ring)

@@ -189,7 +189,7 @@ def met(
     ``sides`` : the signs just below and just above. ``doubtful`` : the functions of which it is not
     known whether they vanish at the point.
     """
-    before, after = (lattice.sign(name, lambda piece, side=side: side[piece]) for side in sides)  # type: ignore[misc]
+    before, after = (lattice.sign(name, side.__getitem__) for side in sides)
     low, high = (_at(lattice, name, orders, side, {}) for side in sides)
     # A doubtful function may have any sign right at the point. Only where these give the lattice
     # different signs is the lattice undecided.

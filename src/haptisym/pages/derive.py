@@ -293,7 +293,8 @@ def sections(d: Derivation) -> tuple[doc.Section, ...]:
 
 
 def beyond(d: Derivation) -> tuple[doc.Section, ...]:
-    """What closed forms alone do not show: short steps, crossings solved for omega, leading terms."""
+    """What closed forms alone do not show: short steps, crossings solved for omega, leading
+    terms."""
     found = [
         _in_steps(d),
         *([_solved_in_sections(d)] if d.scene.threshold.is_plain else []),

@@ -78,8 +78,9 @@ def _answer(a: Design) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield the lines of the answer, each a heading and its phrase: the best values, the bandwidth
     that they attain, what limits it, and what was kept."""
     if a.best is None:
-        none = "no values in the range are" if a.certified else "no values were found that are"
-        yield "Best values", (f"{none} ", listed(a.keep) if a.keep else "fit for the model")
+        such = listed(a.keep) if a.keep else "fit for the model"
+        begin = "no values in the range are " if a.certified else "no values were found that are "
+        yield "Best values", (begin, such)
         yield "Bandwidth", "none" if a.certified else ("at most ", both(a.bandwidth[1], Way.UP))
         return
     values = []
@@ -148,7 +149,6 @@ def _bandwidth(a: Design) -> Phrase:
 def _given(a: Design, given: Attained) -> Phrase:
     """Return the bandwidth of the scene's own values; if these may be off, what they attain at
     least, rounded down as the lower bound that it then is."""
-    # Rounded down as the lower bound that it then is.
     return cell(given.bandwidth, Way.DOWN if a.robust else Way.NEAREST)
 
 

@@ -212,8 +212,8 @@ class Points:
         return np.select([shares >= 1, shares > 0], [high, low + shares * (high - low)], 0.0)
 
     def _evaluator(self, scene: Scene) -> SetEvaluator | None:
-        """The evaluator of a sweep of the scene; None for several delays, holds or powers of s, or one
-        with a JND region, of which a single set may take a sweep a second."""
+        """The evaluator of a sweep of the scene; None for several delays, holds or powers of s, or
+        one with a JND region, of which a single set may take a sweep a second."""
         if id(scene) not in self._evaluators:
             chain = scene.chain
             parts = ((chain.environment, chain.rendered), *chain.matrices)

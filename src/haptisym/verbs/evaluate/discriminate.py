@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import Any
 
@@ -146,10 +147,11 @@ def _displayed(
     def exceeds(name: str, signs: Signs) -> bool:
         return any(signs[name, x] > 0 for x in noticed(models[name]))
 
+    def by_one_alone(one: str, other: str, signs: Signs) -> bool:
+        return exceeds(one, signs) and not exceeds(other, signs)
+
     for one, other in (pair, pair[::-1]):
-        for found in table.where(
-            lambda signs, one=one, other=other: exceeds(one, signs) and not exceeds(other, signs)  # type: ignore[misc]
-        ):
+        for found in table.where(partial(by_one_alone, one, other)):
             ends = float(found.low.omega), float(found.high.omega)
             # at a tangency the change is on the border: no margin
             if found.low is found.high:

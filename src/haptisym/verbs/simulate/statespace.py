@@ -21,7 +21,8 @@ lines read.
 
 A *signal* is a force or a motion of the network and its derivatives; a *drive* is an input and how
 often it is differentiated, a *reading* a signal and how often. Begin with ``state_space`` for the
-exact half, with ``Propagator.step`` for the floats, and with ``linear_systems`` for what joins them.
+exact half, with ``Propagator.step`` for the floats, and with ``linear_systems`` for what joins
+them.
 """
 
 from __future__ import annotations

@@ -202,15 +202,21 @@ def _at_half_turns(
     """The resultant of two polynomials by the variable of that number, as a function of omega that
     has its zeros at half turns too.
 
-    Let M be the larger degree of both in a tangent t, n and m their degrees in q. Over
-    (1 + j t)^M, which is not 0, both are finite at half turns. The resultant is of degree m in the
-    coefficients of the one and n in those of the other, so that it is finite there over t^D, D =
-    (m + n) M, and 0 if its own degree in t is less. Then its square over (1 + t^2)^D is returned:
-    0 at all half turns, and elsewhere where the resultant is.
+    Let M be the larger degree of both in a tangent t, and n and m their degrees in q.
 
-    At these zeros the value -c0/c1 is the one common root q of both if their leading coefficients
-    in t have no common factor of a higher degree in q; else UndecidedError. (Zeros at single half
-    turns, where omega/pi is a number that the coefficients hold, are undecided on a chart.)
+    1. Over (1 + j t)^M, nowhere 0 for real t, both are finite at half turns, t -> infinity.
+    2. The resultant is a determinant of Sylvester's, homogeneous of degree m in the coefficients of
+       the one and n in those of the other. So over t^D, D = (m + n) M, it is finite at half turns,
+       and that limit is the resultant of the two limits.
+    3. If its own degree in t is D, the limit is not 0, as a coefficient that is a function of omega
+       beside t: the resultant is returned as it is.
+    4. If its degree is less, the limit is 0 at all half turns. Then its square over (1 + t^2)^D is
+       returned: 0 at all half turns, and elsewhere where the resultant is.
+
+    At the zeros of 4 the value -c0/c1 is the one common root q of both if their leading
+    coefficients in t have no common factor of a higher degree in q; else UndecidedError. (The
+    coefficient of 3 may be 0 at single half turns, if omega/pi is a number that the coefficients
+    hold: these are undecided on a chart.)
     """
     condition = axis.function(resultant)
     sizes = [p.degrees() for p in (real, imag)]

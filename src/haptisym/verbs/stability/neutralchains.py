@@ -27,15 +27,15 @@ from bisect import bisect_left
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, groupby, pairwise, product, zip_longest
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import flint
-from flint import arb, arb_poly
+from flint import arb
 from sympy import Expr, Integer, Matrix, Rational
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, expression_ball, rational_between
-from haptisym.kernel.rootcount import Row, late_turns, squares
+from haptisym.kernel.rootcount import Row, positive_bound, single_delay, squares
 from haptisym.kernel.roots import each_once, sign_of_number
 from haptisym.kernel.sets import CriticalValues, Open
 from haptisym.verbs.stability.crossingcurve import CrossingCurve
@@ -72,9 +72,14 @@ _BITS = 192
 _Interval: TypeAlias = tuple[RealNumber | None, RealNumber | None]
 """Two ends; None where there is none on that side."""
 
-_Part: TypeAlias = tuple[RealNumber, RealNumber | None, Rational | None]
-"""Low and high end of an interval of q, and the frequency, rad/s, above which no q in it puts a
-root on the axis; None where no such frequency was found."""
+
+class _Part(NamedTuple):
+    """An interval of q, to a ``high`` end of None if it has no end, and a ``bound``: a frequency,
+    rad/s, above which no q in it puts a root on the axis; None where no such one was found."""
+
+    low: RealNumber
+    high: RealNumber | None
+    bound: Rational | None
 
 
 def from_infinity(loop: Loop) -> tuple[CriticalRoot, ...]:
@@ -183,7 +188,7 @@ class BesideChains:
         """The loop in this form; None where it has several delays or fractional powers of s, or
         where the highest power has no undelayed coefficient."""
         delayed = {x for group in loop.table.values() for x in group if any(x)}
-        exponents = late_turns(delayed, [*loop.table])
+        exponents = single_delay(delayed, [*loop.table])
         undelayed = (0,) * len(loop.ring.lags)
         if exponents is None or undelayed not in loop.leading:
             return None
@@ -201,7 +206,7 @@ class BesideChains:
         for phase in _PHASES:
             highest = Rational(phase) / Rational(str(float(self.lag)))
             parts = [*self._parts(low, high, highest, _MOST_CUTS)]
-            bounds = [bound for _, _, bound in parts if bound is not None]
+            bounds = [part.bound for part in parts if part.bound is not None]
             open_intervals = [*_open_runs(parts)]
             roots = curve.roots(max(bounds)) if bounds else ()
             yield CriticalValues(roots, open_intervals)
@@ -222,7 +227,7 @@ class BesideChains:
         values = [x for x in (low, middle, high) if x is not None]
         is_last = bound is not None or not cuts
         if is_last or not any(self._bound(x, x, highest) for x in values):
-            yield low, high, bound
+            yield _Part(low, high, bound)
             return
         yield from self._parts(low, middle, highest, cuts - 1)
         yield from self._parts(middle, high, highest, cuts - 1)
@@ -233,12 +238,9 @@ class BesideChains:
         """A frequency of at most ``highest``, rad/s, above which P > 0 for all q between two ends
         (or at one q, if both are the same); None where none is proven.
 
-        Let w_i be lower bounds of the coefficients of P for all of these q, x = omega^-2 and N the
-        degree of P. Then P/omega^(2N) >= w_0 + w_1 x + w_2 x^2 + ..., also where w_2 and all
-        further ones are replaced by 0 if they are positive. w_0 >= 0 may be assumed, as no chain is
-        on the right. Divided by x this lower bound is w_0/x + w_1 + w_2 x + ...: it falls as x
-        grows, whatever w_1 is. So where it is positive it is positive at all higher frequencies,
-        and bisection finds the least one that is tried.
+        The coefficients of P for all of these q are in balls, and the leading one is not negative,
+        as no chain is on the right. So where the lower bound of ``positive_bound`` is positive it is
+        so at all higher frequencies, and bisection finds the least one that is tried.
         """
         with flint.ctx.workprec(_BITS):
             rows, start = self.rows, low.ball(_BITS)
@@ -251,10 +253,7 @@ class BesideChains:
                 q = (1 / start).union(arb(0))
             else:
                 return None
-            w = [horner(balls(row), q)[0].lower() for row in rows]
-            first_w = w[0].max(arb(0))
-            others = [x.min(arb(0)) for x in w[2:]]
-            lower_bound = arb_poly([first_w, *w[1:2], *others])
+            lower_bound = positive_bound([horner(balls(row), q)[0] for row in rows])
             least = expression_ball(highest) / _SPAN
             ratio = expression_ball(_RATIO)
 
@@ -269,7 +268,7 @@ class BesideChains:
 
 def _open_runs(parts: Sequence[_Part]) -> Iterator[Open]:
     """The parts without a bound, neighbours as one open interval."""
-    for is_open, run in groupby(parts, lambda part: part[2] is None):
+    for is_open, run in groupby(parts, lambda part: part.bound is None):
         if is_open:
             neighbours = [*run]
-            yield Open(neighbours[0][0], neighbours[-1][1], ENDLESS)
+            yield Open(neighbours[0].low, neighbours[-1].high, ENDLESS)

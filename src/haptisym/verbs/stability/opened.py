@@ -258,10 +258,14 @@ class Opened:
         if not most:
             return None if most is None else []
         low, high = sorted(span)
-        signs = [self._signs(x) for x in (low, high)]
-        if None in (*signs[0], *signs[1]):
-            return None
-        changed = [i for i in (_ONE, _MINUS_ONE, _PAIR) if signs[0][i] * signs[1][i] < 0]  # type: ignore[operator]
+        changed: list[int] = []
+        for i, (at_low, at_high) in enumerate(
+            zip(self._signs(low), self._signs(high), strict=True)
+        ):
+            if at_low is None or at_high is None:
+                return None
+            if at_low * at_high < 0:
+                changed.append(i)
         # Where two tests change at once, or a root may come through z = 1 as well, the counts at
         # the ends do not tell which roots came.
         if len(changed) > 1 or (changed and self._has_rest(low, high)):

@@ -1,13 +1,24 @@
 """What do floats prove of a sweep's answers, for one batch of parameter sets?
 
-``delayterms.isolate`` encloses all zeros of a function on the band for many sets, each alone in its
-enclosure, or leaves a set undecided; ``refine`` makes enclosures as small as ``TOLERANCE``. A
-``Pass`` does so for all functions of a scene (``curves``), puts the zeros of each set in order and
-reads crossings, bandwidth, transparent share and changeovers off the signs in between
-(``signchanges``). With each answer comes, for each set, whether it is proven.
+A *set* has one value for each swept parameter. For each set all answers follow from the signs on
+the band of a few real functions of omega: the *excess* r^2 - c^2 of each criterion, positive where
+the ratio r of the distortion exceeds its threshold c, and Re H_env and Re H_perc, whose signs
+change at *changeovers*. A continuous function changes its sign at zeros alone (intermediate value
+theorem). So three steps prove an answer for many sets at once:
 
-Begin with ``Pass.answers``. Frequencies are in rad/s unless they are said to be fractions of the
-band's high end; x = (omega/(high end))^step is the variable of the curves.
+1. ``delayterms.isolate`` encloses all zeros of a function on the band, each alone in its enclosure,
+   or leaves a set undecided.
+2. ``delayterms.refine`` makes enclosures as small as ``TOLERANCE``.
+3. The zeros of each set are put in order (``signchanges``). Crossings, bandwidth, transparent share
+   and changeovers are read off the signs in between.
+
+With the answers comes, for each set, whether they are proven; a set for which they are not is left
+to exact arithmetic (``exactanswers``).
+
+Begin with ``Pass.answers``. Functions come as ``Curves``: a *family* is one polynomial whose
+coefficients depend on the parameters, a product of some is a function, and a *lattice* the maximum
+of minima of functions, as a JND region has. Frequencies are in rad/s unless they are said to be
+fractions of the band's high end; x = (omega/(high end))^step is the variable of the curves.
 """
 
 from __future__ import annotations
@@ -92,7 +103,8 @@ class Pass:
         self._factors: dict[Family, FamilyFactor] = {}
 
     def answers(self) -> tuple[Columns, Array]:
-        """All variables but those of hands, and for which sets they are proven."""
+        """The columns of all answers but those for hands, and for which sets all of them are
+        proven; the answers of another set mean nothing."""
         # What is not finite has no sign, so that the set is not decided.
         with np.errstate(all="ignore"):
             self._need_nonzero(self.curves.nonzero)
@@ -125,7 +137,8 @@ class Pass:
         return Function(variables, rows, tuple(self._factors[f] for f in families))
 
     def _need_nonzero(self, families: Sequence[Family]) -> None:
-        """Leave those sets undecided for which one of these functions has a zero on the band."""
+        """Leave those sets undecided for which one of these functions has a zero on the band:
+        denominators, and factors at whose zeros no sign changes (``Curves.nonzero``)."""
         for f in families:
             zeros = self._isolated(self._at((f,)))
             self.decided[zeros.sets] = False
