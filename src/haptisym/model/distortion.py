@@ -32,6 +32,7 @@ from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.solutions import Solution, solve, solved_for
+from haptisym.model.asymptotes import Asymptote, LowFrequency, asymptote, low_frequency
 from haptisym.model.catalogue import (
     Effect,
     Environment,
@@ -41,18 +42,14 @@ from haptisym.model.catalogue import (
 )
 from haptisym.model.chain import (
     LOWEST_MAY_EXCEED,
-    Asymptote,
     Chain,
     Changeovers,
     CrossingSolutions,
-    LowFrequency,
     ParameterJND,
     Properties,
-    asymptote,
     bandwidth,
     crossings,
     excess,
-    low_frequency,
     lowest,
     part_named,
     properties,
