@@ -1,11 +1,19 @@
 """Bounds on the band over which a chain of series effects is transparent with every environment,
 and with none.
 
-Behind a series effect G the distortion is (G - 1) H: |G - 1| |H| long, in a direction that depends
-on the environment. So every environment is transparent where |G - 1| is at most the smaller
-threshold, as then both parts of dH are; and none is where |G - 1| exceeds sqrt(c_real^2 +
-c_imag^2), as then one part is too long whatever the direction. Both bounds are attained.
-Derivation: 11_any_environment.
+A *series effect* multiplies the dynamics: together H_perc = G H_env, and on s = j omega the
+distortion dH = (G - 1) H_env has the modulus |G - 1| |H_env| and a direction in the complex plane
+that depends on the environment. A change is noticed where |Re dH| > c_real |H_env| or |Im dH| >
+c_imag |H_env|. Hence, at each frequency,
+
+- every environment is transparent where |G - 1| <= min(c_real, c_imag), as no part of dH is larger
+  than its modulus,
+- none is where |G - 1| > sqrt(c_real^2 + c_imag^2), as a dH within both limits has at most that
+  modulus.
+
+Both bounds are attained, by environments whose phase is the right one. Derivation:
+11_any_environment. Begin with ``any_environment``; ``around`` does the same for a JND region, by
+the circles inside and around it.
 """
 
 from __future__ import annotations
@@ -141,7 +149,8 @@ def _circles(threshold: Threshold) -> tuple[list[Expr], list[Expr]]:
         inner = [p * p + q * q for p, q in edges]
         outer = [1 / (x * x + y * y) for x, y in corners]
         return list(dict.fromkeys(inner)), list(dict.fromkeys(outer))
-    return [x**-2 for x in (a, b, *region.lower) if x is not None], [1 / (a * a + b * b)]
+    distances = [x for x in (a, b, *region.lower) if x is not None]
+    return [x**-2 for x in distances], [1 / (a * a + b * b)]
 
 
 def any_environment(scene: Scene) -> AnyEnvironment | None:

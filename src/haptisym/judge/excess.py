@@ -1,12 +1,22 @@
 """By how much a criterion is exceeded, over cells of frequency and parameters: proven bounds on the
 excess and on its slopes, in Taylor models.
 
-A scene whose parameters have ranges is a ``Box``; a cell is a piece of the band and of these
-ranges. The excess r^2 - c^2 of one part is a program of the scene's chain. That of a JND region, or
-of a limit that depends on frequency, is the maximum of minima of smooth functions: one function for
-an ellipse, two for a diamond, one for each edge of a polygon. ``joined`` makes of them one model,
-with the same sign and the same zeros. With effects in series |G - 1|^2 - c^2 is judged for any
-environment; it is nowhere less than the excess of one part. Begin with ``excess_of``.
+A scene whose parameters have ranges is a ``Box``; a *cell* is a piece of the band and of these
+ranges. On a cell each varying quantity i is an affine function of a variable t_i, -1 <= t_i <= 1,
+and a *Taylor model* (``programs.taylormodels``) is a polynomial of low degree in these with a
+proven bound on its error: so it bounds a function, and its slopes, over all of the cell.
+
+The *excess* of a criterion is a function that is positive exactly where a change is noticed:
+
+- of one part r^2 - c^2, with the ratio r = |Re dH|/|H_env| or |Im dH|/|H_env| of the distortion dH
+  = H_perc - H_env and the threshold c (``Excess``),
+- of a JND region, or of a limit that depends on frequency, the maximum of minima of smooth
+  functions: one function for an ellipse, two for a diamond, one for each edge of a polygon
+  (``RegionalExcess``). ``joined`` makes of them one model, with the same sign and the same zeros,
+- with effects in series, that multiply the dynamics by G, |G - 1|^2 - c^2, judged for any
+  environment; it is nowhere less than the excess of one part (``LargerExcess``).
+
+Begin with ``excess_of``.
 """
 
 from __future__ import annotations
@@ -107,7 +117,9 @@ def box_of(scene: Scene) -> Box:
     return box
 
 
-_BENT = 7  # sides; with more the curvature of all slopes costs more than the cells that it spares
+# Sides up to which models are of second order: with more the curvature of all slopes costs more
+# than the cells that it spares.
+_MOST_BENT = 7
 
 
 class Excess:
@@ -129,7 +141,7 @@ class Excess:
         chain, exchanged = box.chain
         # The chain without zeros shows the imaginary part's ratio as the real part's, and vice
         # versa, where the factor taken out is imaginary on the axis.
-        seen = part if not exchanged else Part.IMAG if part is Part.REAL else Part.REAL
+        seen = seen_as(part, turns=int(exchanged))
         self._name = f"squared_{seen.value}"
         self._program = chain.program([self._name])
         self._inputs = self._places(self._program)
@@ -147,7 +159,7 @@ class Excess:
         ends = [box.scene.band, *((side.low, side.high) for side in box.sides)]
         self._intervals = [(floated(low), floated(high - low)) for low, high in ends]
         self.sides = len(ends)
-        self.order = 2 if self.sides <= _BENT else 1
+        self.order = 2 if self.sides <= _MOST_BENT else 1
 
     def _places(self, program: Program) -> list[int]:
         """For each input of a program the number of its side; omega is side 0."""
@@ -169,11 +181,9 @@ class Excess:
         with np.errstate(all="ignore"):
             inputs = [self._variable(i, cells, slopes=slopes) for i in self._inputs]
             square = self._square(inputs)
-            c = (
-                inputs[0].number(self._c)
-                if self._limit is None
-                else self._variable(self._limit, cells, slopes=slopes)
-            )
+            c = inputs[0].number(self._c)
+            if self._limit is not None:
+                c = self._variable(self._limit, cells, slopes=slopes)
             minus = -(c * c)
             return minus + square if isinstance(square, TaylorModel) else minus.plus(square)
 
@@ -239,13 +249,22 @@ class LargerExcess(Excess):
         return all(self._program.operations[self._program.results[x]].value == 0 for x in _RELATIVE)
 
     def _square(self, inputs: Sequence[TaylorModel]) -> TaylorModel:
-        results = Modelled(self._program).run(inputs)
-        listed = (results[name] for name in _RELATIVE)
-        x, y = (v if isinstance(v, TaylorModel) else inputs[0].number(v) for v in listed)
+        results = _all_models(Modelled(self._program).run(inputs), inputs[0])
+        x, y = (results[name] for name in _RELATIVE)
         return x * x + y * y
 
 
 _RELATIVE = ("relative_real", "relative_imag")
+
+
+def _all_models(
+    results: Mapping[str, TaylorModel | float], like: TaylorModel
+) -> dict[str, TaylorModel]:
+    """Results of a program, constants among them as models over the cells of another one."""
+    models: dict[str, TaylorModel] = {}
+    for name, x in results.items():
+        models[name] = x if isinstance(x, TaylorModel) else like.number(x)
+    return models
 
 
 def joined(terms: Sequence[Sequence[TaylorModel]]) -> TaylorModel:
@@ -318,10 +337,10 @@ class RegionalExcess(Excess):
         self._over(box)
         self._criterion, self._limit = criterion, None
         threshold = box.scene.threshold
-        if criterion.region and threshold.interval(Part.REAL):  # one for both half widths
-            self._criterion = replace(
-                criterion, region=criterion.region.opened(dict.fromkeys(Part, c))
-            )
+        if criterion.region and threshold.interval(Part.REAL):
+            # The range is one for both half widths.
+            opened = criterion.region.opened(dict.fromkeys(Part, c))
+            self._criterion = replace(criterion, region=opened)
             self._limit = 1 + self._names.index(box.part_name(Part.REAL))
         chain = box.scene.chain.at(self._fixed)
         relative, _ = chain.without_axis_zeros()
@@ -380,15 +399,15 @@ class RegionalExcess(Excess):
     ) -> dict[str, TaylorModel]:
         """The results of a program over cells, constants among them as models."""
         inputs = [self._variable(i, cells, slopes=slopes) for i in self._places(program)]
-        results = Modelled(program).run(inputs)
-        return {
-            name: x if isinstance(x, TaylorModel) else at.number(x) for name, x in results.items()
-        }
+        return _all_models(Modelled(program).run(inputs), at)
 
 
 def seen_as(part: Part, turns: int) -> Part:
-    """The part that shows a part of a complex number turned by a number of quarters of a turn."""
-    return part if turns % 2 == 0 else Part.IMAG if part is Part.REAL else Part.REAL
+    """The part that shows a part of a complex number turned by a number of quarters of a turn, up
+    to its sign."""
+    if turns % 2 == 0:
+        return part
+    return Part.IMAG if part is Part.REAL else Part.REAL
 
 
 @dataclass(frozen=True)
@@ -416,10 +435,11 @@ class RelativeChange:
             return [[self._quadric(region, (p * p, p * q, q * q), S.One)] for p, q in region.pairs]
         if isinstance(region, Cornered):
             (x, y), (a, b) = self._xy, (region.real, region.imag)
-            return [
-                [(self._times(p / a, x) + self._times(q / b, y)).plus(-1.0)]
-                for p, q in region.edges
-            ]
+            terms: Terms = []
+            for p, q in region.edges:
+                beyond_edge = self._times(p / a, x) + self._times(q / b, y)
+                terms.append([beyond_edge.plus(-1.0)])
+            return terms
         if isinstance(region, Sided):
             return self._sided(region)
         assert criterion.part

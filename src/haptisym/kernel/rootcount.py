@@ -411,11 +411,15 @@ def whole(lacking: Ball) -> int:
 def parts_of(polynomial: Polynomial, ring: Ring) -> tuple[RealFunction, RealFunction]:
     """Return the exact real and imaginary part of D(j omega), both times one factor > 0."""
     axis = ring.axis
-    (a, b), (c, d) = axis.parts([polynomial, polynomial.context().constant(1)])
+    one = polynomial.context().constant(1)
+    # ``parts`` multiplies D and 1 by one factor, so that D is (a + j b)/(c + j d).
+    (a, b), (c, d) = axis.parts([polynomial, one])
     modulus = c * c + d * d
-    real = axis.function(a * c + b * d, modulus)
-    imag = axis.function(b * c - a * d, modulus)
-    return RealFunction(real.reduced()), RealFunction(imag.reduced())
+    above_real = a * c + b * d
+    above_imag = b * c - a * d
+    real = RealFunction(axis.function(above_real, modulus).reduced())
+    imag = RealFunction(axis.function(above_imag, modulus).reduced())
+    return real, imag
 
 
 def times(point: Point) -> int:

@@ -28,7 +28,9 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clockedloop import loop_of
 
+# Working precision, bits: cells are wide, so that rounding is small beside them.
 _BITS_OF_CELLS = 96
+# Cells that are looked at: some seconds.
 _MOST_CELLS = 3000
 
 Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
@@ -37,7 +39,8 @@ Cell: TypeAlias = tuple[tuple[Fraction, Fraction], ...]
 
 @dataclass(frozen=True)
 class OnCircle:
-    """A sampled loop with symbols for some of its parameters, and the ``ranges`` of these."""
+    """A sampled loop with symbols for some of its parameters, and the ``ranges`` of these, lowest
+    and highest value."""
 
     loop: SampledLoop
     ranges: Mapping[Symbol, tuple[Expr, Expr]]
@@ -118,19 +121,18 @@ class OnCircle:
         nonnegative numbers and symbols. False proves nothing."""
         terms = formula.expand().as_ordered_terms()
         lows = [self.ranges[x][0] for x in formula.free_symbols]
-        return all(x.as_coeff_Mul()[0] >= 0 for x in terms) and all(
-            sign_of_number(x) >= 0 for x in lows
-        )
+        has_no_minus = all(x.as_coeff_Mul()[0] >= 0 for x in terms)
+        return has_no_minus and all(sign_of_number(x) >= 0 for x in lows)
 
     def _at(self, cell: Cell) -> dict[Expr, Ball]:
         """The values of a cell, in balls; at the current working precision."""
-        found: dict[Expr, Ball] = {}
+        known: dict[Expr, Ball] = {}
         for (symbol, (low, high)), (start, end) in zip(self.ranges.items(), cell, strict=True):
             a, b = expression_ball(low), expression_ball(high)
-            found[symbol] = (a + fraction_ball(start) * (b - a)).union(
-                a + fraction_ball(end) * (b - a)
-            )
-        return found
+            first = a + fraction_ball(start) * (b - a)
+            last = a + fraction_ball(end) * (b - a)
+            known[symbol] = first.union(last)
+        return known
 
 
 def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
@@ -147,12 +149,12 @@ def _is_hurwitz(row: Sequence[Ball]) -> bool:
     down, n = list(row)[::-1], len(row) - 1
     if not all(x > 0 for x in down[:-1]):
         return False
-    entries = [
-        [
-            down[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= n else arb(0)
-            for j in range(n)
-        ]
-        for i in range(n)
-    ]
-    # But the last one: it is that before it times the first coefficient, which may be 0.
-    return all(arb_mat([line[:k] for line in entries[:k]]).det() > 0 for k in range(1, n))
+    # Hurwitz' matrix has the coefficient a_(2 j - i) of s^(n - 2 j + i) in row i, column j.
+    matrix: list[list[Ball]] = []
+    for i in range(1, n + 1):
+        indices = (2 * j - i for j in range(1, n + 1))
+        matrix.append([down[k] if 0 <= k <= n else arb(0) for k in indices])
+    # All leading minors but the last one: it is that before it times the first coefficient, which
+    # may be 0.
+    minors = (arb_mat([line[:k] for line in matrix[:k]]).det() for k in range(1, n))
+    return all(x > 0 for x in minors)
