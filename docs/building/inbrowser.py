@@ -17,6 +17,7 @@ import subprocess
 import sys
 import tarfile
 from collections.abc import Iterator
+from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
@@ -86,6 +87,7 @@ def place(folder: Path, site: Path) -> None:
         (target / "index.html").write_text(_without(), encoding="utf-8")
         return
     shutil.copytree(PAGE, target, ignore=shutil.ignore_patterns("__pycache__"))
+    (target / "index.html").write_text(answered(), encoding="utf-8")
     shutil.copy(ROOT / "src" / "haptisym" / "data" / "report.css", target)
     (target / "pyodide").mkdir()
     for name in CORE:
@@ -112,10 +114,31 @@ def _sources() -> Iterator[Path]:
                 yield path
 
 
+def answered() -> str:
+    """Return the page with the paper's scene and its answer, which are there before Python is."""
+    sys.path.insert(0, str(PAGE))
+    import answers
+
+    scenes = answers.listed()["scenes"]
+    found = answers.evaluate(scenes["fu2019"])
+    names = sorted(scenes, key=lambda name: (name != "fu2019", name))
+    first = {"scenes": scenes, "found": {key: found[key] for key in ("json", "paths", "hands", "environments")}}
+    filled = {
+        "names": "".join(f"<option>{name}</option>" for name in names),
+        "scene": "\n" + escape(scenes["fu2019"], quote=False),  # HTML drops the first line break of a text box
+        "answer": found["lines"], "explorer": found["explorer"], "rest": found["html"],
+        "first": json.dumps(first).replace("<", "\\u003c"),
+    }  # fmt: skip
+    text = (PAGE / "index.html").read_text(encoding="utf-8")
+    for name, html in filled.items():
+        text = text.replace(f"<!-- {name} -->", html)
+    return text
+
+
 def _without() -> str:
     """The page where there are no packages."""
     text = (PAGE / "index.html").read_text(encoding="utf-8")
-    head, _, rest = text.partition('<div id="loading"')
+    head, _, rest = text.partition('<div id="columns">')
     css = (ROOT / "src" / "haptisym" / "data" / "report.css").read_text(encoding="utf-8")
     head = head.replace(
         '<link rel="stylesheet" href="report.css">\n<link rel="stylesheet" href="try.css">', f"<style>{css}</style>"

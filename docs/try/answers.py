@@ -63,17 +63,24 @@ def evaluate(scene: str, environment: str = "") -> dict[str, Any]:
     found = _asked(family, hs.evaluate) if len(family) == 1 else hs.evaluate_all(family)
     e = found.answers.get(environment, next(iter(found.answers.values()))) if len(family) > 1 else found
     paths = [{x.path for x in own.knobs.all} for own in family.scenes.values()]
+    shown = _shown(found)
     return {
-        **_shown(found), "explorer": explorer(e, SceneForms(e)),
+        **shown, **_parted(shown["html"]), "explorer": explorer(e, SceneForms(e)),
         "environments": list(family) if len(family) > 1 else [],
         "paths": [x.path for x in family.first.knobs.all if all(x.path in own for own in paths)],
         "hands": [] if family.first.motion is MotionKind.ROTATION else list(hs.hands),
     }  # fmt: skip
 
 
-def stability(scene: str, hand: str = "") -> dict[str, Any]:
-    """In a hand, or in those of the scene."""
-    return _shown(_asked(hs.parse_scenes(scene), lambda x: hs.stability(x, hand or None)))
+def stability(scene: str, hand: str = "", limit: float = LIMIT) -> dict[str, Any]:
+    """In a hand, or in those of the scene; ``partial``: something was left undecided within the limit."""
+    try:
+        found = _asked(hs.parse_scenes(scene), lambda x: hs.stability(x, hand or None, limit=limit))
+    except hs.LimitError:
+        if limit == LIMIT:
+            raise
+        return {"html": "", "partial": True}
+    return {**_shown(found), "partial": not found.certified}
 
 
 def require(scene: str, path: str) -> dict[str, Any]:
@@ -110,6 +117,13 @@ def _asked(family: hs.SceneFamily, question: Callable[[hs.Scene], Any]) -> Any:
 def _shown(found: Answer) -> dict[str, Any]:
     html = fragment(found.document(), formulas=True).replace("h2>", "h3>").replace("<h2", "<h3")
     return {"html": _on_page(html), "json": found.to_json()}
+
+
+def _parted(html: str) -> dict[str, str]:
+    """The lines of an answer, and what stands below the figures."""
+    head, opened = '<div class="haptisym">', html.partition('<dl class="findings">')[1]
+    lines, end, rest = html.partition("</dl>")
+    return {"lines": f"{lines}{end}</div>", "html": head + rest} if opened else {"lines": "", "html": html}
 
 
 def _on_page(text: str) -> str:

@@ -2,7 +2,9 @@
 const find = (id) => document.getElementById(id);
 const QUIET = 250; // ms without a change before the scene is asked about
 const scene = find("scene");
-let [worker, ready, scenes] = [null, false, {}];
+const first = JSON.parse(find("first").textContent); // what the build computed: the scenes, and the answer about the one that the page shows
+const { scenes } = first;
+let [worker, ready] = [null, false];
 let [busy, waiting, last] = [null, [], 0]; // the question that is being answered, and the next ones: of each kind the latest alone
 
 // Questions.
@@ -10,12 +12,13 @@ let [busy, waiting, last] = [null, [], 0]; // the question that is being answere
 function start() {
   [ready, busy] = [false, null];
   find("loading").hidden = false;
+  find("questions").disabled = true;
   worker = new Worker(new URL("worker.mjs", import.meta.url), { type: "module" });
   worker.onmessage = ({ data }) => {
     if ("share" in data) find("share").value = data.share;
     else if (data.words) said(data);
     else if (data.failed) say(`haptisym could not be loaded: ${data.failed}. The page needs a server: python -m http.server in its folder.`, "wrong");
-    else if (data.ready) begin(data.found);
+    else if (data.ready) begin();
     else if (busy && data.id === busy.id) {
       const { then, asked } = busy;
       finished();
@@ -63,15 +66,12 @@ function stop() {
   start();
 }
 
-function begin({ scenes: texts }) {
-  [ready, scenes] = [true, texts];
+/** The program is there: what waits is answered, and what the build answered is answered again. */
+function begin() {
+  ready = true;
   find("loading").hidden = true;
-  if (!find("names").options.length) {
-    const names = Object.keys(scenes).sort((a, b) => (b === "fu2019") - (a === "fu2019"));
-    find("names").append(...names.map((name) => new Option(name, name)));
-    if (!scene.value) fromLink();
-    else evaluate();
-  }
+  find("questions").disabled = false;
+  if (!waiting.length && !find("built").hidden) evaluate();
   next();
 }
 
@@ -84,7 +84,11 @@ function say(text, kind = "") {
 function invalid(is) {
   if (is) scene.setAttribute("aria-invalid", "true");
   else scene.removeAttribute("aria-invalid");
-  ["answer", "rest", "explorer-place"].forEach((id) => { find(id).className = is ? "old" : ""; });
+  outdated(is);
+}
+
+function outdated(is, parts = ["answer", "rest", "explorer-place"]) {
+  parts.forEach((id) => { find(id).className = is ? "old" : ""; });
 }
 
 // The answer.
@@ -97,20 +101,36 @@ function put(id, html) {
 /** Ask about the text. `moved`: it was a slider that changed it, and so the sliders stay. */
 function evaluate(moved = false) {
   const text = scene.value;
+  if (!ready) wait(text, moved);
   ask({ ask: "evaluate", scene: text, environment: find("environments").value }, (found, seconds) => {
-    find("json").value = found.json;
-    put("rest", found.html);
-    const all = find("rest").firstElementChild;
-    const end = [...all.children].findIndex((x) => x.className === "findings") + 1;
-    find("answer").replaceChildren(...[...all.children].slice(0, end)); // the rest below the figures
+    find("built").hidden = true;
+    show(found);
     find("further").replaceChildren();
     say(`Answered in ${seconds.toFixed(2)} s.`);
-    options("paths", found.paths);
-    options("hands", [...found.hands, ""], { "": "the scene’s hands" });
-    options("environments", found.environments);
-    find("family").hidden = !found.environments.length;
     if (!moved) explore(found.explorer, text);
   }, "Evaluating");
+}
+
+/** Until the program is there, what is shown is about the scene of the build; the figures follow their sliders. */
+function wait(text, moved) {
+  const same = text === scenes.fu2019;
+  foreign = !moved && !same;
+  outdated(!same, moved ? ["answer", "rest"] : undefined);
+  say(same ? "" : `It is answered as soon as the program is loaded. ${moved ? "The figures follow already, computed." : "What is shown is about fu2019."}`);
+}
+
+function show(found) {
+  find("json").value = found.json;
+  put("answer", found.lines);
+  put("rest", found.html);
+  choices(found);
+}
+
+function choices(found) {
+  options("paths", found.paths);
+  options("hands", [...found.hands, ""], { "": "the scene’s hands" });
+  options("environments", found.environments);
+  find("family").hidden = !found.environments.length;
 }
 
 /** Put names into a list to choose from; what was chosen stays where it is still there. */
@@ -121,21 +141,26 @@ function options(id, names, shown = {}) {
 }
 
 let [paths, units, sent, unmoved] = [[], new Map(), new Map(), ""]; // of the sliders: where their numbers stand, what was written there, and the text before
+let foreign = false; // whether the text is another scene than that of the sliders
 
 /** The report's explorer, whose scripts run when they are put in anew. */
 function explore(html, text) {
-  unmoved = text;
-  find("explorer").hidden = false;
   find("explorer-place").innerHTML = html;
-  const { paths: places, sliders, limits } = JSON.parse(find("explorer-data").textContent);
-  const first = places.filter(([id], i) => places.findIndex(([other]) => other === id) === i); // elsewhere it is referred to
-  paths = [...first, ...limits.map((id) => [id, "evaluation", id === "explorer-c" ? "jnd" : id.replace(/^explorer-(c-)?/, "")])];
-  units = new Map(sliders.map((slider) => [slider.id, slider.unit]));
   [...find("explorer-place").querySelectorAll("script:not([type])")].forEach((old) => {
     const fresh = document.createElement("script");
     fresh.textContent = old.textContent;
     old.replaceWith(fresh);
   });
+  known(text);
+}
+
+/** Where the numbers of the sliders stand in the text. */
+function known(text) {
+  [unmoved, foreign] = [text, false];
+  const { paths: places, sliders, limits } = JSON.parse(find("explorer-data").textContent);
+  const first = places.filter(([id], i) => places.findIndex(([other]) => other === id) === i); // elsewhere it is referred to
+  paths = [...first, ...limits.map((id) => [id, "evaluation", id === "explorer-c" ? "jnd" : id.replace(/^explorer-(c-)?/, "")])];
+  units = new Map(sliders.map((slider) => [slider.id, slider.unit]));
   note();
 }
 
@@ -171,6 +196,7 @@ export function rewritten(text, place, key, number, unit, environment) {
 
 /** What the boxes show that the text does not have yet goes into the text. */
 function moved() {
+  if (foreign) return;
   let [text, lost] = [scene.value, ""];
   paths.forEach(([id, place, key]) => {
     const box = find(`${id}-value`);
@@ -208,7 +234,15 @@ const further = (asked, words) => ask({ ...asked, scene: scene.value }, (found, 
   put("further", found.html);
   say(`Answered in ${seconds.toFixed(2)} s.`);
 }, words);
-find("ask-stability").addEventListener("click", () => further({ ask: "stability", hand: find("hands").value }, "Counting roots"));
+const SOON = 3; // s after which the verdicts that are found so far are shown, and the limits are searched again with all the time
+find("ask-stability").addEventListener("click", () => {
+  const asked = { ask: "stability", scene: scene.value, hand: find("hands").value };
+  ask({ ...asked, limit: SOON }, ({ html, partial }, seconds) => {
+    put("further", html);
+    if (partial) further(asked, html ? "The verdicts are below; searching the limits" : "Counting roots");
+    else say(`Answered in ${seconds.toFixed(2)} s.`);
+  }, "Counting roots");
+});
 find("ask-require").addEventListener("click", () => further({ ask: "require", path: find("paths").value }, "Proving for which values nothing is noticed, which may take a minute or two"));
 find("ask-derive").addEventListener("click", () => further({ ask: "derive" }, "Deriving"));
 find("environments").addEventListener("change", () => evaluate());
@@ -228,14 +262,43 @@ function open(text) {
   evaluate();
 }
 
-function fromLink() {
+/** The text of a link: a scene, or the name of one; empty without. */
+function linked() {
   let given = location.hash.slice(1);
   try {
     given = decodeURIComponent(given);
   } catch {} // as it is
-  const shipped = Object.hasOwn(scenes, given);
-  if (shipped) find("names").value = given;
-  open(shipped ? scenes[given] : given || scenes.fu2019);
+  if (!Object.hasOwn(scenes, given)) return given;
+  find("names").value = given;
+  return scenes[given];
+}
+
+/** The name of the shipped scene that the text is, if it is one. */
+const shipped = () => Object.keys(scenes).find((x) => scenes[x] === scene.value);
+
+async function copy(text, words) {
+  await navigator.clipboard?.writeText(text).catch(() => {}); // it is shown as well, for a browser that forbids this
+  find("copied").hidden = false;
+  find("copied").textContent = text;
+  say(words);
+}
+
+/** A program that gives this answer. */
+function asPython() {
+  const [name, many] = [shipped(), /^\s*\[+\s*environments\b/m.test(scene.value)];
+  const verb = many ? "evaluate_all" : "evaluate";
+  const text = scene.value.replaceAll("\\", "\\\\").replaceAll('"""', '\\"\\"\\"');
+  const given = name ? `"${name}"` : `hs.${many ? "parse_scenes" : "parse_scene"}(scene)`;
+  return `import haptisym as hs\n\n${name ? "" : `scene = """\\\n${text}"""\n`}print(hs.${verb}(${given}))\n`;
+}
+
+/** Lines for a shell that give it. */
+function asCommand() {
+  const name = shipped();
+  if (name) return `haptisym evaluate ${name}\n`;
+  let end = "END";
+  while (scene.value.split("\n").includes(end)) end += "_";
+  return `cat > scene.toml <<'${end}'\n${scene.value.replace(/\n?$/, "\n")}${end}\nhaptisym evaluate scene.toml\n`;
 }
 
 function take(file) {
@@ -254,18 +317,28 @@ find("open").addEventListener("change", ({ target }) => {
   target.value = ""; // the same file may be chosen again
 });
 find("link").addEventListener("click", async () => {
-  const name = Object.keys(scenes).find((x) => scenes[x] === scene.value);
-  history.replaceState(null, "", `#${encodeURIComponent(name ?? scene.value)}`);
+  history.replaceState(null, "", `#${encodeURIComponent(shipped() ?? scene.value)}`);
   await navigator.clipboard?.writeText(location.href).catch(() => {});
   say("The link is in the address bar: it holds the scene, and nothing of it is sent to a server.");
 });
-addEventListener("hashchange", fromLink);
+find("as-python").addEventListener("click", () => copy(asPython(), "Copied: a program for Python with haptisym."));
+find("as-command").addEventListener("click", () => copy(asCommand(), "Copied: lines for a shell with haptisym."));
+addEventListener("hashchange", () => open(linked() || scenes.fu2019));
 addEventListener("dragover", (event) => event.preventDefault());
 addEventListener("drop", (event) => {
   event.preventDefault();
   take(event.dataTransfer.files[0]);
 });
 fetch(new URL("packages.json", import.meta.url)).then((x) => x.json()).then(({ core, packages }) => {
-  find("megabytes").textContent = `${Math.round((core + packages.reduce((sum, x) => sum + x.size, 0)) / 1e6)} MB:`;
+  find("megabytes").textContent = `, ${Math.round((core + packages.reduce((sum, x) => sum + x.size, 0)) / 1e6)} MB`;
 }).catch(() => {});
 start();
+const given = linked();
+if (given) {
+  open(given);
+} else {
+  scene.value = scenes.fu2019;
+  find("json").value = first.found.json;
+  choices(first.found);
+  known(scene.value);
+}

@@ -330,7 +330,11 @@ def tried(site: Path) -> Iterator[Browser]:
     with browser.running() as opened, served(site) as address:
         opened.look(1280)
         opened.open(address)
-        until(opened, "document.getElementById('json').value")
+        changed = text_of("fu2019").replace("0.10", "0.12")
+        opened.value(f"(() => {{ {PUT.format(json.dumps(changed))} }})()")  # before the program is there
+        until(opened, "document.getElementById('built').hidden")
+        told = opened.value("document.getElementById('json').value")
+        assert told == hs.evaluate(hs.parse_scene(changed)).to_json()
         yield opened
 
 
@@ -357,6 +361,75 @@ def do(opened: Browser, script: str, then: str) -> str:
 
 CLICK = "document.getElementById('{}').click()"
 PUT = "const box = document.getElementById('scene'); box.value = {}; box.dispatchEvent(new Event('input'))"
+
+
+@pytest.fixture
+def early(tmp_path: Path) -> Iterator[Browser]:
+    """The page as the build writes it, whose program is never there."""
+    required("chromium", browser.program())
+    build = ROOT / "docs" / "building"
+    written = f"import sys; sys.path.insert(0, {str(build)!r}); import inbrowser; print(inbrowser.answered())"
+    done = subprocess.run([sys.executable, "-c", written], capture_output=True, check=True)
+    (tmp_path / "index.html").write_bytes(done.stdout)
+    for file in (*(ROOT / "docs" / "try").glob("try.*"), ROOT / "src" / "haptisym" / "data" / "report.css"):
+        shutil.copy(file, tmp_path)
+    (tmp_path / "worker.mjs").touch()
+    (tmp_path / "packages.json").write_text('{"core": 0, "packages": []}', encoding="utf-8")
+    with browser.running() as opened, served(tmp_path) as address:
+        opened.look(1280)
+        opened.open(address)
+        yield opened
+
+
+def test_the_page_has_an_answer_and_sliders_before_its_program_is_there(early: Browser) -> None:
+    own = hs.evaluate("fu2019")
+    assert early.value("document.getElementById('json').value") == own.to_json()
+    assert early.value("document.getElementById('scene').value") == text_of("fu2019")
+    assert "when this page was built" in words(early, "built")
+    shown = re.sub(r"\W+", "", words(early, "answer"))
+    for line in str(own).splitlines()[2:5]:
+        assert re.sub(r"\W+", "", line) in shown
+    says(early, own)
+    ends = "[...document.querySelectorAll('#answer dd, .control')].map(x => x.getBoundingClientRect().bottom)"
+    assert max(early.value(ends)) < 800
+    assert early.value("document.getElementById('ask-require').matches(':disabled')")
+    typed(early, "explorer-3", "47.5")
+    changed = text_of("fu2019").replace("80 rad/s", "47.5 rad/s")
+    until(early, "document.getElementById('answer').className === 'old'")
+    assert early.value("document.getElementById('scene').value") == changed
+    assert early.value("document.getElementById('explorer-place').className") == ""
+    says(early, hs.evaluate(hs.parse_scene(changed)))
+    early.value(f"(() => {{ {PUT.format(json.dumps(text_of('delayed-spring')))} }})()")
+    until(early, "document.getElementById('explorer-place').className === 'old'")
+    typed(early, "explorer-3", "60")
+    time.sleep(0.5)  # until the page takes it for the end of the typing
+    assert early.value("document.getElementById('scene').value") == text_of("delayed-spring")
+    early.look(400)
+    assert early.value("document.documentElement.scrollWidth") <= 400
+
+
+@pytest.mark.parametrize("name", ["fu2019", "palpation-device"])
+def test_what_is_copied_gives_the_same_answer(name: str, early: Browser, tmp_path: Path) -> None:
+    text = scene_text(name)[0]
+    family = name in hs.family_names()
+    for scene in (text, f'# \\n """ \'\n{text}'):
+        own = hs.evaluate_all(hs.parse_scenes(scene)) if family else hs.evaluate(hs.parse_scene(scene))
+        early.value(f"(() => {{ {PUT.format(json.dumps(scene))} }})()")
+        early.value(CLICK.format("as-python"))
+        ran = subprocess.run([sys.executable, "-c", words(early, "copied")], capture_output=True, text=True, check=True)
+        assert ran.stdout.split() == str(own).split()
+    early.value(CLICK.format("as-command"))
+    assert words(early, "copied").endswith("\nhaptisym evaluate scene.toml\n")
+    foreign = f"{text}\nEND\ntouch wrong\n"  # a link from others must not run anything in a shell
+    early.value(f"(() => {{ {PUT.format(json.dumps(foreign))} }})()")
+    early.value(CLICK.format("as-command"))
+    writing = words(early, "copied").removesuffix("haptisym evaluate scene.toml\n")
+    subprocess.run(["bash", "-c", writing], cwd=tmp_path, check=True)
+    assert (tmp_path / "scene.toml").read_text(encoding="utf-8") == foreign
+    assert not (tmp_path / "wrong").exists()
+    early.value(f"(() => {{ {PUT.format(json.dumps(text))} }})()")
+    early.value(CLICK.format("as-command"))
+    assert words(early, "copied") == f"haptisym evaluate {name}\n"
 
 
 @pytest.mark.core
