@@ -45,6 +45,7 @@ from haptisym.model.scenefile import (
     parse_scenes as parse_scenes,
 )
 from haptisym.model.shipped import family_names as family_names, scene_names as scene_names
+from haptisym.pages.explore import Explorer as Explorer, explore as explore
 from haptisym.pages.notebook import latex as latex
 from haptisym.programs.accuracy import Accuracy as Accuracy
 from haptisym.verbs.cost.entry import Cost as Cost, cost as cost

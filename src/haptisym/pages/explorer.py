@@ -225,7 +225,7 @@ def explorer(e: Evaluation, forms: SceneForms, proven: Phrase = "") -> Html:
     # only the JND moves.
     is_small = forms.symbolic is not None
     program = scene_program(e.scene, None if is_small else ())
-    sliders = _parameters(e, forms) if is_small else {}
+    sliders = parameter_sliders(e, forms) if is_small else {}
     limits = limit_sliders(e.scene)
     probe = _probe(e)
     controls = dict([*sliders.values(), *limits.values(), probe])
@@ -355,7 +355,7 @@ def _plot(identity: str, title: str, caption: str) -> Html:
     )
 
 
-def _parameters(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
+def parameter_sliders(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
     """A slider for each parameter of the scene, with words that say what it is."""
     sliders: dict[Symbol, tuple[Slider, str]] = {}
     for p in (x for x in e.scene.parameters if x.symbol not in e.scene.chain.described):

@@ -1,0 +1,75 @@
+"""Sliders in a notebook: computed while they move, exact when they rest. Widgets are moved as a notebook moves them."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from importlib.util import find_spec
+from types import SimpleNamespace
+
+import pytest
+from marks import required
+
+import haptisym as hs
+
+
+@pytest.fixture
+def notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The shell of a notebook."""
+    required("ipywidgets", find_spec("ipywidgets") and find_spec("IPython"))
+    monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=object()))
+
+
+@pytest.mark.usefixtures("notebook")
+def test_at_rest_the_lines_are_those_of_the_command_line() -> None:
+    found = hs.explore("fu2019")
+    assert found.text.splitlines()[:3] == str(hs.evaluate("fu2019")).splitlines()[2:5]
+    drawn = bytes(found.widget.children[1].value)
+    assert drawn.startswith(b"\x89PNG")
+    found.sliders["effects.filter.omega_n"].value = 47.5
+    found.sliders["evaluation.jnd"].value = 0.15
+    own = hs.evaluate(hs.load_scene("fu2019").with_values({"omega_n": "47.5 rad/s", "evaluation.jnd": "0.15"}))
+    assert found.evaluation.to_json() == own.to_json()
+    assert found.text.splitlines()[:3] == str(own).splitlines()[2:5]
+    assert "Exact" in found.text
+    assert bytes(found.widget.children[1].value) != drawn
+    found.widget.children[-1].click()
+    assert found.evaluation.to_json() == hs.evaluate("fu2019").to_json()
+
+
+@pytest.mark.usefixtures("notebook")
+@pytest.mark.parametrize("name", ["fu2019", "wave-variable-link", "organ-tissue"])
+def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_and_said_to_be(name: str) -> None:
+    async def drag() -> None:
+        found = hs.explore(name)
+        rested = found.evaluation
+        path, slider = next(iter(found.sliders.items()))
+        slider.value = slider.value * 1.1
+        own = hs.evaluate(rested.scene.with_values({path: float(f"{slider.value:.4g}")}))
+        assert "no error bound" in found.text
+        assert "Exact" not in found.text
+        assert found.evaluation is rested
+        if own.bandwidth is None:
+            assert found.text.startswith("Bandwidth  none: noticed at the lower end of the band")
+        else:
+            ends = re.match(r"Bandwidth  ([\d.e-]+) to ([\d.e-]+) rad/s", found.text)
+            assert ends, found.text
+            assert 0.9995 * float(ends[1]) <= own.bandwidth <= 1.0005 * float(ends[2])  # four digits
+        slider.value = slider.value * 1.1  # again before it rests: evaluated once, at the last value
+        while "Exact" not in found.text:
+            await asyncio.sleep(0.05)
+        own = hs.evaluate(rested.scene.with_values({path: float(f"{slider.value:.4g}")}))
+        assert found.evaluation.to_json() == own.to_json()
+
+    asyncio.run(drag())
+
+
+def test_without_ipywidgets_or_a_notebook_it_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(hs.SceneError, match=r"notebook.*haptisym evaluate SCENE --report"):
+        hs.explore("fu2019")
+    monkeypatch.setitem(sys.modules, "ipywidgets", None)
+    with pytest.raises(hs.SceneError, match=r'ipywidgets is missing: "pip install haptisym\[notebook\]"'):
+        hs.explore("fu2019")
+    with pytest.raises(hs.SceneError, match="no-such"):
+        hs.explore("no-such")
