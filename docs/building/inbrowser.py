@@ -138,7 +138,7 @@ def answered() -> str:
 def _without() -> str:
     """The page where there are no packages."""
     text = (PAGE / "index.html").read_text(encoding="utf-8")
-    head, _, rest = text.partition('<div id="columns">')
+    head = text.partition('<div id="columns">')[0]
     css = (ROOT / "src" / "haptisym" / "data" / "report.css").read_text(encoding="utf-8")
     head = head.replace(
         '<link rel="stylesheet" href="report.css">\n<link rel="stylesheet" href="try.css">', f"<style>{css}</style>"
@@ -147,7 +147,7 @@ def _without() -> str:
         "python docs/building/inbrowser.py build/browser\npython docs/building/inbrowser.py build/browser build/site"
     )
     told = f"<p>This site was built without the packages that run here. With Node and pip they are had by</p>\n<pre>{commands}</pre>\n"
-    return head + told + rest[rest.index("</main>") :].replace('<script type="module" src="try.mjs"></script>\n', "")
+    return head + told + "</main>\n</body>\n</html>\n"
 
 
 if __name__ == "__main__":

@@ -276,6 +276,7 @@ def answers(path: Path) -> list[str]:
     bench: hs.MeasuredEvaluation = hs.evaluate(hs.MeasuredScene(hs.environments.kelvin_voigt(100, 2), lines))
     recorded: hs.Measurement = hs.estimated([0.0, 1.0], [0.0, 100.0], "1 kHz", estimator="H2", segment="1 s")
     fitted: hs.Identification = hs.identify(recorded, "kelvin-voigt", ["shunt:m", "delay"], band=("1 Hz", 20))
+    sliders: hs.Explorer = hs.explore("own.toml")
     device: hs.ZWidthFit = hs.fit_zwidth("own.toml", [(0.4, 0), (0.5, 5e-5)], ["effects.wheel.b"])
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
@@ -288,7 +289,7 @@ def answers(path: Path) -> list[str]:
     except hs.SceneError as error:
         written.append(str(error))
     shown: list[object] = [width, spans, felt, points, kinds, high, derived, needed, doing, design, beside, slopes, boxes, kept]
-    shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted, mass]
+    shown += [person, known, first, measures, shakes, costs, harder, run, let_go, both, motions, sets, f, bench, exact, fitted, mass, sliders]
     return [*written, *map(str, shown), str(path)]
 '''
 

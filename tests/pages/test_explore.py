@@ -55,7 +55,7 @@ def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_an
         else:
             ends = re.match(r"Bandwidth  ([\d.e-]+) to ([\d.e-]+) rad/s", found.text)
             assert ends, found.text
-            assert 0.9995 * float(ends[1]) <= own.bandwidth <= 1.0005 * float(ends[2])  # four digits
+            assert 0.9995 * float(ends[1]) <= float(own.bandwidth) <= 1.0005 * float(ends[2])  # four digits
         slider.value = slider.value * 1.1  # again before it rests: evaluated once, at the last value
         while "Exact" not in found.text:
             await asyncio.sleep(0.05)

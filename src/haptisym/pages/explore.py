@@ -8,6 +8,7 @@ with ``explore``. The sliders are those of a report (``pages.explorer``).
 from __future__ import annotations
 
 from asyncio import TimerHandle, get_running_loop
+from collections.abc import Callable
 from html import escape
 from importlib import import_module
 from io import BytesIO
@@ -44,8 +45,8 @@ class Explorer:
     widget of each number, by its path. ``text`` : the lines as they are shown. ``widget`` : all of
     it, of ipywidgets.
 
-    A line that is computed (floating point, no error bound) says so; it is replaced when the
-    sliders rest. A value that the model does not allow is named in place of the lines.
+    Lines that are computed (floating point, no error bound) are marked as computed, and replaced
+    when the sliders rest. A value that the model does not allow is named in place of the lines.
     """
 
     def __init__(self, scene: Scene, widgets: Any) -> None:
@@ -55,7 +56,7 @@ class Explorer:
         self._given = scene
         self._forms = SceneForms(self.evaluation)
         symbolic = self._forms.symbolic
-        self._compiled = symbolic and symbolic.compile()
+        self._compiled: Callable[..., Any] | None = symbolic.compile() if symbolic else None
         self._used = {x.name for x in symbolic.free_symbols} if symbolic else set()
         self._timer: TimerHandle | None = None
         self._marks = [
@@ -88,7 +89,7 @@ class Explorer:
             self._say(str(wrong))
             return
         if self._compiled:
-            self._draw(scene)
+            self._draw(scene, self._compiled)
         if self._timer:
             self._timer.cancel()
         try:
@@ -115,11 +116,11 @@ class Explorer:
         omega = evenly(found)
         self._rested = columns(found.criteria, found.distortion.compile()(omega), omega)
 
-    def _draw(self, scene: Scene) -> None:
+    def _draw(self, scene: Scene, compiled: Callable[..., Any]) -> None:
         """Draw the compiled closed forms at a scene's values, the last exact ones in grey."""
         numbers = {p.symbol.name: float(p.value) for p in scene.parameters}
         omega = evenly(self.evaluation)
-        values = self._compiled(omega, **{x: numbers[x] for x in self._used if x in numbers})
+        values = compiled(omega, **{x: numbers[x] for x in self._used if x in numbers})
         criteria = noticed(scene.threshold)
         limits = [limit_of(x) for x in criteria]
         ratios = columns(criteria, values, omega)
