@@ -16,12 +16,14 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from importlib import util
+from importlib.util import find_spec
 from pathlib import Path
 from types import ModuleType
 from xml.etree import ElementTree
 
 import pytest
 from click.testing import CliRunner
+from marks import required
 
 import haptisym as hs
 import haptisym_check
@@ -125,6 +127,20 @@ def test_the_readme_counts_the_scenes_right() -> None:
 def test_every_document_that_the_readme_links_is_there() -> None:
     for target in re.findall(r"\]\((?!https?:)([^)#]+)\)", (ROOT / "README.md").read_text(encoding="utf-8")):
         assert (ROOT / target).exists(), target
+
+
+def test_the_readme_of_a_package_index_has_no_relative_link_where_the_project_has_addresses() -> None:
+    required("hatchling, of the extra ci,", find_spec("hatchling"))
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    absolute = script("building/readme.py").absolute
+    assert absolute(text, {}, "1.2") == text
+    urls = {"Repository": "https://x.org/me/haptisym/", "Documentation": "https://me.x.org/haptisym"}
+    made = absolute(text, urls, "1.2")
+    assert "![Distortion" in made
+    assert "](https://x.org/me/haptisym/raw/v1.2/docs/figures/ratios.svg)" in made
+    assert "[how to write them](https://x.org/me/haptisym/blob/v1.2/docs/scene.md)" in made
+    assert "[the page with sliders](https://me.x.org/haptisym/try/)" in made
+    assert [x for x in re.findall(r"\]\(([^)]+)\)", made) if not x.startswith("https://")] == []
 
 
 @pytest.mark.slow
