@@ -16,7 +16,7 @@ from math import comb, factorial
 from sympy import Add, Expr, I, Rational, cosh, exp, pi, sinh
 
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.harmonics import lagging, limiter, quantiser
+from haptisym.kernel.harmonics import deadband, following, lagging, limiter, quantiser
 from haptisym.kernel.rings import s
 from haptisym.model.catalogue import Matrix, effect
 from haptisym.model.parameters import (
@@ -244,7 +244,7 @@ def backlash(gap: Amplitude, amplitude: Amplitude) -> Matrix:
     (0, 0, 0, 1)
     """
     u = 1 - gap / amplitude
-    return _series((1 + limiter(u)) / 2 - I * lagging(u))
+    return _series(following(u) + I * lagging(u))
 
 
 @effect("dead-zone")
@@ -258,7 +258,7 @@ def dead_zone(width: Amplitude, amplitude: Amplitude) -> Matrix:
     >>> dead_zone("1 mm", "1 mm").matrix
     (0, 0, 0, 1)
     """
-    return _series(1 - limiter(width / amplitude))
+    return _series(deadband(width / amplitude))
 
 
 @effect("saturation")

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 from itertools import combinations
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,7 +42,7 @@ ANSWERS: dict[str, Callable[[hs.Scene], Any]] = {
     "evaluations": lambda s: hs.evaluate_all(hs.load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]), regions=True),
     "measured": lambda s: hs.evaluate(hs.MeasuredScene(s.environment, measured(s))),
     "identification": lambda s: hs.identify(measured(s), "mass-spring-damper", ["second-order-lowpass"]),
-    "zwidth": lambda s: hs.fit_zwidth(Path(__file__).parents[1] / "scenes" / "wheel-with-encoder.toml", [(0.4, 0), (0.5, 5e-5), (0.6, 1e-4)], ["effects.wheel.b"]),
+    "zwidth": lambda s: hs.fit_zwidth("wheel-with-encoder", [(0.4, 0), (0.5, 5e-5), (0.6, 1e-4)], ["effects.wheel.b"]),
     "tolerances": lambda s: hs.tolerances(
         hs.load_scene("fu2019-tolerances").with_values({"zeta": s.knobs["zeta"].value}), samples=2, hand="light-touch"
     ),

@@ -277,7 +277,7 @@ def answers(path: Path) -> list[str]:
     recorded: hs.Measurement = hs.estimated([0.0, 1.0], [0.0, 100.0], "1 kHz", estimator="H2", segment="1 s")
     fitted: hs.Identification = hs.identify(recorded, "kelvin-voigt", ["shunt:m", "delay"], band=("1 Hz", 20))
     sliders: hs.Explorer = hs.explore("own.toml")
-    device: hs.ZWidthFit = hs.fit_zwidth("own.toml", [(0.4, 0), (0.5, 5e-5)], ["effects.wheel.b"])
+    device: hs.ZWidthFit = hs.fit_zwidth("wheel-with-encoder", [(0.4, 0), (0.5, 5e-5)], ["effects.wheel.b"])
     sets = hs.sweep(scene, {"effects.filter.omega_n": [60, 80]})
     code: str = hs.scene_code(scene, hs.Language.NUMPY) + hs.distortion_code(scene.distortion(), hs.Language.C)
     d: hs.Distortion = hs.distort(hs.environments.mass_spring_damper(*hs.symbols("m b k")), hs.effects.delay("5 ms"))

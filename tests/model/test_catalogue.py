@@ -25,6 +25,7 @@ from sympy.physics.control import Feedback, Parallel, Series, StateSpace, Transf
 
 import haptisym as hs
 from haptisym import effects, environments, interop
+from haptisym.kernel.harmonics import Harmonic, explained
 from haptisym.kernel.rings import X
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, METHODS
 from haptisym.model.distortion import distort
@@ -276,6 +277,22 @@ def test_a_describing_function_is_exact_in_symbols_and_a_number_of_sixty_digits_
     assert found.free_symbols == {q, a}
     three = found.subs({q: 2, a: 3})  # two steps, at 1 and 3: the second just not
     assert abs(three - 4 * 2 / (3 * exact_pi) * sqrt(1 - Rational(1, 9))).evalf(70) < Rational(1, 10**55)
+
+
+@pytest.mark.parametrize("ratio", ["3/100", "1/7", "1/3", "7/10", "1", "3/2", "2", "5/2"])
+@pytest.mark.parametrize("model", ELEMENTS)
+def test_a_describing_function_written_out_is_the_number_also_where_nothing_passes(model: str, ratio: str) -> None:
+    """As it stands on a page: names, defined one after the other in functions that everybody knows."""
+    size = next(x for x in EFFECTS[model].slots if x != "amplitude")
+    known = dict(zip(hs.symbols("size amplitude"), (Rational(ratio), Rational(1)), strict=True))
+    entry = EFFECTS[model].build(**dict(zip((size, "amplitude"), known, strict=True))).matrix[0]
+    names, definitions = explained(entry.atoms(Harmonic), {"size", "amplitude"})
+    for name, form in definitions:
+        assert not form.atoms(Harmonic)
+        known[name] = form.xreplace(known).doit()
+    written = entry.xreplace(names).xreplace(known)
+    assert abs((written - EFFECTS[model].build(**{size: Rational(ratio), "amplitude": 1}).matrix[0]).evalf(70)) < 1e-58
+    assert {str(x) for x in entry.xreplace(names).free_symbols} <= {"n_p", "n_q"}
 
 
 def test_an_encoder_of_very_many_steps_is_left_out() -> None:

@@ -446,7 +446,6 @@ def test_a_value_that_divides_a_formula_by_zero_is_told_with_it() -> None:
 
 # --- names of what may be varied -------------------------------------------------------------------------------------
 
-HERE = Path(__file__).parents[1] / "scenes"
 SCENES = {name: hs.load_scene(name) for name in hs.scene_names()} | {
     f"{name}:{key}": scene for name in hs.family_names() for key, scene in hs.load_scenes(name).scenes.items()
 }
@@ -1342,7 +1341,7 @@ def test_at_most_five_shipped_scenes_are_illustrative() -> None:
 
 
 def test_a_page_with_a_describing_function_says_what_that_leaves_out() -> None:
-    assert "backlash: by the describing function" in " ".join(str(hs.evaluate(HERE / "geared-arm.toml")).split())
+    assert "backlash: by the describing function" in " ".join(str(hs.evaluate("geared-arm")).split())
     assert "describing function" not in str(hs.evaluate("fu2019"))
 
 
@@ -1359,11 +1358,11 @@ def test_a_verdict_on_an_element_that_is_not_linear_is_one_on_its_linear_model()
 
 
 def test_the_sizes_of_a_describing_function_can_be_set_but_not_varied() -> None:
-    scene = hs.load_scene(HERE / "geared-arm.toml")
+    scene = hs.load_scene("geared-arm")
     assert "gap: a number of a describing function" in refusal(hs.require, scene, "gap", that=["transparent"])
     assert "gap: a number of a describing function" in refusal(hs.sweep, scene, {"effects.backlash.gap": [0.1, 0.2]})
     wider = scene.with_values({"gap": "60 deg"})
     assert hs.evaluate(wider).scene.effects[0].matrix[0] != scene.effects[0].matrix[0]
-    shown = {x.knob.key for x in hs.sensitivity(HERE / "wheel-with-encoder.toml").crossings[0].parameters}
+    shown = {x.knob.key for x in hs.sensitivity("wheel-with-encoder").crossings[0].parameters}
     assert {"k", "b", "T", "m"} <= shown
     assert {"q", "amplitude"}.isdisjoint(shown)

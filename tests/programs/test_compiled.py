@@ -37,6 +37,7 @@ from haptisym.environments import expression, kelvin_voigt, mass_spring_damper, 
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.rings import omega as axis_omega
 from haptisym.kernel.rings import s
+from haptisym.model.catalogue import EFFECTS
 from haptisym.model.distortion import Distortion
 from haptisym.programs import floats as sinc_in_floats
 from haptisym.programs.balls import PointValue
@@ -123,6 +124,41 @@ def test_every_shipped_scene_is_certified(name: str, symbolic: bool) -> None:  #
     omega = np.geomspace(1e-4, 1e4, 12)
     found = d.compile("certified")(omega, **values)._asdict()
     assert against_truth(d, omega, values, found).max() <= 1.0
+
+
+@pytest.mark.parametrize("model", ["encoder", "backlash", "dead-zone", "saturation"])
+def test_a_describing_function_is_compiled_with_its_sizes_as_arguments(model: str) -> None:
+    """Below the size, where nothing passes, at it, and above: of arrays, in every arithmetic, and by ``lambdify``."""
+    q, a = hs.symbols("q a")
+    size = next(x for x in EFFECTS[model].slots if x != "amplitude")
+    d = hs.distort(MSD, EFFECTS[model].build(**{size: q, "amplitude": a}), delay(tau))
+    omega = np.repeat([0.3, 40.0], 7)
+    given = {"m": 0.5, "b": 2.0, "k": 300.0, "tau": 3e-3, "a": 1.5}
+    values = {x: np.full(14, y) for x, y in given.items()}
+    values["q"] = np.tile([0.05, 0.4, 1.0, 1.5, 2.1, 3.0, 4.0], 2)
+    found = {level: d.compile(level)(omega, **values)._asdict() for level in ("fast", "double-double", "certified")}
+    assert against_truth(d, omega, values, found["certified"]).max() <= 1.0
+    for name in ("real", "imag", "relative_real"):
+        exact = found["certified"][name]
+        size_of = np.abs(exact) + 300.0 if name in ("real", "imag") else 1.0
+        for level in ("fast", "double-double"):
+            assert (np.abs(found[level][name] - exact) <= 1e-13 * size_of).all()
+        plainly = [d.lambdify(name)(w, **given, q=x) for w, x in zip(omega, values["q"], strict=True)]
+        assert plainly == pytest.approx(exact, abs=1e-11)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["encoder", "backlash"])
+def test_numba_computes_a_describing_function_as_numpy_does(model: str) -> None:
+    required(NUMBA, find_spec("numba"))
+    q, a = hs.symbols("q a")
+    size = next(x for x in EFFECTS[model].slots if x != "amplitude")
+    d = hs.distort(MSD, EFFECTS[model].build(**{size: q, "amplitude": a}))
+    omega, both = np.geomspace(0.1, 100, 5), [d.compile(engine=x) for x in ("numpy", "numba")]
+    for x in (0.05, 1.0, 2.1, 4.0):
+        plain, machine = (f(omega, m=0.5, b=2.0, k=300.0, a=1.5, q=x) for f in both)
+        assert machine.real == pytest.approx(plain.real, rel=1e-13, abs=1e-10)
+        assert machine.imag == pytest.approx(plain.imag, rel=1e-13, abs=1e-10)
 
 
 def test_double_doubles_stay_below_one_unit_where_the_chain_is_rational() -> None:

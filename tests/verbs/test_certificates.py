@@ -376,3 +376,9 @@ def test_a_device_of_other_numbers_is_not_what_was_proven() -> None:
     other = text.replace("1 N*s/m", "2 N*s/m")
     proof["scene_sha256"] = json.loads(evaluation_of(other))["scene_sha256"]
     assert not verdict(json.dumps(proof), other).startswith("Proven")
+
+
+@pytest.mark.parametrize("name", ["geared-arm", "wheel-with-encoder"])
+def test_a_scene_that_no_checker_reads_gets_no_certificate(name: str) -> None:
+    with pytest.raises(hs.SceneError, match="a checker has no arc sines and staircases"):
+        hs.evaluate(name).certificate()

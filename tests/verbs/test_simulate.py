@@ -102,7 +102,14 @@ def test_simulation_and_closed_form_agree_along_the_band_for_every_model(name: s
 @pytest.mark.dear("sidestick")
 @pytest.mark.parametrize("name", often(sorted(hs.scene_names()), {"fu2019", "sidestick"}.__contains__))
 def test_simulation_and_closed_form_agree_for_every_shipped_scene(name: str) -> None:
-    agree(hs.check(hs.load_scene(name), count=3), 1e-6)
+    runs = hs.check(hs.load_scene(name), count=3)
+    if name != "wheel-with-encoder":
+        agree(runs, 1e-6)
+        return
+    # The steps jump between samples: a few tenths of a percent from one sine's first harmonic.
+    for x in (x for checked in runs for x in checked.estimates):
+        assert "samples what jumps" in x.approximate
+        assert x.difference < 0.02 * abs(x.closed)
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ multiplied, and H_perc - H_env is a difference of balls.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import flint
@@ -40,13 +40,42 @@ def complex_ball(e: Expr, known: Mapping[Symbol, Any]) -> Any:
     for kind, function in ((exp, acb.exp), (cosh, acb.cosh), (sinh, acb.sinh)):
         if isinstance(e, kind):
             return function(complex_ball(e.args[0], known))
+    if e.func.__name__ in _HARMONICS:
+        return acb(_HARMONICS[e.func.__name__](complex_ball(e.args[0], known).real))
     raise AssertionError(e)
+
+
+def _limited(u: Any) -> Any:
+    """2/pi (asin u + u sqrt(1 - u^2)) within a limit, and 1 or -1 beyond it."""
+    if not abs(u) < 1:
+        return u.sgn()
+    return 2 * (u.asin() + u * (1 - u * u).sqrt()) / arb.pi()
+
+
+def _stairs(u: Any) -> Any:
+    """8 u/pi times the sum of the roots of 1 - (i u)^2 over odd i, as long as these are positive."""
+    roots, i = [], 1
+    while i * u < 1:
+        roots.append((1 - (i * u) ** 2).sqrt())
+        i += 2
+    return 8 * u / arb.pi() * sum(roots, arb(0))
+
+
+_HARMONICS: Mapping[str, Callable[[Any], Any]] = {
+    "quantiser": _stairs,
+    "limiter": _limited,
+    "deadband": lambda u: 1 - _limited(u),
+    "following": lambda u: (1 + _limited(u)) / 2,
+    "lagging": lambda u: (u * u - 1) / arb.pi() if u > -1 else arb(0),
+}
 
 
 def truth(chain: Chain, omega: float, values: Mapping[str, float], bits: int = BITS) -> dict[str, Any]:
     """Balls around the fields of ``Values``; omega and the values are the doubles that they are."""
     with flint.ctx.workprec(bits):
-        known: dict[Any, Any] = {x: acb(values[x.name]) for x in chain.ring.symbols if x.name in values}
+        known: dict[Any, Any] = {
+            x: acb(values[x.name]) for x in (*chain.ring.symbols, *chain.parameters) if x.name in values
+        }
         known[s] = acb(0, arb(omega))
         H = complex_ball(chain.environment, known)
         F, X = complex_ball(chain.rendered, known), acb(1)

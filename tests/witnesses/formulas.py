@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from sympy import Abs, Expr, Function, I, Integer, Pow, Rational, Symbol, pi
 
 import haptisym as hs
+from haptisym.kernel.harmonics import Harmonic, explained
 from haptisym.kernel.rings import PolynomialRing, omega, s
 from haptisym.pages.scene import ClosedForms
 
@@ -36,7 +37,10 @@ EXPRESSIONS = st.recursive(st.sampled_from(ATOMS) | _NUMBERS, _combined, max_lea
 
 @cache
 def closed_forms(name: str) -> list[Expr]:
-    """Every closed form that the package hands out for a shipped scene, in symbols and in numbers."""
+    """Every closed form that the package hands out for a shipped scene, in symbols and in numbers.
+
+    First harmonics have their names, as on a page.
+    """
     scene = hs.load_scene(name)
     found: list[Expr] = []
     for d in (scene.symbolic_distortion(), scene.distortion()):
@@ -45,7 +49,9 @@ def closed_forms(name: str) -> list[Expr]:
         groups += [f(x) for f in (forms.properties, forms.forces) for x in ("env", "perc")]
         found += [row.value for group in groups for row in group]
         found += [x for x in (d.changeover_environment, d.changeover_perceived) if x is not None]
-    return [x for x in found if not x.has(sp.atan2)]  # the readers know no function of two arguments
+    names, _ = explained({x for form in found for x in form.atoms(Harmonic)}, ())
+    # The readers know no function of two arguments.
+    return [x.xreplace(names) for x in found if not x.has(sp.atan2)]
 
 
 def are_identical(one: Expr, other: Expr) -> bool:

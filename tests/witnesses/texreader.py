@@ -5,18 +5,22 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from math import cos, cosh, exp, pi, sin, sinh, sqrt
+from math import asin, cos, cosh, exp, floor, pi, sin, sinh, sqrt
 
-_SYMBOL = r"(?:\\mathcal\{[A-Z]\}|\\mathrm\{[a-z]+\}|\\[A-Za-z]+|[A-Za-z])(?:_(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?"
+_SYMBOL = r"\\sum_\{i=1\}|(?:\\mathcal\{[A-Z]\}|\\mathrm\{[a-z]+\}|\\[A-Za-z]+|[A-Za-z])(?:_(?:\{(?:[^{}]|\{[^{}]*\})*\}|\\[A-Za-z]+|[A-Za-z0-9]))?"
 _TOKEN = re.compile(
-    rf"(?P<command>\\(?:frac|tfrac|sqrt|times|cdot|labs|rabs|cosh|sinh|cos|sin)(?![A-Za-z]))|(?P<number>\d+/\d+|\d+\.?\d*)"
-    rf"|(?P<exp>e(?=\^))|(?P<symbol>{_SYMBOL})|(?P<other>[-+(){{}}^])|\s+"
+    rf"(?P<command>\\(?:frac|tfrac|sqrt|times|cdot|labs|rabs|cosh|sinh|cos|sin|arcsin|floor|max|min)(?![A-Za-z]))|(?P<number>\d+/\d+|\d+\.?\d*)"
+    rf"|(?P<exp>e(?=\^))|(?P<symbol>{_SYMBOL})|(?P<other>[-+(){{}}^,])|\s+"
 )
-_FUNCTIONS = {r"\cosh": cosh, r"\sinh": sinh, r"\cos": cos, r"\sin": sin}
+_FUNCTIONS = {
+    r"\cosh": cosh, r"\sinh": sinh, r"\cos": cos, r"\sin": sin, r"\arcsin": asin, r"\floor": floor,
+}  # fmt: skip
+_OF_TWO = {r"\max": max, r"\min": min}
 
 
 def value(text: str, known: Mapping[str, float]) -> float:
     """The value of a printed formula; ``known`` maps printed names, such as ``\\omega_n``, to numbers."""
+    text = text.replace(r"\operatorname{floor}", r"\floor")
     for old, new in ((r"\left|", r"\labs "), (r"\right|", r"\rabs "), (r"\left(", "("), (r"\right)", ")"), ("{}", "")):
         text = text.replace(old, new)
     reader = _Reader(re.sub(r"\\[bB]ig[lr]", "", text), {r"\pi": pi, **known})
@@ -38,13 +42,13 @@ def equations(aligned: str) -> dict[str, list[str]]:
         if right.startswith((r"\quad", "{}")):
             found[last][-1] += " " + right.removeprefix(r"\quad")
         else:
-            found[last] += [side.strip() for side in re.split(r"(?<!\\)=|\\approx", right) if side.strip()]
+            found[last] += [side.strip() for side in re.split(r"(?<!\\)(?<!_\{i)=|\\approx", right) if side.strip()]
     return found
 
 
 class _Reader:
     def __init__(self, text: str, known: Mapping[str, float]) -> None:
-        self.known = known
+        self.known = {**known}
         self.at = 0
         self.tokens: list[tuple[str, str]] = []
         place = 0
@@ -76,7 +80,7 @@ class _Reader:
 
     def product(self) -> float:
         result = self.power()
-        while self.peek() not in ("", "+", "-", ")", "}", r"\rabs"):
+        while self.peek() not in ("", "+", "-", ")", "}", ",", r"\rabs"):
             if self.peek() in (r"\times", r"\cdot"):
                 self.take()
             result *= self.power()
@@ -93,6 +97,15 @@ class _Reader:
             return float(base ** self.group())
         return base
 
+    def summed(self, last: int) -> float:
+        """The sum of the term that follows, read once for each i from 1 to the last."""
+        start, total = self.at, 0.0
+        for i in range(1, last + 1):
+            self.at = start
+            self.known["i"] = float(i)
+            total += self.product()
+        return total
+
     def group(self) -> float:
         self.take("{")
         text = self.peek()
@@ -105,8 +118,19 @@ class _Reader:
         kind, text = self.take()
         if kind == "number":
             return float(Fraction(text))
+        if text.startswith(r"\sum"):
+            assert text == r"\sum_{i=1}"
+            self.take("^")
+            return self.summed(int(self.group()))
         if kind == "symbol":
             return self.known[text]
+        if text in _OF_TWO:
+            self.take("(")
+            one = self.sum()
+            self.take(",")
+            other = self.sum()
+            self.take(")")
+            return _OF_TWO[text](one, other)
         if text in (r"\frac", r"\tfrac"):
             return self.group() / self.group()
         if text == r"\sqrt":

@@ -407,8 +407,7 @@ def test_the_documentation_lists_every_argument_with_meaning_and_unit(name, lang
         re.sub(r"^\s*(#|%|\*)", "", line).strip() for line in source(2 * NAMES.index(name), language).splitlines()
     )
     assert "rad/s" in text
-    # Sizes of a describing function are numbers in the code, as they can be set, not varied.
-    for p in (x for x in scene.parameters if x.symbol not in scene.chain.described):
+    for p in scene.parameters:
         unit = "" if p.dimension.name == "RATIO" else p.unit_in(scene.motion) or "SI units"
         assert re.search(
             rf"\b{p.symbol.name}\W[^;]* {p.key.replace('[', '.')[:1]}[^;]* of (?:the|what is rendered) [^;]*{re.escape(unit)};",

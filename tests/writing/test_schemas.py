@@ -59,7 +59,7 @@ OTHERS: dict[str, tuple[str, ...]] = {
     "jnd": ("jnd", "{answers}", "--reference", "10"),
     "measured": ("evaluate", "{bench}"),
     "identification": ("identify", "{bench}", "--effect", "first-order-lag"),
-    "zwidth": ("identify", "{wheel}", "--zwidth", "{walls}", "--free", "effects.wheel.b"),
+    "zwidth": ("identify", "wheel-with-encoder", "--zwidth", "{walls}", "--free", "effects.wheel.b"),
     "scenes": ("scenes",),
     "schemas": ("schemas",),
 }
@@ -103,7 +103,6 @@ def files(tmp_path: Path) -> dict[str, str]:
     (tmp_path / "walls.csv").write_text("K,B\n0.4,0\n0.5,5e-5\n0.6,1e-4\n", encoding="utf-8")
     return {
         "walls": str(tmp_path / "walls.csv"),
-        "wheel": str(Path(__file__).parents[1] / "scenes" / "wheel-with-encoder.toml"),
         "bench": str(tmp_path / "bench.toml"),
         "answers": str(tmp_path / "answers.csv"),
     }

@@ -182,9 +182,13 @@ class Chain:
     def program(self, fields: Sequence[str]) -> Program:
         """The straight-line program of some fields of ``programs.values.Values``; what is 0 for all
         arguments is written as 0."""
+        return self._program(fields, ())
+
+    def _program(self, fields: Sequence[str], harmonics: tuple[Expr, ...]) -> Program:
+        """The program with these first harmonics as inputs, and all others computed."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
 
-        inputs = (*self.parameters, *self.harmonics)
+        inputs = (*self.parameters, *harmonics)
         write = _writer(self.environment, self.rendered, self.matrices, inputs)
         program = write(fields, ())
         # A value that is not 0 at one point settles that a field is not 0 everywhere. Only fields
@@ -216,7 +220,9 @@ class Chain:
         given as H_env + dH."""
         from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
-        page = page_steps(self.program((*DISTORTION, "environment_real", "environment_imag")))
+        fields = (*DISTORTION, "environment_real", "environment_imag")
+        # For a reader a first harmonic is a name, which is explained once.
+        page = page_steps(self._program(fields, self.harmonics))
         results = dict(page.results)
         for part in Part:
             perceived = results[f"environment_{part.value}"] + results[part.value]
@@ -299,10 +305,15 @@ class Chain:
         environment, rendered = times(self.environment, -1), times(self.rendered, -1)
         return Chain(environment, rendered, tuple(matrices)), is_odd
 
+    def put(self, values: Mapping[Symbol, Expr]) -> Chain:
+        """The same chain with values for some of its symbols."""
+        return self.map(lambda entry: in_place(entry, values))
+
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
-        """The same chain with values for some of its symbols; SceneError where numbers are put in
-        and a first harmonic, which is no quotient of polynomials, keeps a symbol."""
-        found = self.map(lambda entry: in_place(entry, values))
+        """The same chain with values for some of its symbols, for what searches the others;
+        SceneError where numbers are put in and a first harmonic, which is no quotient of
+        polynomials, keeps a symbol."""
+        found = self.put(values)
         if found.harmonics and any(x.is_number for x in values.values()):
             names = ", ".join(sorted(map(str, found.described)))
             raise SceneError(

@@ -27,6 +27,7 @@ from haptisym.kernel.dynamics import (
     squared_modulus,
 )
 from haptisym.kernel.errors import SceneError, meant, need, quoted, within
+from haptisym.kernel.harmonics import computable, staircase
 from haptisym.kernel.objects import Shown, copied, counted
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, monomials, omega, s
@@ -440,7 +441,7 @@ class Distortion(Shown):
         may be any number."""
         # H_perc does not depend on these parameters, so that any values will do.
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
-        return self.chain.at({x: Rational(n + 7, 5) for n, x in enumerate(others)})
+        return self.chain.put({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
     def at(self, values: Mapping[Symbol | str, Number]) -> Distortion:
         """The distortion with values for some parameters, by symbol or name; the others stay
@@ -476,7 +477,7 @@ class Distortion(Shown):
                 )
         here = known.pop(omega, self.value)
         # Without values of parameters the object itself, with all that it has computed so far.
-        found = Distortion.of(self.chain.at(known)) if known else self
+        found = Distortion.of(self.chain.put(known)) if known else self
         return replace(found, frequency=self.frequency, value=here)
 
     def subs(self, *given: Any) -> Distortion:
@@ -721,7 +722,7 @@ class Distortion(Shown):
                 "math",
             ]
         spelt = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}
-        forms = {name: x.xreplace(spelt) for name, x in named.items()}
+        forms = {name: computable(x).xreplace(spelt) for name, x in named.items()}
         *before, result = forms.items()
         # The named steps stand in for the common subexpressions that SymPy would look for.
         pairs = [(Symbol(name, real=True), x) for name, x in before]
@@ -730,7 +731,7 @@ class Distortion(Shown):
             function: Callable[..., Any] = lambdify(
                 [variable, *(spelt.get(x, x) for x in names)],
                 results if steps else result[1],
-                modules,
+                [{"staircase": staircase}, *(modules if isinstance(modules, list) else [modules])],
                 cse=(lambda _: (pairs, results)) if steps else True,
             )
         except (NameError, ImportError):

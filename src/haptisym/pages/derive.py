@@ -11,18 +11,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import chain
 from typing import Any
 
 import sympy
-from sympy import Abs, Expr, Function, Integer, Symbol, count_ops, exp
+from sympy import Abs, Expr, Integer, Symbol, count_ops, exp
+from sympy.core.function import Application
 from sympy.printing.str import StrPrinter
 
 from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Cornered, Ellipse, Joint
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import STEP, Harmonic
+from haptisym.kernel.harmonics import explained as names_of
 from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Lattice, Signed
 from haptisym.kernel.solutions import Solution, solve
@@ -33,9 +36,9 @@ from haptisym.pages.words import H_ENV, OMEGA, Field, noted, page_about, region,
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
 from haptisym.writing import document as doc
-from haptisym.writing.boxes import Absolute, Box, Fraction, Relation, SideBySide, text
+from haptisym.writing.boxes import Absolute, Box, Fraction, Name, Relation, SideBySide, text
 from haptisym.writing.code import Language, comment, identifiers
-from haptisym.writing.document import Document, Phrase, listed
+from haptisym.writing.document import Block, Document, Phrase, listed
 from haptisym.writing.latex import formula, fragment, tex
 from haptisym.writing.layout import function, layout, named, plain, quantity
 from haptisym.writing.mathml import mathml
@@ -274,10 +277,50 @@ def _section(
     return Written(list(rows), list(notes)).section(title)
 
 
+def explained(blocks: Iterable[Block]) -> tuple[Any, ...]:
+    """Return blocks whose equations call first harmonics n_p and n_q, defined below the first
+    equation that has one; blocks without any are as they were."""
+    blocks = tuple(blocks)
+    forms = [x.value for x in _equations(blocks) if isinstance(x.value, Expr)]
+    harmonics = {x for form in forms for x in form.atoms(Harmonic)}
+    if not harmonics:
+        return blocks
+    taken = {x.name for form in forms for x in form.free_symbols}
+    taken |= {x.left.text for x in _equations(blocks) if isinstance(x.left, Name)}
+    symbols, definitions = names_of(harmonics, taken)
+    waiting = [_defined(*pair) for pair in definitions]
+
+    def renamed(line: doc.Line) -> Iterator[doc.Line]:
+        if not isinstance(line.value, Expr) or not line.value.atoms(Harmonic):
+            yield line
+            return
+        yield replace(line, value=line.value.xreplace(symbols))
+        yield from waiting
+        waiting.clear()
+
+    def changed(block: Block) -> Block:
+        if isinstance(block, doc.Section):
+            return replace(block, blocks=tuple(map(changed, block.blocks)))
+        if isinstance(block, doc.Equations):
+            return replace(block, lines=tuple(x for line in block.lines for x in renamed(line)))
+        return block
+
+    return tuple(map(changed, blocks))
+
+
+def _equations(blocks: Iterable[Block]) -> Iterator[doc.Line]:
+    """Yield the equations of blocks, also of those within sections."""
+    for block in blocks:
+        if isinstance(block, doc.Section):
+            yield from _equations(block.blocks)
+        elif isinstance(block, doc.Equations):
+            yield from block.lines
+
+
 def sections(d: Derivation) -> tuple[doc.Section, ...]:
     """Return the sections that were asked for, or all of them if none was named."""
     if d.of:
-        return asked(d, d.of)
+        return explained(asked(d, d.of))
     when = _when(d) if d.scene.threshold.is_plain else when_of_region(d)
     found = [
         _dynamics(d),
@@ -289,7 +332,7 @@ def sections(d: Derivation) -> tuple[doc.Section, ...]:
         *_slow(d),
         *_fast(d),
     ]
-    return tuple(section for section in found if section.blocks)
+    return explained(section for section in found if section.blocks)
 
 
 def beyond(d: Derivation) -> tuple[doc.Section, ...]:
@@ -330,6 +373,11 @@ _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
 def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
     part, knob = _part(letter), d.scene.knobs[parameter]
+    if knob.symbol in d.chain.described:
+        raise SceneError(
+            f'"{parameter}" is a size in a describing function: there is no formula for its '
+            f"sensitivity; set another value (with_values), and evaluate again"
+        )
     if knob.symbol not in d.kept and part not in {*knob.parts} & {*d.kept_thresholds}:
         raise SceneError(
             f'"{parameter}" does not stay a symbol: {", ".join(map(str, d.kept)) or "none does"}'
@@ -643,19 +691,12 @@ def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
 
 def _section_row(section: doc.Section) -> dict[str, Any]:
     """Return a section as the document of JSON has it: each equation as text, LaTeX and MathML."""
-    boxes = [line.equation for line in lines_of(section)]
+    boxes = [line.equation for line in _equations([section])]
     rows = [{"text": text(e), "latex": tex(e), "mathml": mathml(e)} for e in boxes]
     notes = [
         said(x) for block in section.blocks if isinstance(block, doc.Notes) for x in block.entries
     ]
     return {"title": said(section.title), "notes": notes, "equations": rows}
-
-
-def lines_of(section: doc.Section) -> Iterator[doc.Line]:
-    """Yield the equations of a section."""
-    return (
-        line for block in section.blocks if isinstance(block, doc.Equations) for line in block.lines
-    )
 
 
 # A script of SymPy.
@@ -706,7 +747,12 @@ def _lines(d: Derivation) -> Iterator[str]:
     dynamics = {"H_env": d["H_env"], "H_perc": perceived}
     parameters = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
     symbols = [omega, s, *parameters, *(x for x, _ in steps.definitions)]
-    called = {f.func.__name__ for _, value in steps.definitions for f in value.atoms(Function)}
+    # First harmonics get names of their own, defined in functions that SymPy knows.
+    put, harmonics = names_of(d.chain.harmonics, [x.name for x in symbols])
+    indices = sorted({x for _, value in harmonics for x in value.atoms(Symbol) if x == STEP})
+    symbols += [*indices, *(x for x, _ in harmonics)]
+    written = [value for _, value in (*harmonics, *steps.definitions)]
+    called = {f.func.__name__ for value in written for f in value.atoms(Application, sympy.Sum)}
     # No symbol may have the name of a function that the script calls, or of a result that it
     # defines.
     taken = (*called, *_ALWAYS, *dynamics, *steps.results)
@@ -714,14 +760,15 @@ def _lines(d: Derivation) -> Iterator[str]:
     named = {x: Symbol(names[x.name]) for x in symbols}
 
     def text(form: Expr) -> str:
-        return str(_Printer().doprint(form.xreplace(named)))
+        return str(_Printer().doprint(form.xreplace(put).xreplace(named)))
 
     rows = [(names[x.name], text(value)) for x, value in steps.definitions]
     rows += [(name, text(value)) for name, value in steps.results.items()]
-    above = [(name, text(value)) for name, value in dynamics.items()]
+    above = [(names[x.name], text(value)) for x, value in harmonics]
+    above += [(name, text(value)) for name, value in dynamics.items()]
     # What is imported is what the lines use: words that SymPy has and that are no symbol's name.
     words = {word for _, value in (*rows, *above) for word in re.findall(r"[A-Za-z]\w*", value)}
-    used = words & _FUNCTIONS - {*names.values()}
+    used = (words & _FUNCTIONS - {*names.values()}) | ({"Dummy"} if indices else set())
     yield f'"""{comment(d.scene.title or "Distortion of a haptic display")}'
     yield from (
         "",
@@ -733,6 +780,7 @@ def _lines(d: Derivation) -> Iterator[str]:
         # The strongest assumption alone: positive implies the others.
         assumed = next((f", {a}=True" for a in _ASSUMED if getattr(x, f"is_{a}")), "")
         yield f'{names[x.name]} = Symbol("{comment(x.name)}"{assumed})'
+    yield from (f'{names[x.name]} = Dummy("{x.name}")' for x in indices)
     yield ""
     yield from (f"{name} = {value}" for name, value in above)
     yield from (

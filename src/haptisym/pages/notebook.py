@@ -31,14 +31,14 @@ from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scene import Scene
 from haptisym.pages import scene as scene_page
-from haptisym.pages.derive import step_lines
+from haptisym.pages.derive import explained, step_lines
 from haptisym.pages.evaluation import VERBS, event, sense
 from haptisym.pages.scene import ClosedForms
 from haptisym.pages.words import PART_NAMES, both, ends, near, region
 from haptisym.programs.steps import Steps
 from haptisym.verbs.derive.derivation import Derivation
 from haptisym.writing.boxes import Box, MatrixBox, Relation
-from haptisym.writing.document import DIGITS, Line
+from haptisym.writing.document import DIGITS, Equations, Line
 from haptisym.writing.html import display, element, fragment, phrase
 from haptisym.writing.latex import align, formula, is_long, tables, tex
 from haptisym.writing.layout import function, layout, named, rounded
@@ -78,7 +78,7 @@ def _(value: Basic, *, digits: int = DIGITS) -> str:
 
 @latex.register
 def _(value: Distortion, *, digits: int = DIGITS) -> str:
-    return align(ClosedForms(value.with_one_delay).all())
+    return align(_explained(ClosedForms(value.with_one_delay).all()))
 
 
 @latex.register
@@ -167,7 +167,7 @@ def _aligned(lines: Iterable[str]) -> str:
 
 def _steps(x: Steps) -> str:
     """Return the steps and what they result in, a line each."""
-    return f"$${align([*step_lines(x)]).replace('align*', 'aligned')}$$"
+    return f"$${align(_explained([*step_lines(x)])).replace('align*', 'aligned')}$$"
 
 
 def _given(parameters: Iterable[Parameter]) -> str:
@@ -202,7 +202,13 @@ def _rows(x: Distortion) -> list[Line]:
     """Dynamics, distortion and ratios, as far as they can be read."""
     forms = ClosedForms(x.with_one_delay)
     rows = [*forms.dynamics(), *forms.difference(), *forms.ratios()]
-    return [row for row in rows if row.optional or not is_long(row.value)]
+    return _explained([row for row in rows if row.optional or not is_long(row.value)])
+
+
+def _explained(rows: Iterable[Line]) -> list[Line]:
+    """Return equations with the definitions of the first harmonics in them."""
+    [found] = explained([Equations(tuple(rows))])
+    return [*found.lines]
 
 
 def _threshold(x: Threshold) -> str:

@@ -303,7 +303,8 @@ def requirements(e: Evaluation) -> list[Requirement]:
     nothing for other scenes."""
     if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
         return []
-    return [require(e.scene, path) for path in (*(x.path for x in e.scene.parameters), THRESHOLD)]
+    varied = (x for x in e.scene.parameters if x.symbol not in e.scene.chain.described)
+    return [require(e.scene, path) for path in (*(x.path for x in varied), THRESHOLD)]
 
 
 def _in_scene(r: Requirement) -> Phrase:

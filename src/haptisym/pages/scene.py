@@ -32,7 +32,7 @@ from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import spread, values
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.model.scene import Knob, Scene
-from haptisym.pages.derive import beyond, ways
+from haptisym.pages.derive import beyond, explained, ways
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS, both, page_about, region
 from haptisym.verbs.derive.derivation import derive
 from haptisym.writing import document as doc
@@ -570,11 +570,15 @@ def derivation(forms: SceneForms) -> Iterator[Block]:
     long to read.
     """
     steps = _Steps(forms)
-    yield doc.Section("Dynamics", tuple(steps.dynamics()))
-    yield doc.Section("Distortion", tuple(steps.distortion()))
-    yield doc.Section("Threshold polynomials", tuple(steps.thresholds()))
-    yield doc.Section("Perceived properties", tuple(steps.properties()))
-    yield from filter(_is_readable, beyond(derive(forms.evaluation.scene)))
+    yield from explained(
+        [
+            doc.Section("Dynamics", tuple(steps.dynamics())),
+            doc.Section("Distortion", tuple(steps.distortion())),
+            doc.Section("Threshold polynomials", tuple(steps.thresholds())),
+            doc.Section("Perceived properties", tuple(steps.properties())),
+            *filter(_is_readable, beyond(derive(forms.evaluation.scene))),
+        ]
+    )
 
 
 def _is_readable(section: doc.Section) -> bool:

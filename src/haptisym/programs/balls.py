@@ -20,6 +20,7 @@ from sympy import Expr, Pow, Rational, Symbol, cos
 
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.harmonics import quantiser
 from haptisym.kernel.reals import MOST_BITS, Ball, RealNumber, at_rising_precision, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, omega
 from haptisym.programs.program import Program
@@ -45,6 +46,12 @@ def sincm1(x: Ball) -> Ball:
         return x.sinc() - 1
 
 
+def arc_sine(x: Ball) -> Ball:
+    """asin x for -1 <= x <= 1, of a ball that may reach beyond."""
+    low, high = (max(min(end, arb(1)), arb(-1)).asin() for end in (x.lower(), x.upper()))
+    return low.union(high)
+
+
 FUNCTIONS: dict[str, Callable[..., Ball]] = {
     "add": lambda x, y: x + y,
     "sub": lambda x, y: x - y,
@@ -57,6 +64,10 @@ FUNCTIONS: dict[str, Callable[..., Ball]] = {
     "sin": arb.sin,
     "sinc": arb.sinc,
     "sincm1": sincm1,
+    "asin": arc_sine,
+    "max": arb.max,
+    "min": arb.min,
+    "quantiser": quantiser.value,
     "power": power,
 }
 

@@ -20,6 +20,7 @@ from flint import fmpq
 from sympy import Expr, Poly, fraction, together
 
 from haptisym.kernel.arrays import np
+from haptisym.kernel.harmonics import staircase
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import omega
 from haptisym.programs.program import LAST, SMALL, Operation, Program
@@ -49,6 +50,12 @@ def sincm1(x: Any, out: Any = None) -> Any:
     return _put(
         np.where(size <= SMALL, _horner(_TERMS[1:], square) * square, np.sin(far) / far - 1.0), out
     )
+
+
+def quantiser(x: Any, out: Any = None) -> Any:
+    """The first harmonic of a staircase over the amplitude, by x = q/(2 A) > 0
+    (``kernel.harmonics``)."""
+    return _put(8 / np.pi * x * staircase(x), out)
 
 
 def sinc_and_slopes(x: Any) -> tuple[Any, ...]:
@@ -105,11 +112,17 @@ def ufuncs() -> dict[str, Callable[..., Any]]:
         "sin": np.sin,
         "sinc": sinc,
         "sincm1": sincm1,
+        "asin": np.arcsin,
+        # Their third argument is not taken for ``out``.
+        "max": lambda x, y, out=None: np.maximum(x, y, out=out),
+        "min": lambda x, y, out=None: np.minimum(x, y, out=out),
+        "quantiser": quantiser,
         "power": np.power,
     }
 
 
-_SELDOM = frozenset({"sinc", "sincm1"})  # functions of this module, which are no ufuncs of NumPy
+_SELDOM = frozenset({"sinc", "sincm1", "quantiser"})
+"""Functions of this module, which are no ufuncs of NumPy."""
 
 
 def nearest(value: Any) -> np.float64:
@@ -503,8 +516,15 @@ def _step(
         return MagnitudeRange({"sin": sine, "cos": -_SINE, "sinc": sinc_}[name], 0.0)
     if name == "sincm1":  # between -x^2/6 and -x^2/8 for abs(x) <= 2, between -5/4 and -1/2 beyond
         return MagnitudeRange(min(2 * x.low - 3, -1.0), min(2 * x.high - 2, 1.0), nonzero=x.nonzero)
+    if name == "asin":  # between x and pi x/2
+        return x._replace(high=x.high + 1)
+    if name == "quantiser":  # 8 x/pi sqrt(1 - x^2), which is not 0, with one step; near 1 with more
+        return MagnitudeRange(min(x.low, 0.0) - digits, 1.0, positive=True)
     y = of[1]
     both = x.nonzero and y.nonzero
+    if name in ("max", "min"):
+        positive = x.positive and y.positive
+        return MagnitudeRange(min(x.low, y.low), max(x.high, y.high), positive, both)
     if name == "mul":
         is_square = arguments[0] == arguments[1]
         positive = (x.positive and y.positive) or is_square

@@ -9,10 +9,27 @@ from functools import cached_property, lru_cache
 from importlib.util import find_spec
 from typing import Any
 
-from sympy import Abs, Add, Expr, Float, Mul, Pow, Symbol, cos, lambdify, sin, sinc, sqrt
+from sympy import (
+    Abs,
+    Add,
+    Expr,
+    Float,
+    Max,
+    Min,
+    Mul,
+    Pow,
+    Symbol,
+    asin,
+    cos,
+    lambdify,
+    sin,
+    sinc,
+    sqrt,
+)
 
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import quantiser
 from haptisym.programs.floats import Floats, nearest
 from haptisym.programs.program import LAST, SMALL, Operation, Program, sincm1
 
@@ -30,6 +47,10 @@ _WRITTEN: dict[str, Callable[..., Expr]] = {
     "sin": sin,
     "sinc": sinc,
     "sincm1": sincm1,
+    "asin": asin,
+    "max": lambda x, y: Max(x, y, evaluate=False),
+    "min": lambda x, y: Min(x, y, evaluate=False),
+    "quantiser": quantiser,
     "power": lambda x, y: Pow(x, y, evaluate=False),
 }
 
@@ -123,11 +144,17 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
             series = -x * x / (n * (n - 1)) * (1.0 + series)
         return series
 
+    def stairs(x: float) -> float:
+        total = 0.0
+        for i in range(1, int(1 / x) + 1, 2):
+            total += np.sqrt(1.0 - min(i * x, 1.0) ** 2)
+        return 8 / np.pi * x * total
+
     names = [Symbol(f"x{i}") for i in range(len(program.operations))]
     arguments = [Symbol(f"given{i}") for i in range(len(program.inputs))]
     needed = program.needed(results)
     steps = [(names[i], _written(program.operations[i], names, arguments)) for i in needed]
-    waves = {"sinc": wave, "sincm1": less_one}
+    waves = {"sinc": wave, "sincm1": less_one, "quantiser": stairs}
     library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
     outputs = tuple(names[x] for x in results)
     # lambdify prints the steps as they are, in their order: they are the common subexpressions, and

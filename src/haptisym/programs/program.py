@@ -10,12 +10,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Any, TypeVar
 
 from flint import fmpq
-from sympy import Add, Expr, Function, Mul, Pow, Rational, Symbol, cos, exp, sin, sinc
+from sympy import (
+    Add,
+    Expr,
+    Function,
+    Max,
+    Min,
+    Mul,
+    Pow,
+    Rational,
+    Symbol,
+    asin,
+    cos,
+    exp,
+    sin,
+    sinc,
+)
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import Harmonic, quantiser
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 
 _ZERO, _ONE = fmpq(0), fmpq(1)
@@ -44,7 +61,7 @@ what is left out is less than 2^-65."""
 @dataclass(frozen=True, slots=True)
 class Operation:
     """One step: ``name`` is add, sub, mul, div, neg, abs, sqrt, cos, sin, sinc, sincm1, exp, phi,
-    power, input or constant.
+    asin, max, min, quantiser, power, input or constant.
 
     ``arguments`` : indices of earlier steps; for an input its index. ``value`` : of a constant, an
     ``fmpq`` or a SymPy number.
@@ -248,16 +265,21 @@ class Writer:
         if given.is_number:
             return self._step("constant", value=given)
         if isinstance(given, Add | Mul):
-            first, *others = map(self.expression, given.args)
-            for x in others:
-                first = self.add(first, x) if isinstance(given, Add) else self.mul(first, x)
-            return first
+            return reduce(
+                self.add if isinstance(given, Add) else self.mul, map(self.expression, given.args)
+            )
+        if isinstance(given, Max | Min):
+            name = type(given).__name__.lower()
+            return reduce(lambda x, y: self._step(name, x, y), map(self.expression, given.args))
         if isinstance(given, Pow) and given.exp.is_Integer:
             whole = self.power(self.expression(given.base), abs(int(given.exp)))
             return whole if given.exp > 0 else self.div(self.constant(1), whole)
         if isinstance(given, Pow):
             return self._step("power", self.expression(given.base), self.expression(given.exp))
-        for kind in (cos, sin, sinc, sincm1, exp, phi):
+        # A first harmonic is written out; only a staircase has steps without a number.
+        if isinstance(given, Harmonic) and not isinstance(given, quantiser):
+            return self.expression(given.explicit)
+        for kind in (cos, sin, sinc, sincm1, exp, phi, asin, quantiser):
             if isinstance(given, kind):
                 return self._step(kind.__name__, self.expression(given.args[0]))
         raise SceneError(f"{given} cannot be compiled: only + - * /, powers, sines and cosines can")

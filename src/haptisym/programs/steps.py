@@ -19,10 +19,13 @@ from sympy import (
     Abs,
     Expr,
     Function,
+    Max,
+    Min,
     Pow,
     Rational,
     Symbol,
     acos,
+    asin,
     cos,
     count_ops,
     default_sort_key,
@@ -32,6 +35,7 @@ from sympy import (
     sqrt,
 )
 
+from haptisym.kernel.harmonics import quantiser
 from haptisym.kernel.objects import Shown, counted
 from haptisym.programs.program import Operation, Program
 
@@ -296,6 +300,10 @@ _MADE: Mapping[str, Callable[..., Expr]] = MappingProxyType(
         "sin": sin,
         "sinc": lambda x: sin(x) / x,
         "sincm1": lambda x: sin(x) / x - 1,
+        "asin": asin,
+        "max": Max,
+        "min": Min,
+        "quantiser": quantiser,
     }
 )
 

@@ -107,6 +107,16 @@ class Applied:
 
 
 @dataclass(frozen=True, slots=True)
+class Series:
+    """The sum of a term over a whole number: its name, and from where to where."""
+
+    term: Box
+    index: Box
+    first: Box
+    last: Box
+
+
+@dataclass(frozen=True, slots=True)
 class Prefixed:
     """An operator in front of its operand, without parentheses: Re H."""
 
@@ -164,6 +174,7 @@ Box: TypeAlias = (
     | Radical
     | Exponential
     | Applied
+    | Series
     | Prefixed
     | Fenced
     | Absolute
@@ -267,6 +278,7 @@ _TEXT: Mapping[type, Callable[[Any], str]] = {
     Radical: lambda x: f"sqrt({text(x.inside)})",
     Exponential: lambda x: f"exp({text(x.exponent)})",
     Applied: lambda x: f"{text(x.function)}({', '.join(map(text, x.arguments))})",
+    Series: lambda x: f"sum({text(x.term)}, {text(x.index)} = {text(x.first)} to {text(x.last)})",
     Prefixed: lambda x: f"{text(x.operator)} {_inside(x.operand, Sum, Fraction)}",
     Fenced: lambda x: f"({text(x.inside)})",
     Absolute: lambda x: (

@@ -26,6 +26,7 @@ from sympy import Add, Expr, Pow, Rational, Symbol, pi, preorder_traversal
 from haptisym import __version__
 from haptisym.kernel.dynamics import on_axis
 from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.harmonics import MOST_STEPS
 from haptisym.kernel.reals import ExactNumber, bounds, expression_ball
 from haptisym.kernel.rings import omega
 from haptisym.model.chain import Chain
@@ -75,7 +76,7 @@ def _words(text: str) -> frozenset[str]:
 
 
 # What the code itself may call: a parameter of that name would hide the function.
-_FUNCTIONS = _words("abs cos exp fabs log max min pow sin sinc sqrt tan pi")
+_FUNCTIONS = _words("abs asin cos exp fabs log max min pow sin sinc sqrt tan pi")
 RESERVED: Mapping[Language, frozenset[str]] = {
     Language.NUMPY: _FUNCTIONS
     | {*keyword.kwlist, *keyword.softkwlist, "np", "float", "NamedTuple", "shape", "results"},
@@ -195,6 +196,7 @@ def comment(text: str) -> str:
 
 _WIDTH = 100  # columns
 _SINC, _SINCM1 = "sin(x)/x, and 1 at x = 0", "sin(x)/x - 1, by its series for small x"
+_STAIRS = "first harmonic of steps q over the amplitude A, by u = q/(2 A) from 5e-6 on"
 _EQUALS = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 
 
@@ -213,8 +215,9 @@ class Routine:
     ``heading`` : what the function computes, in a line. ``notes`` : paragraphs, what there is to
     know and where it comes from.
     ``definitions`` and ``values`` : names (or results) and expressions as text. ``unused`` :
-    arguments on which nothing depends. ``helpers`` : what sin(x)/x (``sinc``) and sin(x)/x - 1
-    (``sincm1``) are called, where a result needs them.
+    arguments on which nothing depends. ``helpers`` : what sin(x)/x (``sinc``), sin(x)/x - 1
+    (``sincm1``) and the first harmonic of a staircase (``quantiser``) are called, where a result
+    needs them.
     """
 
     name: str
@@ -274,6 +277,19 @@ def _numpy(r: Routine) -> Iterable[str]:
         )
         yield from (f"    far = np.where(np.abs(x) > {SMALL}, x, 1.0)",)
         yield from (f"    return np.where(np.abs(x) > {SMALL}, np.sin(far)/far - 1.0, y)", "", "")
+    if name := r.helpers.get("quantiser"):
+        yield from (
+            f"def {name}(u):",
+            f'    """{_STAIRS}."""',
+            "    total = 0.0*u",
+            f"    for n in range(1, {2 * MOST_STEPS}, 2):",
+            "        if not np.any(n*u < 1.0):",
+            "            break",
+            "        total = total + np.sqrt(np.maximum(1.0 - (n*u)**2, 0.0))",
+            "    return 8.0/np.pi*u*total",
+            "",
+            "",
+        )
     yield from _wrapped(f"def {r.name}({r.listed}):", "    ")
     yield from (f'    """{r.heading}', "", "    Parameters", "    ----------")
     yield from _documented(r.arguments, "    ", " : array_like")
@@ -335,6 +351,18 @@ def _c(r: Routine) -> Iterable[str]:
             f"    for (n = {LAST}.0; n > 1.0; n -= 2.0)",
         )
         yield from ("        y = -x*x/(n*(n - 1.0))*(1.0 + y);", "    return y;", "}", "")
+    if name := r.helpers.get("quantiser"):
+        yield from (
+            f"/* {_STAIRS} */",
+            f"static double {name}(double u)",
+            "{",
+            "    double n, total = 0.0;",
+            f"    for (n = 1.0; n*u < 1.0 && n < {2 * MOST_STEPS}.0; n += 2.0)",
+            "        total += sqrt(1.0 - n*u*(n*u));",
+            "    return 8.0/3.141592653589793*u*total;",
+            "}",
+            "",
+        )
     yield from (*_wrapped(prototype, ""), "{")
     if r.uses_pi:
         yield "    const double pi = 3.141592653589793;"
@@ -377,6 +405,20 @@ def _octave(r: Routine) -> Iterable[str]:
         )
         yield from ("    y = -x.*x/(n*(n - 1)).*(1 + y);", "  end", f"  other = abs(x) > {SMALL};")
         yield from ("  y(other) = sin(x(other))./x(other) - 1;", "end")
+    if name := r.helpers.get("quantiser"):
+        yield from (
+            "",
+            f"function y = {name}(u)",
+            f"% {_STAIRS}",
+            "  y = zeros(size(u));",
+            "  n = 1;",
+            f"  while any(n*u(:) < 1) && n < {2 * MOST_STEPS}",
+            "    y = y + sqrt(max(1 - (n*u).^2, 0));",
+            "    n = n + 2;",
+            "  end",
+            "  y = 8/pi*u.*y;",
+            "end",
+        )
 
 
 def _javascript(r: Routine) -> Iterable[str]:
@@ -401,6 +443,16 @@ def _javascript(r: Routine) -> Iterable[str]:
             "  let y = 0;",
             f"  for (let n = {LAST}; n > 1; n -= 2) y = -x*x/(n*(n - 1))*(1 + y);",
             "  return y;",
+            "}",
+            "",
+        )
+    if name := r.helpers.get("quantiser"):
+        yield from (
+            f"/** {_STAIRS} */",
+            f"function {name}(u) {{",
+            "  let total = 0;",
+            f"  for (let n = 1; n*u < 1 && n < {2 * MOST_STEPS}; n += 2) total += Math.sqrt(1 - n*u*(n*u));",
+            "  return 8/Math.PI*u*total;",
             "}",
             "",
         )
@@ -511,13 +563,13 @@ def _wrapped(line: str, indent: str, continued: str = "") -> list[str]:
 
 @dataclass(frozen=True)
 class Dialect:
-    """How a language writes arithmetic; ``whole`` : whether a whole number may be written without a
-    point."""
+    """How a language writes arithmetic; ``functions`` : those that it calls by another name;
+    ``whole`` : whether a whole number may be written without a point."""
 
     # Not in C, where 1/2 divides integers and is 0.
     power: str
     library: str = ""
-    absolute: str = "abs"
+    functions: Mapping[str, str] = field(default_factory=dict)
     pi: str = "pi"
     times: str = "*"
     over: str = "/"
@@ -525,8 +577,12 @@ class Dialect:
 
 
 DIALECTS: Mapping[Language, Dialect] = {
-    Language.NUMPY: Dialect("{}**{}", "np.", pi="np.pi"),
-    Language.C: Dialect("pow({}, {})", absolute="fabs", whole=False),
+    Language.NUMPY: Dialect(
+        "{}**{}", "np.", {"asin": "arcsin", "max": "maximum", "min": "minimum"}, pi="np.pi"
+    ),
+    Language.C: Dialect(
+        "pow({}, {})", functions={"abs": "fabs", "max": "fmax", "min": "fmin"}, whole=False
+    ),
     Language.OCTAVE: Dialect("{}.^{}", times=".*", over="./"),
     Language.JAVASCRIPT: Dialect("Math.pow({}, {})", "Math.", pi="Math.PI"),
 }
@@ -573,7 +629,7 @@ class CodePiece:
 class CodeReader(Reader[CodePiece]):
     """Reads a program as expressions of a language.
 
-    ``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and ``sincm1``.
+    ``names`` : what the arguments are called; ``helpers`` : what computes ``sinc`` and the like.
 
     >>> from haptisym.programs.program import Writer
     >>> from sympy import sqrt
@@ -623,10 +679,9 @@ class CodeReader(Reader[CodePiece]):
         if operation in ("add", "sub", "mul", "div", "neg", "power"):
             piece: CodePiece = getattr(self, f"_{operation}")(*arguments)
             return piece
-        known = {**self.helpers, "abs": f"{self.dialect.library}{self.dialect.absolute}"}
-        return CodePiece(
-            f"{known.get(operation, self.dialect.library + operation)}({arguments[0].text})"
-        )
+        own = self.dialect.library + self.dialect.functions.get(operation, operation)
+        listed = ", ".join(x.text for x in arguments)
+        return CodePiece(f"{self.helpers.get(operation, own)}({listed})")
 
     def _add(self, x: CodePiece, y: CodePiece) -> CodePiece:
         # x + y and y + x are the same double, so the order is free: first what has no minus, then
@@ -780,7 +835,7 @@ class Source:
         used = {program.inputs[step.arguments[0]] for step in inputs}
         _check(program, used, listed)
         function = function_name(name, language)
-        helpers = {kind: f"{function}_{kind}" for kind in ("sinc", "sincm1")}
+        helpers = {kind: f"{function}_{kind}" for kind in ("sinc", "sincm1", "quantiser")}
         # Names of the struct or class of results, in any language; arguments must not take them.
         results = {f"{function}_values", f"{function[0].upper()}{function[1:]}Values"}
         taken = {function, *helpers.values(), *results}
@@ -914,7 +969,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     """
     scene = as_scene(scene)
     free = (
-        [x for x in scene.parameters if x.symbol not in scene.chain.described]
+        list(scene.parameters)
         if parameters is None
         else [scene.knobs[name].felt() for name in parameters]
     )
@@ -922,7 +977,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     if limit is not None:
         raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
     fixed = values(x for x in scene.parameters if x not in free)
-    chain = scene.chain.at(fixed)
+    chain = scene.chain.put(fixed)
     # In the order of the scene, whatever the order that the names were given in.
     arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]

@@ -312,6 +312,9 @@ _TEX: Mapping[type, Callable[[Any], str]] = {
     boxes.Radical: lambda x: rf"\sqrt{{{tex(x.inside)}}}",
     boxes.Exponential: lambda x: f"e^{{{tex(x.exponent)}}}",
     boxes.Applied: lambda x: tex(x.function) + _arguments(x),
+    boxes.Series: lambda x: (
+        rf"\sum_{{{tex(x.index)}={tex(x.first)}}}^{{{tex(x.last)}}} {tex(x.term)}"
+    ),
     boxes.Prefixed: lambda x: f"{tex(x.operator)} {tex(x.operand)}",
     boxes.Fenced: lambda x: parenthesised(tex(x.inside)),
     boxes.Absolute: lambda x: rf"\left| {tex(x.inside)} \right|",

@@ -35,6 +35,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
+import sympy
 from sympy import (
     Abs,
     Add,
@@ -57,10 +58,12 @@ from sympy import (
     pi,
     sqrt,
 )
+from sympy.core.function import Application
 from sympy.core.relational import Relational
 from sympy.functions import exp
 
 from haptisym.kernel.errors import SceneError
+from haptisym.kernel.harmonics import Harmonic
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import X, finite, omega, s
 from haptisym.writing.boxes import (
@@ -79,6 +82,7 @@ from haptisym.writing.boxes import (
     Radical,
     Ratio,
     Relation,
+    Series,
     SideBySide,
     Sum,
     Titled,
@@ -509,6 +513,7 @@ _FUNCTIONS = {
     "Max": "max",
     "Min": "min",
     "atan2": "atan2",
+    "floor": "floor",
 }
 _CONSTANTS = {pi: named("pi"), I: named("j"), S.Exp1: named("e"), S.Infinity: named("∞")}
 
@@ -592,7 +597,14 @@ class _Layout:
     def _exponential(self, expr: exp) -> Box:
         return Exponential(self.box(expr.args[0]))
 
-    def _function(self, expr: Function) -> Box:
+    def _series(self, expr: sympy.Sum) -> Box:
+        index, first, last = expr.limits[0]
+        return Series(*map(self.box, (expr.function, index, first, last)))
+
+    def _function(self, expr: Application) -> Box:
+        # Nobody knows it by name, so that it is written out.
+        if isinstance(expr, Harmonic):
+            return self.box(expr.explicit)
         name = expr.func.__name__
         return self._applied(
             Operator(_FUNCTIONS[name]) if name in _FUNCTIONS else named(name), expr
@@ -616,7 +628,8 @@ class _Layout:
         (Add, _sum),
         (Abs, _absolute),
         (exp, _exponential),
-        (Function, _function),
+        (sympy.Sum, _series),
+        (Application, _function),
         (MatrixBase, _matrix),
         (Relational, _relation),
     )

@@ -161,6 +161,13 @@ def _prefixed(x: boxes.Prefixed) -> str:
     return f"<mrow>{markup(x.operator)}{_APPLY}{space}{markup(x.operand)}</mrow>"
 
 
+def _series(x: boxes.Series) -> str:
+    """A sum sign with its limits, and the term."""
+    below = f"<mrow>{markup(x.index)}<mo>=</mo>{markup(x.first)}</mrow>"
+    sign = f"<munderover><mo>∑</mo>{below}{markup(x.last)}</munderover>"
+    return f"<mrow>{sign}{markup(x.term)}</mrow>"
+
+
 def _grid(x: boxes.MatrixBox) -> str:
     """A matrix in parentheses."""
     rows = []
@@ -198,6 +205,7 @@ _MARKUP: Mapping[type, Callable[[Any], str]] = {
     boxes.Radical: lambda x: f"<msqrt>{markup(x.inside)}</msqrt>",
     boxes.Exponential: lambda x: f"<msup><mi>e</mi>{markup(x.exponent)}</msup>",
     boxes.Applied: lambda x: _applied(markup(x.function), x),
+    boxes.Series: _series,
     boxes.Prefixed: _prefixed,
     boxes.Fenced: lambda x: _between("(", markup(x.inside), ")"),
     boxes.Absolute: lambda x: _between("|", markup(x.inside), "|"),

@@ -153,7 +153,7 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
         )
     epsilon = Dummy("epsilon", positive=True)
     powers = {x: x * epsilon ** _POWER_OF_EPSILON[dimension] for x, dimension in fast.items()}
-    in_epsilon = scene.chain.at(powers)
+    in_epsilon = scene.chain.put(powers)
     # A division by epsilon, as that of a hold by its period, costs an order each time. Two more for
     # each time constant are left for a common factor of a matrix, which cancels.
     divisions = (_divisions(entry, epsilon) for entry in in_epsilon.entries())
@@ -312,7 +312,7 @@ def groups(scene: Scene) -> Groups:
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
     parameters = [p for p in scene.parameters if p.symbol not in orders]
     sizes = {p.symbol: _size(p, scene.motion) for p in parameters}
-    chain = scene.chain.at(fixed)
+    chain = scene.chain.put(fixed)
     _check(chain, sizes, scene.motion)
     base = _base(parameters, sizes)
     others = [p for p in parameters if p.symbol not in base]
@@ -574,7 +574,7 @@ class Derivation(Answer):
     @cached_property
     def chain(self) -> Chain:
         """The dynamics with the scene's values for all parameters that are not kept."""
-        return self.scene.chain.at(
+        return self.scene.chain.put(
             {p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept}
         )
 

@@ -23,6 +23,7 @@ from sympy import Abs, Integer, Rational, Symbol, lambdify
 
 from haptisym.kernel.budget import SECONDS, limited, tick
 from haptisym.kernel.errors import SceneError, UndecidedError
+from haptisym.kernel.harmonics import computable, staircase
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import whole
 from haptisym.kernel.rings import s
@@ -35,6 +36,7 @@ from haptisym.programs.steps import DISTORTION
 # Of 60 digits ten are left for cancellation between H_perc and H_env: what is smaller than 1e-50 of
 # the modulus is rounding.
 _DIGITS, _NOISE = 60, 1e-50
+_MODULES = [{"staircase": staircase}, "mpmath"]
 _TRIES = 1000  # to draw a number that a symbol may be
 # Products of small doubles underflow below it and lose digits: such a value has no last place.
 _SMALLEST = 1e-250
@@ -242,11 +244,11 @@ class _Ways:
         named = self.d.steps(*DISTORTION)
         arguments = [self.d.frequency, *self._symbols]
         put = _plainly([*arguments, *(x for x, _ in named.definitions)])
-        results = [named.results[name].xreplace(put) for name in DISTORTION]
-        steps = [(put[x], value.xreplace(put)) for x, value in named.definitions]
+        results = [computable(named.results[name]).xreplace(put) for name in DISTORTION]
+        steps = [(put[x], computable(value).xreplace(put)) for x, value in named.definitions]
         # the named steps stand in for the common subexpressions that lambdify would look for
         made: Callable[..., Any] = lambdify(
-            [put[x] for x in arguments], results, "mpmath", cse=lambda _: (steps, results)
+            [put[x] for x in arguments], results, _MODULES, cse=lambda _: (steps, results)
         )
         return made
 
@@ -280,10 +282,12 @@ def _made(arguments: list[Symbol], forms: Any) -> Callable[..., Any]:
             return [plain(x) for x in form]
         # Abs multiplies out what it is given, which may take minutes
         if isinstance(form, Abs):
-            return Abs(form.args[0].xreplace(put), evaluate=False)
-        return form.func(*map(plain, form.args)) if form.has(Abs) else form.xreplace(put)
+            return Abs(computable(form.args[0]).xreplace(put), evaluate=False)
+        if form.has(Abs):
+            return form.func(*map(plain, form.args))
+        return computable(form).xreplace(put)
 
-    made: Callable[..., Any] = lambdify([put[x] for x in arguments], plain(forms), "mpmath")
+    made: Callable[..., Any] = lambdify([put[x] for x in arguments], plain(forms), _MODULES)
     return made
 
 

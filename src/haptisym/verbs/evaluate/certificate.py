@@ -37,6 +37,7 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, bounds, rational_between
 from haptisym.kernel.rings import RationalFunction
 from haptisym.kernel.roots import Interval, Point
+from haptisym.model.catalogue import DESCRIBED, FRICTION
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import read_scenes
 from haptisym.verbs.evaluate.products import Factors, Linked, products, rectangular
@@ -112,6 +113,12 @@ def name_in_file(scene: Scene) -> str | None:
     """The name of a scene among several environments of its file; None where the file has one
     scene. SceneError where a checker cannot read the scene from that file."""
     scene.threshold.need_plain("a certificate")
+    steps = [x.name for x in scene.effects if x.model in DESCRIBED and x.model != FRICTION]
+    if steps:
+        raise SceneError(
+            f"certificate: {', '.join(steps)}: a checker has no arc sines and staircases: leave it "
+            f"out of the scene, or the certificate"
+        )
     if scene.threshold.source:
         name = scene.threshold.source
         raise SceneError(
