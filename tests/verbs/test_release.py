@@ -326,6 +326,28 @@ def test_a_describing_function_of_a_sampled_wall_is_on_the_circle_where_its_fact
         assert x.omega == pytest.approx(float(margin.above.bindings[0].omega), rel=1e-5)
 
 
+@pytest.mark.slow
+@pytest.mark.few(1)
+@pytest.mark.parametrize("steps", [0.6, 1])
+def test_a_wheel_let_go_rattles_about_as_the_closed_form_of_one_step_says(steps: float) -> None:
+    """g = 4/pi v sqrt(1 - v^2/4) with v = q/A: the larger A attracts. Without its encoder the wheel is stable."""
+    wheel, q = hs.load_scene("wheel-with-encoder").with_values({"environment.k": "1.36"}), float(np.pi / 2000)
+    hand = hs.Hand("light", m="1e-6 kg*m^2", b="1e-6 N*m*s/rad")
+    found = hs.stability(wheel, hand, free=["hand.b"])
+    [margin] = found.margins
+    assert margin is not None
+    assert margin.above is not None
+    root = np.sqrt(1 - (np.pi * float(margin.above.value) / 4) ** 2)
+    amplitudes = [q / np.sqrt(2 + 2 * root), q / np.sqrt(2 - 2 * root)]
+    assert [x.amplitude for x in found.limit_cycles[0]] == pytest.approx(amplitudes, rel=3e-3)
+    assert [x.attracts for x in found.limit_cycles[0]] == [False, True]
+    run = hs.release(wheel, steps * q, hand)
+    assert run.held.stable is True
+    assert run.rattle is not None
+    assert run.rattle.amplitude == pytest.approx(amplitudes[1], rel=0.35)
+    assert run.rattle.omega == pytest.approx(found.limit_cycles[0][1].omega, rel=0.07)
+
+
 def test_the_scenes_own_hand_is_taken_and_a_run_lasts_as_long_as_is_asked() -> None:
     scene = hs.Scene(SPRING, (hs.effects.first_order_lag(200),), (0, 15), hands=(hs.Hand("mine", m="0.5 kg", b=12),))
     watched: list[tuple[float, float]] = []
