@@ -31,7 +31,7 @@ from haptisym.kernel.errors import HaptisymError, UndecidedError, meant
 # as importing the modules would load SymPy.
 _COMMANDS = {
     module: re.findall(
-        r'^def (\w+)\(ask: Ask\).*\n    """(.+)$',
+        r'^def (\w+)\(ask: Ask\).*\n    """(.+?)(?:""")?$',
         (get_data("haptisym.commands", f"{module}.py") or b"").decode(),
         re.MULTILINE,
     )

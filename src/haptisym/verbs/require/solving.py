@@ -167,6 +167,8 @@ def _without_parameter(scene: Scene, free: Knob, asked: Domain, listed: Conditio
         table = chart(dict(enumerate(numerators)), *scene.band)
         if table.where(lambda signs: min(signs.values()) > 0):
             return ValueSet.all_of(asked, holds=False)
+        if table.undecided:
+            raise UndecidedError("whether a ratio that touches its threshold goes beyond it")
     ends = (x for x in (asked.low, asked.high) if x is not None)
     gone = [ExactNumber(x) for x in ends if not allowed(scene, free, x)]
     return ValueSet.all_of(asked, holds=True).without(gone)
