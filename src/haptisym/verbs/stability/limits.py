@@ -1,13 +1,23 @@
 """For which values of one parameter is a display stable in a hand, or steady: the one question of
 requirements, limits and margins.
 
-*Stable*: no root of H_perc + m s^2 + b s + k lies in Re s >= 0. *Steady*: none but those at s = 0
-that are there as nothing holds the handle in place. The number of roots in Re s >= 0 is the same
-for all values between two critical ones, at which some meet the imaginary axis (``critical``): it
-is counted exactly at one of these values, and from there on by the pairs that cross. All values are
-searched that are asked about; a *near* set only as far as the ends of what holds about the present
-value, or of what holds next to it where that fails. What is not proven is undecided, with a reason.
-Begin with ``stable_values``; loops with a clock are in ``sampled``.
+The loop of a display, felt as H_perc(s), and a hand, m s^2 + b s + k, has the roots of H_perc + m
+s^2 + b s + k. *Stable*: none lies in Re s >= 0. *Steady*: none but those at s = 0 that are there as
+nothing holds the handle in place (a *drift*).
+
+Roots move continuously with the parameter q, so that their number in Re s >= 0 can change only at a
+*critical value*, at which one lies on the imaginary axis or comes from infinity (``critical``).
+Hence:
+
+1. Between two neighbouring critical values the verdict is the same for all q. The roots are counted
+   exactly at one of them (``Loop.roots_at``), and from there on by the pairs that cross the axis
+   (``Tally``).
+2. Where critical values are not all known, an interval may still be proven to have no stable value,
+   as some root stays on the right throughout (``RootTendency``).
+
+All values are searched that are asked about; a *near* set only as far as the ends of what holds
+about the present value, or of what holds next to it where that fails. What is not proven is
+undecided, with a reason. Begin with ``stable_values``; loops with a clock are in ``sampled``.
 """
 
 from __future__ import annotations
@@ -49,6 +59,7 @@ from haptisym.verbs.stability.loops import CriticalRoot, Loop
 from haptisym.verbs.stability.roottendency import RootTendency
 from haptisym.verbs.stability.sampled import clocked_question
 
+# Working precision, bits, with which C(j omega; q) is shown not to be 0 at a critical value.
 _BITS = 256
 # Windows about a value that are looked at without telling of them, as the next one replaces each.
 _FIRST = 7
@@ -104,7 +115,7 @@ def _found(
         gone += [ExactNumber(x) for x in ends if not loop.exists(x)]
         question = _Asked(scene, hand, free, asked, criterion, loop, near, in_air).question
     # An end at which there is no display does not belong to what holds, be it asked about or not.
-    first, last = (x is not None and not any(not ordered(x, y) for y in gone) for x in asked.ends)
+    first, last = (x is not None and all(ordered(x, value) for value in gone) for x in asked.ends)
     asked = replace(
         asked, holds_low=asked.holds_low and first, holds_high=asked.holds_high and last
     )
@@ -132,24 +143,30 @@ def _unknown(knob: Knob, found: ValueSet) -> list[tuple[Piece | None, bool]]:
 
     Where it fails there, and holds beside that, the rest is a matter of how far was looked.
     """
-    own = ExactNumber(knob.value)
-    home = found.about(own)
-    is_told = home.verdict is Verdict.FAILS and bool(found.feasible)
-    beside = [found.unknown(own, side) for side in (-1, 1)]
-    near = [
-        x for x in beside if x is not None and (x == home or not {*home.ends}.isdisjoint(x.ends))
-    ]
-    return [(x, not is_told and x in near and x in found.undecided) for x in beside]
+    present = ExactNumber(knob.value)
+    home = found.about(present)
+    is_answered = home.verdict is Verdict.FAILS and bool(found.feasible)
+    unknown: list[tuple[Piece | None, bool]] = []
+    for side in (-1, 1):
+        x = found.unknown(present, side)
+        # It is that about the present value itself, or has an end in common with it.
+        is_near = x is not None and (x == home or not {*home.ends}.isdisjoint(x.ends))
+        unknown.append((x, not is_answered and is_near and x in found.undecided))
+    return unknown
 
 
 def _why(knob: Knob, found: ValueSet, x: Piece) -> str:
     """The reason of an undecided piece, with the values between which it lies."""
     unit = knob.shown_unit(knob.motion)
-    low, high = (
-        "" if end is None else f"{printed(in_unit(end, unit.size), 4, way)} {unit.text}".rstrip()
-        for end, way in ((x.low, Way.DOWN), (x.high, Way.UP))
-    )
-    if sum(not y.is_single for y in found.pieces) == 1 or not (low or high):  # that is all there is
+
+    def end(value: RealNumber | None, way: Way) -> str:
+        if value is None:
+            return ""
+        return f"{printed(in_unit(value, unit.size), 4, way)} {unit.text}".rstrip()
+
+    low, high = end(x.low, Way.DOWN), end(x.high, Way.UP)
+    intervals = [y for y in found.pieces if not y.is_single]
+    if len(intervals) == 1 or not (low or high):  # that is all there is
         return x.reason
     if low and high:
         return f"{x.reason}, from {low} to {high}"
@@ -206,14 +223,13 @@ class _Asked:
                 yield self._named(held_back)
 
         def verdict(value: Rational) -> bool:
-            return (
-                loop.exists(value) and self._is_there(value, tally.window) and tally.at(value) == 0
-            )
+            is_there = loop.exists(value) and self._is_there(value, tally.window)
+            return is_there and tally.at(value) == 0
 
         def cells(low: RealNumber | None, high: RealNumber | None) -> Iterable[Cell]:
-            return (
-                [Cell(low, high, holds=False)] if one_way.is_unstable_throughout(low, high) else []
-            )
+            if one_way.is_unstable_throughout(low, high):
+                return [Cell(low, high, holds=False)]
+            return []
 
         return Question(verdict, self.free.value, changes, lambda x: _is_clear(loop, x), cells)
 
@@ -225,18 +241,17 @@ class _Asked:
         return value not in critical or allowed(self.scene, self.free, value, in_air=self.in_air)
 
     def _drifts(self, value: Expr) -> int | None:
-        return (
-            drifts(*moved(self.scene, self.hand, self.free, value))
-            if self.criterion.name == STEADY
-            else 0
-        )
+        """How many roots at 0 are drifts at a value, for a steady display; None where that is not
+        known. Of a stable one none may be there."""
+        if self.criterion.name != STEADY:
+            return 0
+        return drifts(*moved(self.scene, self.hand, self.free, value))
 
     def _named(self, found: CriticalValues) -> CriticalValues:
         """The critical values, each with what binds there: a root on the axis at a frequency, or at
         infinity."""
-        return replace(
-            found, values=[CriticalValue(x.value, (self._binding(x),)) for x in found.values]
-        )
+        named = [CriticalValue(x.value, (self._binding(x),)) for x in found.values]
+        return replace(found, values=named)
 
     def _binding(self, x: CriticalValue) -> Binding:
         omega = x.omega if isinstance(x, CriticalRoot) else None
@@ -260,9 +275,9 @@ class Tally:
     def at(self, value: Rational) -> int | None:
         """The number of roots; None if they are infinitely many, or come as near to the axis as one
         likes."""
-        found = self._from_another(value)
-        if found is not None:
-            return found
+        by_crossings = self._from_another(value)
+        if by_crossings is not None:
+            return by_crossings
         roots = self.loop.roots_at(value)
         number = roots.number
         # Frequencies ascend: only if the first one is 0 is there a root at rest.
@@ -284,20 +299,21 @@ class Tally:
         low, high = (ExactNumber(x) for x in sorted((nearest, value)))
         if any(_meets(part, low, high) for part in self.window.open):
             return None
-        between = [
-            x
-            for x in self.window.values
-            if ordered(low, x.value) >= 0 and ordered(x.value, high) >= 0
-        ]
-        senses = [x.sense for x in between if isinstance(x, CriticalRoot) and x.sense is not None]
-        # At an end that is critical itself some roots lie on the axis: no sum of crossings tells
-        # how many.
-        if len(senses) < len(between) or any(
-            not ordered(x.value, end) for x in between for end in (low, high)
-        ):
-            return None
+        crossings = 0
+        for x in self.window.values:
+            to_low, to_high = ordered(low, x.value), ordered(x.value, high)
+            if to_low < 0 or to_high < 0:
+                continue  # not between the two
+            # At an end that is critical itself some roots lie on the axis: no sum of crossings
+            # tells how many.
+            if not to_low or not to_high:
+                return None
+            if not isinstance(x, CriticalRoot) or x.sense is None:
+                return None
+            crossings += x.sense
         # Each crossing above omega = 0 has its mirror image below: two roots for one sense.
-        return self.known[nearest] + (1 if value > nearest else -1) * 2 * sum(senses)
+        direction = 1 if value > nearest else -1
+        return self.known[nearest] + direction * 2 * crossings
 
 
 def _meets(part: Open, low: RealNumber, high: RealNumber) -> bool:
@@ -309,19 +325,20 @@ def _meets(part: Open, low: RealNumber, high: RealNumber) -> bool:
 def _is_clear(loop: Loop, x: CriticalValue) -> bool:
     """Whether no root lies on the axis at a critical value after all, as where all but the hand's
     damping vanish at omega = 0. False proves nothing."""
-    places = [b.omega for b in x.bindings]
-    return not loop.has_q_in_exponent and all(
-        y is not None and not _on_axis(loop, x.value, y).contains(0) for y in places
-    )
+    frequencies = [binding.omega for binding in x.bindings]
+    if loop.has_q_in_exponent or None in frequencies:
+        return False
+    return not any(_on_axis(loop, x.value, y).contains(0) for y in frequencies if y is not None)
 
 
 def _on_axis(loop: Loop, value: RealNumber, omega: RealNumber) -> Any:
     """A ball around C(j omega; q), the numerator of the loop, at a value and a frequency."""
     with flint.ctx.workprec(_BITS):
-        place = acb(0, omega.ball(_BITS))
-        known: dict[Expr, Any] = {s: place, pi: acb(arb.pi()), loop.symbol: acb(value.ball(_BITS))}
+        at = acb(0, omega.ball(_BITS))
+        q = acb(value.ball(_BITS))
+        known: dict[Expr, Any] = {s: at, pi: acb(arb.pi()), loop.symbol: q}
         for lag in loop.ring.lags:
-            known[exp(-s * lag)] = (-place * expression_ball(lag)).exp()
+            known[exp(-s * lag)] = (-at * expression_ball(lag)).exp()
         for order in loop.ring.orders:
-            known[s**order] = place ** acb(expression_ball(order))
+            known[s**order] = at ** acb(expression_ball(order))
         return acb(loop.ring.ball(loop.numerator, known))
