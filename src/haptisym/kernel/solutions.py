@@ -44,7 +44,7 @@ from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction, Ring
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
-from haptisym.kernel.rings import Polynomial, PolynomialRing, monomials, omega
+from haptisym.kernel.rings import Polynomial, PolynomialRing, coefficients, monomials, omega
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,14 +73,11 @@ class Solution(Shown):
 
     def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
         """The solution with values for some symbols; None where a condition fails for them."""
-        # ``x and ...``: no formula (None) and no period (0) stay what they are.
-        omega, equation, period, *conditions = (
-            x and x.xreplace(values)
-            for x in (self.omega, self.equation, self.period, *self.conditions)
-        )
-        left = left_to_ask(conditions)
+        left = left_to_ask(x.xreplace(values) for x in self.conditions)
         if left is None:
             return None
+        omega = None if self.omega is None else self.omega.xreplace(values)
+        equation, period = self.equation.xreplace(values), self.period.xreplace(values)
         return Solution(omega, equation, period, self.order, left, self.parameter)
 
 
@@ -119,19 +116,16 @@ def solved_for(function: RealFunction, parameter: Symbol) -> tuple[Solution, ...
     turned = exchanged(function, form, place)
     if turned is None:
         return (Solution(None, function.factored(), parameter=parameter),)
-    own = {omega: form, place: omega}
-    return tuple(
-        Solution(
-            x.omega
-            and x.omega.xreplace(own) ** (parameter.as_base_exp()[1] / form.as_base_exp()[1]),
-            x.equation.xreplace(own),
-            x.period.xreplace(own),
-            x.order,
-            tuple(y.xreplace(own) for y in x.conditions),
-            parameter,
-        )
-        for x in solve(turned)
-    )
+    back = {omega: form, place: omega}
+    # The parameter is this power of its root.
+    power = parameter.as_base_exp()[1] / form.as_base_exp()[1]
+    solutions = []
+    for x in solve(turned):
+        value = None if x.omega is None else x.omega.xreplace(back) ** power
+        equation, period = x.equation.xreplace(back), x.period.xreplace(back)
+        conditions = tuple(y.xreplace(back) for y in x.conditions)
+        solutions.append(Solution(value, equation, period, x.order, conditions, parameter))
+    return tuple(solutions)
 
 
 def exchanged(function: RealFunction, free: Expr, place: Symbol) -> RealFunction | None:
@@ -160,11 +154,10 @@ def exchanged(function: RealFunction, free: Expr, place: Symbol) -> RealFunction
 def _half_turns(function: RealFunction) -> list[Solution]:
     """The zeros at omega tau = pi, 3 pi, ... of a function whose degree in a half-angle tangent is
     higher in the denominator than in the numerator: there the tangent is infinite."""
-    axis, solutions = function.axis, []
-    above, below = (
-        p.degrees()[axis.size :]
-        for p in (function.function.numerator, function.function.denominator)
-    )
+    axis, solutions = function.axis, list[Solution]()
+    quotient = function.function
+    above = quotient.numerator.degrees()[axis.size :]
+    below = quotient.denominator.degrees()[axis.size :]
     for angle, up, down in zip(axis.angles, above, below, strict=False):
         if not angle.constant and down > up:
             equation, period = cos(angle.value / 2), 2 * pi / angle.rate
@@ -177,16 +170,19 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
     """The solutions of one irreducible factor: formulas, or one without a formula; none where the
     factor is omega itself or does not depend on it."""
     degrees = [int(n) for n in polynomial.degrees()]
-    turning = [
-        i for i, angle in enumerate(axis.angles) if not angle.constant and degrees[axis.size + i]
-    ]
-    powers = [i for i in range(len(axis.orders)) if degrees[axis.size + len(axis.angles) + i]]
+    # Omega is in it as itself, in the tangent of half of an angle, or in a power.
     has_omega = bool(degrees[0])
-    if polynomial == axis.variable or not (has_omega or turning or powers):
+    first_power = axis.size + len(axis.angles)
+    has_powers = any(degrees[first_power : first_power + len(axis.orders)])
+    turning = []
+    for i, angle in enumerate(axis.angles):
+        if not angle.constant and degrees[axis.size + i]:
+            turning.append(i)
+    if polynomial == axis.variable or not (has_omega or turning or has_powers):
         return []
     # Omega in two ways at once, as omega + tan(omega), has no inverse in known functions. With
     # roots of numbers a factor over Q may not be irreducible.
-    ways = len(turning) + bool(has_omega or powers)
+    ways = len(turning) + bool(has_omega or has_powers)
     if ways > 1 or axis.root_in(polynomial):
         zeros = None
     else:
@@ -207,12 +203,12 @@ class _Zero(NamedTuple):
 
 def _told(zeros: Iterable[_Zero], equation: Expr, order: int) -> list[Solution]:
     """The solutions among some zeros, with the conditions that are left to ask."""
-    settled = ((x, left_to_ask(x.needs)) for x in zeros)
-    return [
-        Solution(x.omega, equation, x.period, order, left)
-        for x, left in settled
-        if left is not None
-    ]
+    solutions = []
+    for x in zeros:
+        left = left_to_ask(x.needs)
+        if left is not None:
+            solutions.append(Solution(x.omega, equation, x.period, order, left))
+    return solutions
 
 
 def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
@@ -328,15 +324,7 @@ def _by_tangent(tangents: list[_Root] | None) -> _Found:
 
 def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
     """Coefficients in one variable of the ring, ascending, as expressions in the others."""
-    gathered: dict[int, dict[tuple[int, ...], object]] = {}
-    for exponents, value in monomials(polynomial):
-        rest = list(map(int, exponents))
-        power, rest[index] = rest[index], 0
-        gathered.setdefault(power, {})[tuple(rest)] = value
-    expressions = {
-        n: ring.expression(ring.context.from_dict(terms)) for n, terms in gathered.items()
-    }
-    return [expressions.get(n, Integer(0)) for n in range(max(expressions) + 1)]
+    return [ring.expression(row) for row in coefficients(polynomial, index)]
 
 
 class _Root(NamedTuple):
