@@ -32,7 +32,9 @@ from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect
 from haptisym.model.jnd import Part, read_threshold
 from haptisym.model.parameters import Slot
 from haptisym.model.quantities import Dimension
-from haptisym.verbs.derive.derivation import QUANTITIES, bare, expansion, groups, listed_name
+from haptisym.verbs.derive.derivation import QUANTITIES, bare, listed_name
+from haptisym.verbs.derive.expansion import expansion
+from haptisym.verbs.derive.groups import groups
 from haptisym.writing.plain import plain
 
 PAPER = hs.load_scene("fu2019")

@@ -34,7 +34,8 @@ from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import Dimension, MotionKind, unit_text
 from haptisym.pages.words import H_ENV, OMEGA, Field, noted, page_about, region, table
 from haptisym.programs.steps import DISTORTION, Steps
-from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, Groups, bare, listed_name
+from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
+from haptisym.verbs.derive.groups import Groups
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Fraction, Name, Relation, SideBySide, text
 from haptisym.writing.code import Language, comment, identifiers
