@@ -46,6 +46,8 @@ settings.register_profile(
 settings.load_profile("drawn" if EXAMPLES else "repeatable")
 
 
+SHARES = 8
+
 DOCSTRINGS = {
     "haptisym.pages.report.page",
     "haptisym.verbs.cost.entry.cost",
@@ -57,24 +59,28 @@ DOCSTRINGS = {
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Of the slow tests those that are marked ``core`` and an eighth of the others are run; which ones, the word says, by default the commit."""
-    word = "a word that draws an eighth of the slow tests (the commit if none is given), or all"
-    parser.addoption("--share", default="", metavar="WORD", help=word)
+    """Of the slow tests those that are marked ``core`` and one of eight shares of the others are run, the next one with each commit."""
+    word = "which share of the slow tests, a number (how many commits there are if none is given), or all"
+    parser.addoption("--share", default="", metavar="N", help=word)
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.option.share = config.option.share or commit()  # what the processes that run the tests are given, too
+    share = config.option.share or commits()
+    if share != "all" and not share.isdecimal():
+        raise pytest.UsageError(f"--share {share}: which share is a number, or all")
+    config.option.share = share if share == "all" else str(int(share) % SHARES)  # the processes are given it, too
     config.pluginmanager.register(EachTest(), "each-test")
 
 
 @cache
-def commit() -> str:
-    """Of the checkout; "none" outside of one."""
+def commits() -> str:
+    """How many there are in the checkout; 0 outside of one."""
+    asked = ["git", "rev-list", "--count", "HEAD"]
     try:
-        found = subprocess.run(["git", "rev-parse", "HEAD"], capture_output=True, text=True, cwd=Path(__file__).parent)
+        found = subprocess.run(asked, capture_output=True, text=True, cwd=Path(__file__).parent)
     except OSError:
-        return "none"
-    return found.stdout.strip() or "none"
+        return "0"
+    return found.stdout.strip() or "0"
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -82,7 +88,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Of a family marked ``few(n)`` n cases, chosen by their names, or those that are named, are quick; the others are slow,
     and so are the cases that ``dear`` names.
 
-    Of the slow ones a share is kept: what is marked ``core``, and an eighth by a hash of the name and of the commit.
+    Of the slow ones those that are marked ``core`` are kept, and a share.
     """
     whole = not config.option.file_or_dir
     if whole and (gone := DOCSTRINGS - {x.name for x in items}):
@@ -109,17 +115,26 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         for item in cases:
             if item not in quick:
                 item.add_marker(pytest.mark.slow)
-    if config.option.share != "all" and not any("::" in word for word in config.args):
-        left_out = [item for item in items if not is_in_share(item, config.option.share)]
-        items[:] = [item for item in items if is_in_share(item, config.option.share)]
+    if config.option.share != "all" and not any("::" in word for word in config.args):  # what has a name is asked for
+        share = dealt([x for x in items if x.get_closest_marker("slow") and not x.get_closest_marker("core")])
+        left_out = [item for item in items if share.get(item, config.option.share) != config.option.share]
+        items[:] = [item for item in items if share.get(item, config.option.share) == config.option.share]
         config.hook.pytest_deselected(items=left_out)
 
 
-def is_in_share(item: pytest.Item, word: str) -> bool:
-    """Whether a test is quick, of the core, or drawn; a test that is asked for by its name always is."""
-    if not item.get_closest_marker("slow") or item.get_closest_marker("core"):
-        return True
-    return crc32(f"{item.nodeid} {word}".encode()) % 8 == 0
+def dealt(slow: list[pytest.Item]) -> dict[pytest.Item, str]:
+    """Which share each test is of. The cases of a function are dealt out in turn, from a share on that its name draws.
+
+    So each share has as many of each, and takes about as long as another; all eight together hold every test.
+    """
+    families: dict[str, list[pytest.Item]] = {}
+    for item in sorted(slow, key=lambda item: crc32(item.nodeid.encode())):
+        families.setdefault(item.nodeid.partition("[")[0], []).append(item)
+    return {
+        item: str((crc32(family.encode()) + turn) % SHARES)
+        for family, cases in families.items()
+        for turn, item in enumerate(cases)
+    }
 
 
 def cases_of(cases: list[pytest.Item], wanted: tuple[object, ...]) -> list[pytest.Item]:
@@ -209,7 +224,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
         drawn = (
             "all"
             if config.option.share == "all"
-            else f"the core, and an eighth of the others: --share {config.option.share}"
+            else f"the core, and of the others one of {SHARES} shares: --share {config.option.share}"
         )
         terminalreporter.write_line(f"Slow tests: {drawn}")
     if EXAMPLES:

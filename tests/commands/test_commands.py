@@ -123,7 +123,6 @@ def test_an_answer_with_nothing_to_draw_is_given_all_the_same(call, tmp_path: Pa
 CLOCKED = """
 environment = {{ {felt} }}
 effects = [{{ model = "sampled-loop", T = "1 ms", method = "backward-difference" }}, {{ model = "shunt", m = "0.1 kg", b = 2 }}]
-hand = {{ m = 0.1, b = 5, k = 100 }}
 """
 
 

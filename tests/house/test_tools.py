@@ -22,6 +22,8 @@ def test_every_verb_is_right_about_scenes_of_each_kind(tmp_path: Path, capsys: p
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_an_oracle_that_denies_an_answer_leaves_a_scene_to_ask_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

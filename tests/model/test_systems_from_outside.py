@@ -466,6 +466,7 @@ def in_powers(row: list[Expr], x: Expr) -> Expr:
     return sum((a * x**n for n, a in enumerate(reversed(row))), Integer(0))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("coefficients", [*systems(12)], ids=str)
 def test_a_system_is_the_same_behind_every_door(coefficients: tuple[list[Expr], list[Expr]]) -> None:
     """Written in s, in another letter, in j omega, as a transfer function, and as rows of coefficients; against 60 digits."""
@@ -549,16 +550,12 @@ def test_another_letter_is_asked_about_and_never_silently_a_parameter() -> None:
 )
 def test_a_parameter_may_have_any_name_but_that_of_s_and_omega(name: str) -> None:
     own = Symbol(name, positive=True)
-    d, other = (hs.distort(k + x * s, LAG) for x in (own, b))
+    d, other = hs.distort(k + own * s, LAG), LAGGED
     there, back = {b: own}, {own: b}
     assert d.real.xreplace(back).equals(other.real)
-    assert (
-        d.threshold_polynomial("real", 0.1)
-        .as_expr()
-        .subs(d.threshold_polynomial("real", 0.1).gen, 4)
-        .xreplace(back)
-        .equals(other.threshold_polynomial("real", 0.1).as_expr().subs(Symbol("W", positive=True), 4))
-    )
+    polynomial = d.threshold_polynomial("real", 0.1)
+    expected = other.threshold_polynomial("real", 0.1).as_expr().subs(Symbol("W", positive=True), 4)
+    assert polynomial.as_expr().subs(polynomial.gen, 4).xreplace(back).equals(expected)
     equations = [[x.equation for x in each.crossings("imag", 0.1)] for each in (d, other)]
     assert equations[0][0].xreplace(back).equals(equations[1][0])
     assert d.crossings("imag")[0].equation.free_symbols > {own, k, T}
@@ -665,6 +662,8 @@ def by_numbers(system: Any, at: dict[Any, Any]) -> Any:
     return above / below
 
 
+@pytest.mark.slow
+@pytest.mark.core
 @pytest.mark.filterwarnings("ignore")
 def test_the_systems_of_sympy_s_own_tests_are_taken_or_refused_by_name(of_sympy: list[Any]) -> None:
     taken, refused = 0, list[str]()

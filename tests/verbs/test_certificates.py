@@ -34,6 +34,7 @@ from certificates import (
     of_scene,
     of_stability,
     random_scene,
+    stability,
     text_of,
     verdict,
 )
@@ -91,8 +92,7 @@ def test_certificates_of_random_scenes_with_delays_and_powers_are_accepted(
 @pytest.mark.parametrize("name", HELD)
 def test_certificates_about_stability_are_accepted_and_claim_what_was_counted(name: str) -> None:
     proof, text = of_stability(name)
-    scene, hands = HELD[name]
-    found, claim = hs.stability(hs.parse_scene(text_of(scene)), hands), json.loads(proof)["claim"]
+    found, claim = stability(name), json.loads(proof)["claim"]
     assert verdict(proof, text).startswith(f"Proven: {found.imposed.unstable} poles of H_perc in Re s >= 0")
     assert [x["unstable"] for x in claim["held"]] == [x.unstable for x in found.held]
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from sympy import Integer, Rational
 
 import haptisym as hs
+from haptisym.verbs.stability.held import held
 
 E, F = hs.environments, hs.effects
 PAPER = replace(hs.load_scene("fu2019"), band=(Integer(0), Integer(60)))
@@ -58,6 +59,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.dear("a spring-pot", "a virtual wall")
 @pytest.mark.parametrize("name", SCENES)
 def test_no_values_of_the_box_do_better_than_the_bound(name):
     scene, free = SCENES[name]
@@ -103,11 +105,13 @@ def test_what_must_be_kept_moves_the_best():
     assert kept.best
     assert kept.best.kept
     assert kept.bandwidth[0] <= plain.bandwidth[1]
-    r = Random(5)
+    r, checked = Random(5), 0
     for _ in range(16):
         values = somewhere(kept, r)
         if hs.evaluate(scene.with_values(values)).passivity.holds:
+            checked += 1
             assert exact(scene, values) <= kept.bandwidth[1]
+    assert checked
 
 
 def test_nothing_in_the_range_is_passive():
@@ -126,11 +130,14 @@ def test_stable_in_a_hand():
     found = hs.design(scene, {"tau": ("1 ms", "80 ms"), "k": (50, 5000)}, keep="stable", hand="postural-arm")
     assert found.best
     assert found.best.kept
-    held, r = scene.with_hands(hs.hands["postural-arm"]), Random(3)
+    hand, r = hs.hands["postural-arm"], Random(3)
+    checked = 0
     for _ in range(12):
         values = somewhere(found, r)
-        if hs.stability(held.with_values(values)).held[0].stable:
+        if held(scene.with_values(values), hand).stable:
+            checked += 1
             assert exact(scene, values) <= found.bandwidth[1]
+    assert checked
 
 
 def test_a_handle_that_nothing_holds_is_designed_without_shaking():
@@ -145,6 +152,7 @@ def test_a_handle_that_nothing_holds_is_designed_without_shaking():
         assert (none.best, none.certified) == (None, True)
 
 
+@pytest.mark.slow
 def test_several_environments_have_the_least_of_their_bandwidths():
     found, family = hs.design("palpation-device", {"omega_c": ("10 Hz", "1 kHz")}), hs.load_scenes("palpation-device")
     assert found.certified
@@ -228,7 +236,7 @@ def test_each_jnd_against_a_dense_grid(name):
     jnd, excess = JUDGED[name]
     effects = (F.zero_order_hold("4 ms"), F.second_order_lowpass(120, "0.3"), F.delay("1 ms"))
     scene = hs.Scene(E.zener(k0=300, k1=400, b1=6), effects, (0, 60), jnd)
-    found, s = hs.design(scene, {"zeta": ("0.05", "1.5")}), 1j * ON
+    found, s = hs.design(scene, {"zeta": ("0.05", "1.5")}, gap="1e-2"), 1j * ON
     h = 300 + 400 * 6 * s / (400 + 6 * s)
 
     def bandwidth(zeta: float) -> float:
@@ -304,9 +312,9 @@ def test_the_whole_band_near_the_scenes_own_values():
 
 def test_a_limit_leaves_bounds():
     free = {"omega_n": (8, 800), "zeta": (0.01, 1), "b": (1.5, 150)}
-    found = hs.design(replace(PAPER, band=(Integer(0), Integer(300))), free, limit=3)
+    found = hs.design(replace(PAPER, band=(Integer(0), Integer(300))), free, limit=1)
     assert not found.certified
-    assert found.to_dict()["limit"] == 3
+    assert found.to_dict()["limit"] == 1
     assert found.bandwidth[0] < 271 < found.bandwidth[1]
 
 

@@ -464,6 +464,11 @@ def test_each_environment_is_asked_about_by_itself(tmp_path: Path, call: Any, wo
     for row in found["environments"]:
         _, alone, _ = call(words[0], str(path), *words[1:], "--environment", row["name"], "--json")
         assert {**json.loads(alone), "title": ""} == {**{k: x for k, x in row.items() if k != "name"}, "title": ""}
+
+
+def test_each_environment_is_drawn_by_itself(tmp_path: Path) -> None:
+    path = tmp_path / "two.toml"
+    path.write_text(LAGGING)
     many = hs.answer_each(path, lambda scene: hs.evaluate(scene))
     assert [ax.get_title() for ax in many.figure().axes] == [*many.answers]
     with pytest.raises(hs.SceneError, match="plot one of"):

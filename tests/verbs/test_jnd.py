@@ -37,7 +37,7 @@ from haptisym.verbs.jnd.entry import (
     PsychometricCurve,
     WantedJnd,
 )
-from haptisym.verbs.jnd.tables import TOLD, Answers, LevelAnswers, collected, find_columns, read_answers
+from haptisym.verbs.jnd.tables import TOLD, Answers, Coding, LevelAnswers, collected, find_columns, read_answers
 
 LEVELS, COUNTS, TRIALS = (4.4, 4.7, 5.0, 5.3, 5.6, 5.9), (5, 11, 19, 26, 33, 37), 40
 
@@ -299,8 +299,11 @@ def test_answers_that_say_the_same_have_the_same_jnd(name: str, file: Callable[.
     else:
         path = tmp_path / "a.mat"
         savemat(path, VARIABLES[name])
-    found = hs.jnd(path, reference=85, **options)
-    assert (found.jnd.value, found.middle.value) == pytest.approx((8.74437609, 84.0601925), rel=1e-8)
+    told = read_answers(path, {}, {}, Coding(options.get("more"), 85)).rows
+    assert [(x.level, x.count, x.trials) for x in told] == [(x, k, n) for x, (k, n) in sorted(STIFFER.items())]
+    if name in ("other words", "per cent", "QUEST+"):
+        found = hs.jnd(path, reference=85, **options)
+        assert (found.jnd.value, found.middle.value) == pytest.approx((8.74437609, 84.0601925), rel=1e-8)
 
 
 def test_of_two_intervals_the_one_that_is_no_standard_is_the_level_and_a_word_means_more(

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from marks import QUICK_SCENES, UNDAMPED, often
 from scipy import signal
@@ -93,6 +93,7 @@ def test_within_the_disc_the_jnd_is_kept(k: int, cutoff: int, gramme: int) -> No
         (effects.first_order_lag(cutoff), effects.shunt(m=Rational(gramme, 1000))),
     )
     m = Measured(hs.evaluate(scene))
+    assume(m.within)
     for x in m.within:
         middle = (float(x.low.omega) + float(x.high.omega)) / 2
         assert any(float(y.low.omega) <= middle <= float(y.high.omega) for y in m.evaluation.transparent)

@@ -241,6 +241,7 @@ MOVED = {
 def test_slopes_are_those_of_certified_crossings_nearby(name: str) -> None:
     jnd, n = MOVED[name]
     moved = hs.sensitivity(with_jnd(jnd)).crossings[n]
+    assert moved.parameters
     for row in moved.parameters:
         step = Rational(1, 10**8)
         value = with_jnd(jnd).knobs[row.path].value
@@ -301,14 +302,17 @@ def test_peaks_are_where_the_region_must_be_enlarged_most_by_a_dense_scan(name: 
     G = H * (1 + 0.4 * s / (s**2 + 2 * s + 9) - 0.2 * s / (s**2 + 3 * s + 60))
     found = hs.peaks(scene)
     scanned = [enlarged(jnd, *row) for row in zip(H, G, band, strict=True)]
+    checked = 0
     for part in scanned[0]:
         times = np.array([x[part] for x in scanned])
         tops = np.flatnonzero((times[1:-1] > times[:-2]) & (times[1:-1] > times[2:])) + 1
         own = [x for x in found if x.criterion.name == part and x.in_limits]
         if not own and part in jnd and not isinstance(jnd[part], dict):
             continue  # the ratio itself, as of the square
+        checked += 1
         assert [float(x.omega) for x in own] == pytest.approx(band[tops], abs=4e-3)
         assert [float(x.ratio) for x in own] == pytest.approx(times[tops], rel=4e-3)
+    assert checked
 
 
 def test_a_peak_where_the_limit_changes_is_said_to_be_one() -> None:

@@ -240,10 +240,10 @@ def test_an_encoder_of_the_scene_is_the_encoder_of_the_test(sampled: bool) -> No
     plain, measured = (
         hs.Scene(wall, x) for x in ((first, behind), (first, hs.effects.encoder("1 mm", "1 cm"), behind))
     )
-    one = hs.release(plain, "1 cm", hand, duration=2, extras=[hs.EncoderQuantisation("1 mm")])
-    other = hs.release(measured, "1 cm", hand, duration=2)
+    one = hs.release(plain, "1 cm", hand, duration="0.5 s", extras=[hs.EncoderQuantisation("1 mm")])
+    other = hs.release(measured, "1 cm", hand, duration="0.5 s")
     assert "encoder" in other.built
-    times = np.linspace(0, 2, 50)
+    times = np.linspace(0, 0.5, 50)
     apart = np.interp(times, one.time, one.hand_motion) - np.interp(times, other.time, other.hand_motion)
     assert np.abs(apart).max() < 1e-6
     assert one.held.stable is other.held.stable

@@ -408,15 +408,18 @@ def test_what_is_told_of_a_cell_and_of_rest_and_far_out_is_what_digits_say(seed:
         )
         return early + sum(lags, Integer(0))
 
+    seen = set[str]()
     for _ in range(3):
         top, bottom = some(pick.choice([1, 2, 2]), pick.choice([0, 1, 1])), some(pick.choice([0, 1]), 0)
         form, span = energy(top, bottom), pick.choice([(1.0, 1.0625), (1.0, 1.5), (2.0, 2.0)])
         values = [span[0], sum(span) / 2, span[1]]
         places = [0.001, 0.1, 0.5, 1, 2, 3, 5, 9, 20, 100, 1000]
         if form.clear(span):
+            seen.add("clear")
             assert all(imaginary(top, bottom, x, value) > 0 for x in places for value in values)
         active = form.active_at(span)
         if active is not None:
+            seen.add("active")
             assert all(imaginary(top, bottom, active or 1e-9, value) < 0 for value in values)
         up = form.rises(span)
         if up is not None:
@@ -427,6 +430,7 @@ def test_what_is_told_of_a_cell_and_of_rest_and_far_out_is_what_digits_say(seed:
                 assert form.far[1].at(Rational(value)) == np.sign(imaginary(top, bottom, 10**12, value))
             if form.turning is not None and form.turning.at(Rational(value)) == -1:
                 assert min(imaginary(top, bottom, 10**4 + n / 3, value) for n in range(60)) < 0
+    assert seen
 
 
 @pytest.mark.dear("1")

@@ -661,9 +661,10 @@ def test_the_poles_of_a_difference_equation_are_those_of_the_exactly_sampled_sta
 ) -> None:
     sizes = np.abs(eigenvalues(k, b, a, delay))
     assert np.abs(sizes - 1).min() > 1e-6
-    [held] = hs.stability(scene(k, b, a, delay)).to_dict()["held"]
-    assert held["unstable"] == (sizes >= 1).sum()
-    assert held["stable"] is not bool((sizes >= 1).any())
+    asked = scene(k, b, a, delay)
+    found = held(asked, asked.hands[0])
+    assert found.unstable == (sizes >= 1).sum()
+    assert found.stable is not bool((sizes >= 1).any())
 
 
 def test_limits_of_its_parameters_are_where_a_pole_is_on_the_circle() -> None:
@@ -686,7 +687,7 @@ def test_a_spring_and_damper_by_the_backward_difference_is_the_same_loop() -> No
     own, other = hs.parse_scene(text), scene(a=0, D="k + b*(1 - 1/z)/T0")
     one, two = ([(c.part, float(c.omega)) for c in hs.evaluate(x).crossings] for x in (own, other))
     assert one == two
-    a, b = (hs.stability(x).to_dict() for x in (own, other))
+    a, b = (hs.stability(x, limit=0.1).to_dict() for x in (own, other))
     assert (a["sampled"], a["imposed"]) == (b["sampled"], b["imposed"])
 
 
@@ -772,9 +773,10 @@ def turns(tau: float) -> int:
 
 @pytest.mark.parametrize("tau", [0, 0.005, 0.3, 0.328, 0.331, 0.6])
 def test_a_late_position_loop_has_as_many_unstable_poles_as_the_argument_principle_counts(tau: float) -> None:
-    [held] = hs.stability(hs.parse_scene(LATE).with_values({"tau": tau})).to_dict()["held"]
-    assert held["unstable"] == turns(tau)
-    assert held["stable"] is (tau < 0.33)
+    late = hs.parse_scene(LATE).with_values({"tau": tau})
+    found = held(late, late.hands[0])
+    assert found.unstable == turns(tau)
+    assert found.stable is (tau < 0.33)
 
 
 def test_its_crossings_are_those_of_exp_s_tau_over_p_and_its_delay_is_a_free_parameter() -> None:

@@ -101,6 +101,7 @@ def test_the_sum_rules_hold_for_any_values(
 ) -> None:
     env = environments.mass_spring_damper(m, b, k)
     found = hs.sensitivity(hs.Scene(env, (effects.second_order_lowpass(omega_n, zeta),), (0, 50)))
+    assume(not all(x.reason for x in found.crossings))
     for x in found.crossings:
         assert x.reason or abs(sums(found.evaluation.scene, x)["time"] + 1) < Fraction(1, 10**20)
 

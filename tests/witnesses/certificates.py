@@ -69,7 +69,7 @@ FRACTIONAL = {
 
 
 def text_of(name: str) -> str:
-    own = OWN | LATE | FRACTIONAL
+    own = OWN | LATE | FRACTIONAL | {"pole at 2 rad/s": OWN["pole on the axis"].replace('"2 Hz"', "2")}
     return own[name] if name in own else (SCENES / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -194,17 +194,23 @@ def others(path: tuple[Any, ...], value: Any) -> Iterator[tuple[str, Any]]:
 
 HELD = {
     "imposed": ("fu2019", ()), "a hand": ("fu2019", ("firm-grip", "postural-arm")), "unstable, held": ("unstable", ("postural-arm",)),
-    "on the axis": ("pole on the axis", ("firm-grip",)), "with pi": ("admittance-display", ("postural-arm",)),
+    "on the axis": ("pole at 2 rad/s", ("firm-grip",)), "with pi": ("admittance-display", ("postural-arm",)),
     "at 0": ("integrator", ("firm-grip",)),
 }  # fmt: skip
 """Scene and hands of questions about stability."""
 
 
 @cache
+def stability(name: str) -> hs.Stability:
+    """Its counts, for which the limits of parameters need not be known."""
+    scene, hands = HELD[name]
+    return hs.stability(hs.parse_scene(text_of(scene)), hands, limit=0.5)
+
+
+@cache
 def of_stability(name: str) -> tuple[str, str]:
     """A certificate, and the scene that it is about."""
-    scene, hands = HELD[name]
-    return hs.stability(hs.parse_scene(text_of(scene)), hands).certificate(), text_of(scene)
+    return stability(name).certificate(), text_of(HELD[name][0])
 
 
 _WIDE = text_of("fu2019").replace("0.10", "0.5").replace('["0 rad/s", "15 rad/s"]', "[1, 40]")

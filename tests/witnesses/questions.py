@@ -32,14 +32,14 @@ def answers(name: str) -> dict[str, str]:
     asked |= {
         f"require {path}": lambda path=path: hs.require(scene, path, limit=None) for path in REQUIRED.get(name, ())
     }
-    found = {}
+    told, found = {}, {}
     for question, ask in asked.items():
-        answer = ask()
+        answer = told[question] = ask()
         found[question], found[f"{question}, as text"] = answer.to_json(), str(answer)
     if name == "fu2019":
         held = hs.stability(scene, "firm-grip")
         found["firm-grip"] = held.to_json()
-        proven = {"evaluate": hs.evaluate(scene), "stability": held, "require": hs.require(scene, "zeta", limit=None)}
+        proven = {"evaluate": told["evaluate"], "stability": held, "require": told["require effects.filter.zeta"]}
         found |= {f"certificate of {question}": answer.certificate() for question, answer in proven.items()}
     return found
 

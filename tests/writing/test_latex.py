@@ -274,6 +274,7 @@ def test_the_printed_threshold_polynomials_change_sign_at_the_crossings(name):
 def test_the_exact_threshold_polynomial_of_the_paper_vanishes_between_the_bounds_of_its_crossing():
     e = evaluate(PAPER)
     sides = equations(_between(set_document(e), "up to a positive factor:\n", r"\end{align*}"))
+    assert e.crossings
     for c in e.crossings:
         text = re.sub(r"\\omega\^\{(\d+)\}", r"*w**\1", sides[rf"p_{c.part.value[0]}(\omega)"][0]).replace("{}", "")
         polynomial = sp.Poly(sp.sympify(text), Symbol("w"))
