@@ -1361,6 +1361,8 @@ def test_the_sizes_of_a_describing_function_can_be_set_but_not_varied() -> None:
     scene = hs.load_scene("geared-arm")
     assert "gap: a number of a describing function" in refusal(hs.require, scene, "gap", that=["transparent"])
     assert "gap: a number of a describing function" in refusal(hs.sweep, scene, {"effects.backlash.gap": [0.1, 0.2]})
+    hand = hs.Hand("own", m="1 kg*m^2", b="1 N*m*s/rad")
+    assert "gap: a size in a describing function" in refusal(hs.stability, scene, hand, free=["gap"])
     wider = scene.with_values({"gap": "60 deg"})
     assert hs.evaluate(wider).scene.effects[0].matrix[0] != scene.effects[0].matrix[0]
     shown = {x.knob.key for x in hs.sensitivity("wheel-with-encoder").crossings[0].parameters}

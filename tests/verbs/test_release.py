@@ -277,6 +277,24 @@ def test_a_limit_cycle_that_attracts_is_how_the_display_rattles(name: str) -> No
     assert "Possible limit cycles" in str(run)
 
 
+@pytest.mark.parametrize(
+    ("effects", "why"),
+    [
+        ((hs.effects.encoder("1 mm", "1 cm"), hs.effects.backlash("1 mm", "1 cm")), "encoder, backlash are several elements"),
+        ((hs.effects.sampled_loop("1 ms", "tustin"), LATE[1], hs.effects.encoder("1 mm", "1 cm")), "is not what the clock reads"),
+        ((hs.effects.encoder("1 mm", "1 cm"), LATE[1]), ""),
+        ((LATE[1],), ""),
+    ],
+)  # fmt: skip
+def test_limit_cycles_that_are_not_searched_are_said_not_to_be(effects: Any, why: str) -> None:
+    scene = hs.Scene(hs.environments.mass_spring_damper(k=100), effects)
+    found = hs.stability(scene, QUICK, free=["hand.b"])
+    page = " ".join(str(found).split())
+    assert ("Limit cycles are not searched" in page) is bool(why)
+    assert why in page
+    assert any(why in x for x in found.to_dict().get("caveats", [""]))
+
+
 def test_what_a_dead_zone_keeps_quiet_grows_from_beyond_a_limit_cycle_that_does_not_attract() -> None:
     scene = hs.Scene(
         hs.environments.mass_spring_damper(k=1000), (hs.effects.dead_zone("0.1 mm", "0.2 mm"), *LATE), (0, 150)

@@ -112,6 +112,35 @@ def _four_channel(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
     return own * master + from_slave, master
 
 
+def _limited(p: Values, size: str) -> Any:
+    """2/pi (asin u + u sqrt(1 - u^2)) of a limit, u = size/A; 1 beyond it."""
+    u = min(p[size] / p["amplitude"], 1)
+    return 2 / MP.pi * (MP.asin(u) + u * MP.sqrt(1 - u * u))
+
+
+def _play(p: Values) -> Any:
+    u = max(1 - p["gap"] / p["amplitude"], -1)
+    real = (MP.asin(u) + u * MP.sqrt(1 - u * u)) / MP.pi + MP.mpf(1) / 2
+    return MP.mpc(real, (u * u - 1) / MP.pi)
+
+
+def _staircase(p: Values) -> Any:
+    """4 q/(pi A) times the sum of cosines of the angles at which the steps are reached."""
+    edges = [(i + MP.mpf(1) / 2) * p["q"] / p["amplitude"] for i in range(1000)]
+    reached = [MP.sqrt(1 - x * x) for x in edges if x < 1]
+    return 4 * p["q"] / (MP.pi * p["amplitude"]) * MP.fsum(reached)
+
+
+def _harmonic(of: Callable[[Values], Any]) -> Callable[[Values, Any, Any, Any, Numbers], Motion]:
+    """A force times the first harmonic of an element, in the arithmetic of the force."""
+
+    def times(p: Values, s: Any, F: Any, X: Any, n: Numbers) -> Motion:
+        N = of(p)
+        return F * (N if n is DIGITS else complex(N)), X
+
+    return times
+
+
 BETWEEN: dict[str, Callable[[Values, Any, Any, Any, Numbers], Motion]] = {
     "delay": _delay,
     "zero-order-hold": _hold,
@@ -120,6 +149,10 @@ BETWEEN: dict[str, Callable[[Values, Any, Any, Any, Numbers], Motion]] = {
     "position-position-teleoperator": _position_position,
     "four-channel-teleoperator": _four_channel,
     "coulomb-friction": lambda p, s, F, X, n: (F + 4j * p["force"] / (n.pi * p["amplitude"]) * X, X),
+    "encoder": _harmonic(_staircase),
+    "backlash": _harmonic(_play),
+    "dead-zone": _harmonic(lambda p: 1 - _limited(p, "width")),
+    "saturation": _harmonic(lambda p: _limited(p, "limit")),
     "first-order-lag": lambda p, s, F, X, n: (F / (1 + s / p["omega_c"]), X),
     "second-order-lowpass": lambda p, s, F, X, n: (
         F / ((s / p["omega_n"]) ** 2 + 2 * p["zeta"] * s / p["omega_n"] + 1),
@@ -417,6 +450,10 @@ class Draw:
             "wave-variables": {"b": (-1, 2), "tau": (-3, -1)},
             "position-force-teleoperator": {"Mm": (-2, 0), "Ms": (-2, 0), "Bs": (0, 2), "Ks": (2, 4), "tau": (-3, -1)},
             "coulomb-friction": {"force": (-2, 1), "amplitude": (-3, 0)},
+            "encoder": {"q": (-4, -2), "amplitude": (-2.5, -1)},
+            "backlash": {"gap": (-4, -2), "amplitude": (-2.5, -1)},
+            "dead-zone": {"width": (-4, -2), "amplitude": (-2, -1)},
+            "saturation": {"limit": (-1, 1), "amplitude": (0, 1)},
             "first-order-lag": {"omega_c": (0, 3)},
             "second-order-lowpass": {"omega_n": (0.5, 3), "zeta": (-2, 0.5)},
             "shunt": {"m": (-3, 0), "b": (-2, 1), "k": (-1, 2)},
@@ -476,5 +513,8 @@ FAMILIES: dict[str, tuple[tuple[str, ...], tuple[str, ...], int]] = {
     "friction": (("coulomb-friction",), ALL, 1),
     "friction and delay": (("coulomb-friction", "delay"), ALL, 1),
     "fractional": ((), ("spring-pot",), 1),
+    "staircase and play": (("encoder", "backlash"), ALL, 1),
+    "limit and delay": (("saturation", "delay"), SOLID, 1),
+    "dead zone": (("dead-zone",), SOLID, 2),
 }
 """What the random scenes have in between, on which environments, and how many rational effects besides."""

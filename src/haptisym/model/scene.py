@@ -28,6 +28,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial, reduce
+from importlib.util import find_spec
 from typing import Any, Protocol
 
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
@@ -44,6 +45,7 @@ from haptisym.model.catalogue import (
     DIFFERENCE_EQUATION,
     FRICTION,
     NOBODY,
+    SAMPLED_LOOP,
     Effect,
     Environment,
     Hand,
@@ -985,6 +987,25 @@ def _large_thresholds(scene: Scene) -> list[str]:
             'a JND of 12 % is written 0.12 or "12 %".'
         )
     return words
+
+
+def unsearched_cycles(scene: Scene) -> list[str]:
+    """A caveat for a scene with elements that are not linear of which possible limit cycles are not
+    searched; empty for all others."""
+    elements = [x for x in scene.effects if x.model in DESCRIBED]
+    lead = "Limit cycles are not searched"
+    if len(elements) > 1:
+        names = ", ".join(x.name for x in elements)
+        return [f"{lead}: {names} are several elements; leave one in, or let it go (--release)."]
+    if not elements:
+        return []
+    reads_first = scene.effects[0].model == SAMPLED_LOOP and scene.effects[1:2] == (elements[0],)
+    if clocks(scene) and (not reads_first or elements[0].model == FRICTION):
+        name = elements[0].name
+        return [f"{lead}: {name} is not what the clock reads; let it go (simulate --release)."]
+    if not (find_spec("numpy") and find_spec("scipy")):
+        return [f"{lead}: NumPy and SciPy are not installed."]
+    return []
 
 
 def first_harmonics(scene: Scene) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
-from haptisym.model.scene import clocks
+from haptisym.model.scene import clocks, unsearched_cycles
 from haptisym.pages import words as w
 from haptisym.pages.stability import limit_cycle_table
 from haptisym.verbs.simulate.entry import Simulation, Simulations
@@ -149,6 +149,7 @@ def page_release(r: Release) -> Document:
         *_table_release(r),
         *limit_cycle_table(r.scene.motion, [(r.hand.name, x) for x in r.limit_cycles]),
         *w.noted(chain),
+        *w.caveats(unsearched_cycles(r.scene)),
         doc.Facts(tuple(_run(r))),
         doc.Figure("release", shown, r.figure),
     )

@@ -21,7 +21,7 @@ from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
 from haptisym.model.catalogue import Hand, hands
 from haptisym.model.jnd import Part
 from haptisym.model.quantities import Dimension, MotionKind
-from haptisym.model.scene import Knob, Scene, clocks, first_harmonics
+from haptisym.model.scene import Knob, Scene, clocks
 from haptisym.pages import words as w
 from haptisym.pages.evaluation import not_looked_at
 from haptisym.verbs.stability.entry import Stability, has_plane
@@ -80,7 +80,7 @@ def page(found: Stability) -> Document:
         ),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
-        *w.caveats(first_harmonics(found.scene)),
+        *w.caveats(found.caveats()),
         w.CERTIFICATE,
     )
     return w.page_about(

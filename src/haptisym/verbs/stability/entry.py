@@ -9,7 +9,6 @@ with ``stability``.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -24,7 +23,7 @@ from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
 from haptisym.model.catalogue import DESCRIBED, Hand, how_to_give
-from haptisym.model.scene import Knob, Scene, clocks, first_harmonics, in_hands
+from haptisym.model.scene import Knob, Scene, clocks, first_harmonics, in_hands, unsearched_cycles
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -151,8 +150,13 @@ class Stability(Answer):
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
-            **({"caveats": caveats} if (caveats := first_harmonics(self.scene)) else {}),
+            **({"caveats": caveats} if (caveats := self.caveats()) else {}),
         }
+
+    def caveats(self) -> list[str]:
+        """What the describing functions in the scene leave out, and which limit cycles are not
+        searched."""
+        return first_harmonics(self.scene) + (unsearched_cycles(self.scene) if self.held else [])
 
     def _held(
         self, x: Held, sets: Mapping[str, ValueSet], box: HandsOfBox | None, margin: Margins | None
@@ -288,13 +292,11 @@ def stability(
         )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
         cycles: tuple[tuple[LimitCycle, ...], ...] = ((),) * len(rows)
-        if any(x.model in DESCRIBED for x in scene.effects):
-            # Brings NumPy, which a certified answer does not need: without it, as in the page in a
-            # browser, none of these estimates is listed.
-            with suppress(ImportError):
-                from haptisym.verbs.stability.limitcycles import limit_cycles
+        if any(x.model in DESCRIBED for x in scene.effects) and not unsearched_cycles(scene):
+            # Brings NumPy, which a certified answer does not need.
+            from haptisym.verbs.stability.limitcycles import limit_cycles
 
-                cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+            cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 
@@ -303,6 +305,11 @@ def _number(scene: Scene, x: Knob) -> Knob:
         raise SceneError(
             f"{x.path} is a threshold, which moves no root: ask for a number of the display "
             f"or of the hand"
+        )
+    if x.symbol in scene.chain.described:
+        raise SceneError(
+            f"{x.path}: a size in a describing function, which is set, not varied: write another "
+            f"value into the scene (with_values), and ask again"
         )
     if not scene.hands:
         raise SceneError(f"{x.path}: its limits depend on the hand: {how_to_give()}")

@@ -23,9 +23,9 @@ from sympy import Integer, Rational, lambdify
 
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
-from haptisym.model.catalogue import DESCRIBED, FRICTION, SAMPLED_LOOP, Effect, Hand
+from haptisym.model.catalogue import DESCRIBED, FRICTION, Effect, Hand
 from haptisym.model.quantities import Dimension
-from haptisym.model.scene import Scene, clocks
+from haptisym.model.scene import Scene, clocks, unsearched_cycles
 from haptisym.programs.values import Array
 from haptisym.verbs.stability.clockedloop import loop_of
 
@@ -71,8 +71,7 @@ def linear(scene: Scene) -> Scene:
 
 def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
     """The possible limit cycles in a hand, by ascending amplitude. None are returned, too, where
-    the question is not answered: where the scene has no element that is not linear, or several, or
-    one that its clock does not read first, or where the loop with a clock is undecided.
+    the question is not answered (``unsearched_cycles``), or the loop with a clock is undecided.
 
     >>> from haptisym import effects, environments
     >>> wall, friction = environments.mass_spring_damper(k=100), effects.coulomb_friction("1 N", "1 mm")
@@ -82,15 +81,11 @@ def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
     '0.1822 14.0721 False'
     """
     elements = [x for x in scene.effects if x.model in DESCRIBED]
-    if len(elements) != 1:
+    if not elements or unsearched_cycles(scene):
         return ()
     [element] = elements
     place = scene.effects.index(element)
     has_clock = bool(clocks(scene))
-    if has_clock:
-        is_read_first = place == 1 and scene.effects[0].model == SAMPLED_LOOP
-        if not is_read_first or element.model == FRICTION:
-            return ()
     try:
         asked = _asked_by_clock(scene, hand) if has_clock else _asked(scene, hand, place)
     except UndecidedError:
