@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
 from sympy import Integer, Rational
-from timing import machine
+from timing import machine, noted
 
 import haptisym as hs
 from haptisym.model.distortion import Distortion
@@ -77,8 +77,9 @@ def main() -> None:
         paths, box = list(free), list(free.values())
         started = process_time()
         answer = hs.design(scene, free)
+        spent = noted({name: process_time() - started})[name]
         low, most = answer.bandwidth
-        print(f"{name:<33} design           {process_time() - started:9.2f} {low:12.4f} {'':10} {most:10.4f}")
+        print(f"{name:<33} design           {spent:9.2f} {low:12.4f} {'':10} {most:10.4f}")
         f = minus_bandwidth(scene, paths)
         for label, search in (("grid and simplex", grid), ("evolution", evolution)):
             started = process_time()

@@ -28,7 +28,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from timing import machine
+from timing import machine, noted
 
 TREE = Path(__file__).parents[1]
 SHIPPED = TREE / "src" / "haptisym"
@@ -212,6 +212,7 @@ def main() -> None:
     trees = {"here": TREE, **({"there": given.against.resolve()} if given.against else {})}
     chosen = list(cells(given.only))
     unit = measured(chosen, trees, given.rounds)
+    noted({" ".join(x.words): x.least("here") for x in chosen})
     print(machine())
     told(chosen, trees, unit, given.most)
     with given.csv.open("w", newline="", encoding="utf-8") as file:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from time import process_time
 
 import numpy as np
-from timing import machine
+from timing import machine, noted
 
 import haptisym as hs
 from haptisym.model.motions import Recording
@@ -35,7 +35,8 @@ def main() -> None:
     for name, extras in EXTRAS.items():
         begin = process_time()
         run = hs.simulate(SCENE, MOTION, extras=extras, limit=None)
-        print(f"  {name:<20} {(process_time() - begin) / run.time[-1]:.2f}")
+        spent = noted({name: process_time() - begin})[name]
+        print(f"  {name:<20} {spent / run.time[-1]:.2f}")
 
 
 if __name__ == "__main__":

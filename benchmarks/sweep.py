@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from timing import machine
+from timing import machine, noted
 
 import haptisym as hs
 from haptisym.verbs.sweep.axes import axes
@@ -105,6 +105,7 @@ def compare(name: str, spans: dict[str, tuple[float, float]], sets: int) -> None
     ours, theirs = (min(column) / sets for column in zip(*times, strict=True))
     ratio = np.median([grid / own for own, grid in times])
     columns, left = evaluator.in_floats(values)
+    noted({f"{name}, a set": ours})
     print(f"\n{name}: {sets} sets of {len(spans)} parameters")
     print(f"  haptisym         {1e6 * ours:8.2f} us for a set {1e-3 / ours:8.0f} thousand sets/s and core")
     print(

@@ -2,10 +2,10 @@
 
 Run: python benchmarks/throughput.py [frequencies ...]
 
-Contenders run interleaved, each once a round; medians. Every contender computes both ratios at 10^3 and 10^6 frequencies from
-1e-2 to 1e3 rad/s, with the scene's numbers in place. The essential traffic is 24 bytes a frequency: one double read, two
-written. "memory" is that stream alone, written by Numba. control.frequency_response gives the two responses H_env and H_perc,
-from which the ratios are one line of NumPy that is counted too.
+Contenders run interleaved, some times in a row; the shortest run of each. Every contender computes both ratios at 10^3 and 10^6
+frequencies from 1e-2 to 1e3 rad/s, with the scene's numbers in place. The essential traffic is 24 bytes a frequency: one double
+read, two written. "memory" is that stream alone, written by Numba. control.frequency_response gives the two responses H_env and
+H_perc, from which the ratios are one line of NumPy that is counted too.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from sympy import lambdify
-from timing import machine, medians
+from timing import machine, shortest
 
 import haptisym as hs
 from haptisym.kernel.rings import omega
@@ -79,10 +79,10 @@ def numba_contenders(distortion: Any, w: Any) -> dict[str, Callable[[], object]]
             second[i] = x[i]
 
     memory, out = numba.njit(stream), np.empty((2, w.size))
-    f = distortion.compile(of=RATIOS, engine="numba")
+    f, rows = distortion.compile(of=RATIOS, engine="numba"), [*out]
     return {
         "memory: 1 read, 2 written": lambda: memory(w, out[0], out[1]),
-        "numba, into given arrays": lambda: f.floats.run([w], w.size, out),
+        "numba, into given arrays": lambda: f.floats.run([w], w.size, rows),
         "numba": lambda: f(w),
     }
 
@@ -103,7 +103,7 @@ def speed(count: int) -> None:
     if find_spec("control") is not None:
         whole["control.frequency_response"] = lambda: by_control(w)
     part = {"double-double": lambda: double(some), "certified": lambda: certified(some)}
-    seconds = medians({**whole, **part}, 9)
+    seconds = shortest({**whole, **part}, 4 if count > 1e5 else 60, 2 if count > 1e5 else 10)
     print(f"\nboth ratios of fu2019, {count:.0e} frequencies (the last two levels: {some.size})")
     print(f"  {'':<30} {'ns/point':>9} {'GB/s':>7} {'of hand-written':>16}")
     hand = seconds["by hand, NumPy in blocks"] / count
@@ -125,7 +125,7 @@ def openness(count: int) -> None:
             x: hs.load_scene(name).distortion().compile(x, RATIOS) for x in ("fast", "double-double", "certified")
         }
         _, left = levels["certified"].certified.run([w], count)
-        times = medians({x: partial(f, w) for x, f in levels.items()}, 3)
+        times = shortest({x: partial(f, w) for x, f in levels.items()}, 2, 3)
         double, certified = (times[x] / times["fast"] for x in ("double-double", "certified"))
         print(f"  {name:<30} {double:14.0f} {certified:10.0f} {100 * left / count:7.2f} %")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import platform
 import resource
@@ -9,6 +10,7 @@ import statistics
 import time
 from collections.abc import Callable, Mapping
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 
 def medians(contenders: Mapping[str, Callable[[], object]], rounds: int) -> dict[str, float]:
@@ -20,7 +22,20 @@ def medians(contenders: Mapping[str, Callable[[], object]], rounds: int) -> dict
             run()
             if turn:
                 seconds[name].append(time.perf_counter() - started)
-    return {name: statistics.median(found) for name, found in seconds.items()}
+    return noted({name: statistics.median(found) for name, found in seconds.items()})
+
+
+def shortest(contenders: Mapping[str, Callable[[], object]], rounds: int, in_a_row: int) -> dict[str, float]:
+    """The shortest run of each contender over that many interleaved rounds, of several runs in a row, on the wall clock: for
+    what takes microseconds, of which a busy machine leaves the shortest as it is."""
+    seconds: dict[str, float] = {}
+    for _ in range(rounds):
+        for name, run in contenders.items():
+            for _ in range(in_a_row):
+                started = time.perf_counter()
+                run()
+                seconds[name] = min(seconds.get(name, float("inf")), time.perf_counter() - started)
+    return noted(seconds)
 
 
 def processor() -> float:
@@ -42,10 +57,32 @@ def least(contenders: Mapping[str, Callable[[], Callable[[], object]]], rounds: 
                 started = processor()
                 run()
                 seconds[name] = min(seconds.get(name, float("inf")), processor() - started)
-    return seconds
+    return noted(seconds)
 
 
 _IN_A_ROW = 3
+
+
+def noted(seconds: dict[str, float]) -> dict[str, float]:
+    """The same seconds, which ``all.py`` keeps with their date and commit where it runs the script."""
+    if place := os.environ.get(NOTES):
+        with Path(place).open("a", encoding="utf-8") as file:
+            print(json.dumps(seconds), file=file)
+    return seconds
+
+
+NOTES = "HAPTISYM_BENCHMARK_NOTES"
+"""The variable of the environment with the file to which ``noted`` adds a line."""
+
+
+def yardstick() -> float:
+    """The least processor time, of nine, of a fixed computation in Python: how fast the machine is just now."""
+    spent = []
+    for _ in range(9):
+        started = time.process_time()
+        sum(i * i % 7 for i in range(200_000))
+        spent.append(time.process_time() - started)
+    return min(spent)
 
 
 def table(title: str, seconds: Mapping[str, float], reference: str) -> None:

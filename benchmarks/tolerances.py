@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import Any
 
 from sympy import Rational
-from timing import machine
+from timing import machine, noted
 
 import haptisym as hs
 
@@ -177,6 +177,7 @@ def main() -> None:
         for numbers in rows(name):
             drawn = (asked.drawn, 0)
             found = [x.ask(name, numbers, asked.limit, n) for x, n in zip(checkouts, drawn, strict=False)]
+            noted({f"{name}, {' '.join(numbers)}": found[0]["seconds"]})
             total = [a + row["seconds"] for a, row in zip(total, found, strict=True)]
             print(shown(name, numbers, found[0], found[1] if asked.against else None), flush=True)
     print("together: " + " against ".join(f"{x:.1f} s" for x in total) + "; * cut short by the limit")

@@ -19,6 +19,7 @@ import docstrings  # noqa: E402
 import formulas  # noqa: E402
 import generated  # noqa: E402
 import inbrowser  # noqa: E402
+import measured  # noqa: E402
 
 import haptisym as hs  # noqa: E402
 
@@ -60,10 +61,13 @@ html_show_sourcelink = False
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
-    """Formulas as MathML, docstrings as the prose that they are, and the pages that are written anew."""
+    """Formulas as MathML, docstrings as the prose that they are, measured numbers, and the pages that are written anew."""
     formulas.setup(app)
     docstrings.setup(app)
-    app.connect("source-read", lambda _app, _name, text: text.__setitem__(0, generated.linked(text[0])))
+    app.connect(
+        "source-read",
+        lambda _app, name, text: text.__setitem__(0, generated.linked(measured.with_numbers(name, text[0]))),
+    )
     app.connect("config-inited", lambda *_: generated.write(HERE / "generated"))
     app.connect("build-finished", lambda _app, error: error or inbrowser.place(inbrowser.FOLDER, Path(app.outdir)))
     return {"parallel_read_safe": True}

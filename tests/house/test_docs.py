@@ -391,3 +391,17 @@ def test_the_readme_lists_exactly_the_derivations() -> None:
 def test_the_numbers_of_the_paper_are_the_programs() -> None:
     make = runpy.run_path(str(ROOT / "paper" / "make.py"))
     assert make["text"]() == (ROOT / "paper" / "paper.md").read_text(encoding="utf-8")
+
+
+def test_the_measured_numbers_of_the_pages_are_those_of_the_results() -> None:
+    measured = runpy.run_path(str(ROOT / "docs" / "building" / "measured.py"))
+    for page, numbers in measured["PAGES"].items():
+        text = (ROOT / "docs" / f"{page}.md").read_text(encoding="utf-8")
+        assert measured["with_numbers"](page, text) == text, "run python docs/building/measured.py"
+        old = text
+        for pattern in numbers():
+            [found] = re.finditer(pattern, old)
+            old = old[: found.start(1)] + "777" + old[found.end(1) :]
+        assert old.count("777") == len(numbers())
+        assert measured["with_numbers"](page, old) == text
+    assert measured["with_numbers"]("theory", "Any other text, 1.5 times.") == "Any other text, 1.5 times."

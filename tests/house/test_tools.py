@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import json
+import runpy
 from pathlib import Path
 
 import pytest
@@ -104,3 +106,23 @@ def test_tests_that_reach_a_function_are_asked_first_and_the_quickest_before_oth
     assert known.near(change.module, change.function) == ["a.py::3", "a.py::1"]
     assert known.taken(known.near(change.module, change.function), 3.6) == ["a.py::3", "a.py::1", "a.py::2"]
     assert known.taken(known.near(change.module, change.function), 2.0) == ["a.py::3", "a.py::2"]
+
+
+def test_what_became_slower_is_listed_in_times_of_the_machine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    benchmarks = Path(__file__).parents[2] / "benchmarks"
+    monkeypatch.syspath_prepend(benchmarks)
+    slower = runpy.run_path(str(benchmarks / "all.py"))["slower"]
+
+    def ran(day: int, commit: str, unit: float, **seconds: float) -> None:
+        run = {"date": f"2026-11-{day}", "commit": commit, "scripts": {"sweep": {"unit": unit, "seconds": seconds}}}
+        (tmp_path / f"{run['date']}-{commit}.json").write_text(json.dumps(run), encoding="utf-8")
+
+    ran(28, "ffff", 0.1, alike=1.0, longer=1.0, gone=1.0)
+    assert [*slower(tmp_path)] == []
+    # The machine, too, is half as fast as before.
+    ran(29, "aaaa", 0.2, alike=2.1, longer=2.4, new=9.0)
+    assert [*slower(tmp_path)] == ["  1.20 times  sweep: longer  (2026-11-28 ffff -> 2026-11-29 aaaa)"]
+    # Another script alone: the last two runs of the first one are compared as before.
+    other = {"date": "2026-11-30", "commit": "bbbb", "scripts": {"cost": {"unit": 0.1, "seconds": {"alike": 9.0}}}}
+    (tmp_path / "2026-11-30-bbbb.json").write_text(json.dumps(other), encoding="utf-8")
+    assert len([*slower(tmp_path)]) == 1
