@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from importlib import import_module
 from math import isfinite
+from os import cpu_count
 from threading import Lock
 from time import monotonic, process_time
 from typing import Any, Generic, NoReturn, TypeAlias, TypeVar
@@ -37,6 +38,7 @@ SECONDS = 60.0
 """The limit of a question that is asked without one."""
 _PAUSE = 0.1  # s, on the wall clock, between two calls of the callback
 
+_PROCESSORS = cpu_count() or 1
 _clock: ContextVar[Callable[[], float]] = ContextVar("clock", default=process_time)
 
 
@@ -81,6 +83,8 @@ class Budget:
     """The seconds of the limit that cut something short."""
     _last: tuple[float, float | None, str] = field(default=(0, None, ""), repr=False)
     _next: float = field(default=0.0, repr=False)
+    _read: tuple[float, float] | None = field(default=None, repr=False)
+    """When the processor time was read last, on the wall clock, and what it was."""
 
     @property
     def outermost(self) -> Budget:
@@ -100,10 +104,10 @@ class Budget:
     def tick(self, done: float | None, total: float | None, what: str) -> None:
         """Raise LimitError when the time is over or the work was stopped; else report the progress
         now and then."""
-        now = self.clock()
+        now = self.bound()
         if self.outermost.stopped:
             self.end("stopped at the limit (interrupted)")
-        if self.deadline is not None and now > self.deadline:
+        if self.deadline is not None and now > self.deadline and self.read() > self.deadline:
             self.end(
                 f"stopped at the limit of {self.seconds:g} s; a longer limit may decide it",
                 self.seconds,
@@ -113,6 +117,20 @@ class Budget:
             self._last = done, total, what
         self._tell_now_and_then(now)
 
+    def read(self) -> float:
+        """What the clock shows."""
+        now = self.clock()
+        self._read = monotonic(), now
+        return now
+
+    def bound(self) -> float:
+        """At least what the clock shows: processor time, which takes long to read, goes on by at
+        most the wall clock's time on every processor."""
+        if self.clock is not process_time or self._read is None:
+            return self.read()
+        wall, then = self._read
+        return then + _PROCESSORS * (monotonic() - wall)
+
     def end(self, why: str, cut: float | None = None) -> NoReturn:
         """Raise a LimitError, and remember why."""
         self.why, self.cut = why, cut
@@ -121,7 +139,7 @@ class Budget:
     def say(self, done: float, total: float | None, what: str) -> None:
         """Report how far the work is; never a LimitError."""
         self._last = done, total, what
-        self._tell_now_and_then(self.clock())
+        self._tell_now_and_then(self.bound())
 
     def _tell_now_and_then(self, now: float) -> None:
         # Reports are for a person: their pause is on the wall clock, even while workers compute and
@@ -219,7 +237,8 @@ def afford(terms: int, others: int = 1) -> None:
     budget = _budget.get()
     if budget is not None and budget.deadline is not None:
         budget.tick(None, None, "")
-        if terms * others > _PRODUCTS * (budget.deadline - budget.clock()):
+        seconds = terms * others / _PRODUCTS
+        if seconds > budget.deadline - budget.bound() and seconds > budget.deadline - budget.read():
             why = (
                 "which formulas as long as these would probably exceed; a longer limit may "
                 "decide it"

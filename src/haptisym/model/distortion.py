@@ -117,11 +117,12 @@ def distort(
         [read(f"effects[{i}]", x) for i, x in enumerate(effects, 1)],
         read("rendered", rendered),
     )
-    if omega.name in {s.name, *(x.name for x in _chain_of(*elements).parameters)}:
+    chain = _chain_of(*elements)
+    if omega.name in {s.name, *(x.name for x in chain.parameters)}:
         raise SceneError(
             f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")'
         )
-    return replace(Distortion.of(_chain_of(*elements)), frequency=omega, elements=elements)
+    return replace(Distortion.of(chain), frequency=omega, elements=elements)
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
@@ -145,11 +146,9 @@ def _chain_of(
     environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None
 ) -> Chain:
     """The chain of elements with their parameters' values."""
-    return Chain(
-        environment.H,
-        (rendered or environment).seen_by(effects).H,
-        tuple(e.matrix for e in effects),
-    )
+    H = environment.H
+    seen = (rendered or environment).seen_by(effects)
+    return Chain(H, H if seen is environment else seen.H, tuple(e.matrix for e in effects))
 
 
 @dataclass(frozen=True, repr=False, eq=False)
