@@ -237,7 +237,7 @@ def test_the_threshold_functions_are_positive_exactly_where_a_ratio_exceeds(name
 
 
 @pytest.mark.few("fu2019")
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [*SCENES, "geared-arm", "wheel-with-encoder"])
 def test_sliders_begin_at_the_scenes_values_between_ends_that_the_model_allows(name: str) -> None:
     told, scene = record_of(said(name)), evaluated(name).scene
     sliders = {x["id"]: x for x in told["sliders"]}

@@ -358,7 +358,7 @@ def _plot(identity: str, title: str, caption: str) -> Html:
 def parameter_sliders(e: Evaluation, forms: SceneForms) -> dict[Symbol, tuple[Slider, str]]:
     """A slider for each parameter of the scene, with words that say what it is."""
     sliders: dict[Symbol, tuple[Slider, str]] = {}
-    for p in (x for x in e.scene.parameters if x.symbol not in e.scene.chain.described):
+    for p in e.scene.parameters:
         symbol = forms.short_names.get(p.symbol, p.symbol)
         label = inline(named(symbol.name))
         slider = _parameter(p, f"explorer-{len(sliders)}", label, e.scene.motion)
