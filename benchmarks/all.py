@@ -115,7 +115,11 @@ def slower(history: Path) -> Iterator[str]:
 def main() -> None:
     """Run what is asked for."""
     if "--compare" in sys.argv:
-        print("\n".join(sorted(slower(HISTORY), reverse=True)) or "nothing became slower by more than a tenth")
+        kept = len([*HISTORY.glob("*.json")])
+        none = (
+            f"nothing became slower by more than a tenth in {kept} runs" if kept > 1 else "fewer than two runs are kept"
+        )
+        print("\n".join(sorted(slower(HISTORY), reverse=True)) or none)
         return
     asked = [x.removesuffix(".py") for x in sys.argv[1:] if x != "--list"]
     chosen = [x for x in scripts() if not asked or x.stem in asked]
