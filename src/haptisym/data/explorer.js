@@ -13,6 +13,7 @@
   const region = haptisymRegion(spec.region, values);
   const scenes = haptisymRegion(spec.region, initial); // the scene's own
   const CRITERIA = region.criteria;
+  const shown = (omega) => omega / spec.frequency.size; // in the scene's unit of frequency
 
   // The closed forms.
 
@@ -221,20 +222,20 @@
   }
 
   function drawRatios(samples, base, edges, bands, top, probe) {
-    const chart = plot(find("explorer-ratios"), [low, high], [0, top]);
-    const seen = (own, name, list, what) => list.map((x) => [x.omega, own[what](name, x.v, x.omega)]);
-    bands.forEach(([a, b]) => shape(chart.data, "rect", { class: "band", x: a, y: 0, width: b - a, height: top }));
+    const chart = plot(find("explorer-ratios"), [low, high].map(shown), [0, top]);
+    const seen = (own, name, list, what) => list.map((x) => [shown(x.omega), own[what](name, x.v, x.omega)]);
+    bands.map((ends) => ends.map(shown)).forEach(([a, b]) => shape(chart.data, "rect", { class: "band", x: a, y: 0, width: b - a, height: top }));
     const limits = CRITERIA.map((name) => seen(region, name, samples, "most"));
     const same = limits.length > 1 && limits[0].every(([, c], i) => c === limits[1][i][1]);
     limits.slice(same ? 1 : 0).forEach((points, i) => curve(chart, `limit ${same ? "" : CRITERIA[i]}`, points));
-    curve(chart, "cursor", [[probe.omega, 0], [probe.omega, top]]);
+    curve(chart, "cursor", [[shown(probe.omega), 0], [shown(probe.omega), top]]);
     CRITERIA.forEach((name) => {
       if (base) curve(chart, `ghost ${name}`, seen(scenes, name, base, "judged"));
       curve(chart, `ratio ${name}`, seen(region, name, samples, "judged"));
     });
-    edges.forEach((x) => dot(chart, `crossing ${x.part}`, x.omega, region.judged(x.part, at(x.omega, values), x.omega)));
-    CRITERIA.forEach((name) => dot(chart, "probe", probe.omega, region.judged(name, probe.v, probe.omega)));
-    axes(chart, "ω (rad/s)", CRITERIA.length > 1 ? "ratio to |H_env|" : `enlargement of the ${spec.region.shape}`);
+    edges.forEach((x) => dot(chart, `crossing ${x.part}`, shown(x.omega), region.judged(x.part, at(x.omega, values), x.omega)));
+    CRITERIA.forEach((name) => dot(chart, "probe", shown(probe.omega), region.judged(name, probe.v, probe.omega)));
+    axes(chart, `${spec.frequency.size === 1 ? "ω" : "f"} (${spec.frequency.unit})`, CRITERIA.length > 1 ? "ratio to |H_env|" : `enlargement of the ${spec.region.shape}`);
   }
 
   /** The region at the probe's frequency, and the way of the distortion through its plane. */
@@ -267,6 +268,7 @@
   // What is said.
 
   const short = (x) => written(Number(x.toPrecision(4)));
+  const often = (omega) => short(shown(omega));
   const percent = (c) => `${short(100 * c)} %`;
 
   /** The text of an element, in which what follows a low line is a subscript. */
@@ -286,11 +288,11 @@
   }
 
   function say(bands, edges) {
-    const pieces = bands.map(([a, b]) => `${short(a)} to ${short(b)}`).join(", ");
-    write("explorer-band", `The sliders' values, computed: transparent ${bands.length ? `at ${pieces} rad/s` : "nowhere on the band"}.`);
+    const pieces = bands.map(([a, b]) => `${often(a)} to ${often(b)}`).join(", ");
+    write("explorer-band", `The sliders' values, computed: transparent ${bands.length ? `at ${pieces} ${spec.frequency.unit}` : "nowhere on the band"}.`);
     const told = edges.map((x) => {
       const limit = CRITERIA.length > 1 ? ` ${percent(region.most(x.part, at(x.omega, values), x.omega))}` : "";
-      return `${meets(x)}${limit} at ${short(x.omega)}`;
+      return `${meets(x)}${limit} at ${often(x.omega)}`;
     });
     const more = told.length > 6 ? `; and ${told.length - 6} more` : "";
     write("explorer-crossings", told.length ? `${told.slice(0, 6).join("; ")}${more}.` : CRITERIA.length > 1 ? "No ratio meets its threshold." : `ΔH never meets the border of the ${spec.region.shape}.`);
@@ -303,7 +305,7 @@
     const noticed = CRITERIA.filter((name) => exceeds(name, { omega, v })).map((name) => ({ real: "in the real part", imag: "in the imaginary part", joint: `(outside the ${spec.region.shape})` })[name]);
     const verdict = noticed.length ? `noticed ${noticed.join(" and ").replace("part and in the", "and the")}` : "not noticed";
     const systems = Object.entries(rows).map(([name, text]) => `${name} = ${text} ${spec.unit}`);
-    write("explorer-probe", `At ${short(omega)} rad/s: ${[...systems, ...ratios].join(", ")}: ${verdict}.`);
+    write("explorer-probe", `At ${often(omega)} ${spec.frequency.unit}: ${[...systems, ...ratios].join(", ")}: ${verdict}.`);
   }
 
   // All anew.
@@ -347,7 +349,12 @@
   // The sliders.
 
   const STEPS = 500; // to each side of the middle
-  const fromPosition = (s, n) => Number((s.log ? s.low * (s.high / s.low) ** ((n + STEPS) / (2 * STEPS)) : s.low + ((s.high - s.low) * (n + STEPS)) / (2 * STEPS)).toPrecision(4));
+  /** The value at a position: four digits in the unit that is shown. */
+  function fromPosition(s, n) {
+    const share = (n + STEPS) / (2 * STEPS);
+    const value = s.log ? s.low * (s.high / s.low) ** share : s.low + (s.high - s.low) * share;
+    return s.size * Number((value / s.size).toPrecision(4));
+  }
   const toPosition = (s, x) => Math.round(2 * STEPS * (s.log ? Math.log(x / s.low) / Math.log(s.high / s.low) : (x - s.low) / (s.high - s.low)) - STEPS);
   const allowed = (s, x) => Number.isFinite(x) && (s.open ? x > s.least : x >= (s.least ?? -Infinity)) && x <= (s.most ?? Infinity);
 
@@ -355,8 +362,8 @@
     const [slider, box] = [find(s.id), find(`${s.id}-value`)];
     const value = values.get(s.id);
     slider.value = toPosition(s, value);
-    slider.setAttribute("aria-valuetext", `${short(value)} ${s.unit}`);
-    if (!typing) box.value = Number(value.toPrecision(6));
+    slider.setAttribute("aria-valuetext", `${short(value / s.size)} ${s.unit}`);
+    if (!typing) box.value = Number((value / s.size).toPrecision(6));
     box.removeAttribute("aria-invalid");
   }
 
@@ -371,11 +378,12 @@
       redraw();
     });
     box.addEventListener("input", () => {
-      if (!allowed(s, box.valueAsNumber)) {
+      const typed = box.valueAsNumber * s.size;
+      if (!allowed(s, typed)) {
         box.setAttribute("aria-invalid", "true");
         return;
       }
-      values.set(s.id, box.valueAsNumber);
+      values.set(s.id, typed);
       show(s, { typing: true });
       redraw();
     });

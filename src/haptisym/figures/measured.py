@@ -540,7 +540,7 @@ def magnitude(a: Identification) -> Panel:
     ]
     return Panel(
         layers,
-        _along(at, unit_of(at)),
+        _along(at, a.frequency),
         DrawnAxis(upright.label, upright.unit, ends, log=is_log, large=True),
         height=1.5,
     )
@@ -572,7 +572,7 @@ def phase(a: Identification) -> Panel:
     ]
     return Panel(
         layers,
-        _along(at, unit_of(at)),
+        _along(at, a.frequency),
         DrawnAxis("phase (deg)", ends=(least - room, most + room)),
         height=1.1,
     )
@@ -608,7 +608,7 @@ def residuals(a: Identification) -> Panel:
         ),
     ]
     return Panel(
-        layers, _along(at, unit_of(at)), DrawnAxis("residual / error", ends=(-top, top)), height=1.0
+        layers, _along(at, a.frequency), DrawnAxis("residual / error", ends=(-top, top)), height=1.0
     )
 
 

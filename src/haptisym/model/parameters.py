@@ -16,7 +16,7 @@ from enum import Enum
 from itertools import chain, count
 from typing import Annotated, Any, TypeAlias
 
-from sympy import Expr, Symbol, nan, zoo
+from sympy import Expr, Integer, Symbol, nan, zoo
 
 from haptisym.kernel.errors import SceneError, SignError, meant, quoted, within
 from haptisym.kernel.objects import Shown
@@ -143,15 +143,18 @@ def _between(given: Sequence[Any], dimension: Dimension) -> Ranged:
     if sign_of_number(high.value - low.value) < 0:
         raise SceneError(f"{shown}: the lower end of a range must not be above the upper end")
     middle = (
-        between[0] if between else Quantity((low.value + high.value) / 2, low.motion, low.exponents)
+        between[0]
+        if between
+        else Quantity((low.value + high.value) / 2, low.motion, low.exponents, low.unit)
     )
     if any(sign_of_number(x) < 0 for x in (middle.value - low.value, high.value - middle.value)):
         raise SceneError(f"{shown}: the nominal value must lie between the other two")
     return Ranged(middle, None if low.value == high.value else (low.value, high.value))
 
 
-def spread(nominal: Expr, interval: ExactRange) -> str:
-    """How far a range goes, in words: by per cent of the nominal value where it lies in the middle.
+def spread(nominal: Expr, interval: ExactRange, unit: Unit | None = None) -> str:
+    """How far a range goes, in words: by per cent of the nominal value where it lies in the middle,
+    else from where to where in a unit.
 
     >>> from sympy import Rational
     >>> spread(Rational(9, 5), (Rational(171, 100), Rational(189, 100)))
@@ -164,7 +167,8 @@ def spread(nominal: Expr, interval: ExactRange) -> str:
         or sign_of_number(low) * sign_of_number(high) <= 0
         or nominal - low != high - nominal
     ):
-        return f"from {float(low):.6g} to {float(high):.6g}"
+        size, name = (unit.size, f" {unit.text}".rstrip()) if unit else (Integer(1), "")
+        return f"from {float(low / size):.6g} to {float(high / size):.6g}{name}"
     return f"by {float(50 * (high - low) / (nominal * sign_of_number(nominal))):.4g} %"
 
 

@@ -712,7 +712,7 @@ class Unit:
         return unit_text(self.name)
 
 
-RADIANS = Unit("rad/s")
+RADIANS, HERTZ = Unit("rad/s"), Unit("Hz", 2 * pi)
 
 
 @dataclass(frozen=True, slots=True)

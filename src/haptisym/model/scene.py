@@ -615,7 +615,9 @@ class Scene(Shown):
         names_by_range: dict[str, list[str]] = {}
         for x in self.ranges(besides).values():
             assert x.interval
-            names_by_range.setdefault(spread(x.value, x.interval), []).append(x.name)
+            names_by_range.setdefault(
+                spread(x.value, x.interval, x.shown_unit(x.motion)), []
+            ).append(x.name)
         # The limits for changes to smaller values, the floor and the scale of a JND are no knobs:
         # they come from its region.
         if THRESHOLD not in besides:

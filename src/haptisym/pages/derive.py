@@ -26,20 +26,21 @@ from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.harmonics import STEP, Harmonic
 from haptisym.kernel.harmonics import explained as names_of
+from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Lattice, Signed
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.jnd import Part, Shape
 from haptisym.model.parameters import Parameter
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
-from haptisym.pages.words import H_ENV, OMEGA, Field, noted, page_about, region, table
+from haptisym.model.quantities import Dimension, unit_text
+from haptisym.pages.words import H_ENV, OMEGA, Field, both, cell, noted, page_about, region, table
 from haptisym.programs.steps import DISTORTION, Steps
 from haptisym.verbs.derive.derivation import QUANTITIES, Derivation, bare, listed_name
 from haptisym.verbs.derive.groups import Groups
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Absolute, Box, Fraction, Name, Relation, SideBySide, text
 from haptisym.writing.code import Language, comment, identifiers
-from haptisym.writing.document import Block, Document, Phrase, listed
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, listed
 from haptisym.writing.latex import formula, fragment, tex
 from haptisym.writing.layout import function, layout, named, plain, quantity
 from haptisym.writing.mathml import mathml
@@ -401,12 +402,10 @@ def _touches(d: Derivation, letter: str) -> list[Phrase]:
         d.at().crossings if not any(p.value.free_symbols for p in d.scene.parameters) else ()
     )
     # d omega/dp = -(df/dp)/(df/domega), and df/domega is 0 at a tangency.
-    places = [
-        x.omega.digits(5) for x in crossings if x.part is _part(letter) and x.multiplicity > 1
-    ]
-    at = f", here at {' and '.join(places)} rad/s" if places else ""
-    said = f": at a crossing. Undefined where the display only touches its threshold{at}."
-    return [("d ", named(f"omega_{letter}"), said)]
+    places = [both(x.omega) for x in crossings if x.part is _part(letter) and x.multiplicity > 1]
+    at = (", here at ", listed(places)) if places else ""
+    said = ": at a crossing. Undefined where the display only touches its threshold", at, "."
+    return [("d ", named(f"omega_{letter}"), *said)]
 
 
 def _solutions(d: Derivation, name: str) -> tuple[Solution, ...]:
@@ -587,14 +586,14 @@ def _fast(d: Derivation) -> Iterator[doc.Section]:
     ]
     if not rows:
         return
-    low, high = (layout(x) for x in d.scene.band)
+    low, high = (cell(ExactNumber(x)) for x in d.scene.band)
     errors = [
         # The upper end of an enclosure of one digit: what is printed is still a bound.
         (f"{x.enclosure(1)[1]} in ", named(_RATIOS[part]))
         for part, x in expansion.bounds.items()
         if x is not None
     ]
-    on = " on ", low, " to ", high, " rad/s with the scene's numbers: proven."
+    on = " on ", low, " to ", high, "\xa0", FREQUENCY_UNIT, " with the scene's numbers: proven."
     said: Phrase = ("The terms left out change at most ", listed(errors), *on)
     fast = listed((named(x.name), f" {_direction(d, x)}") for x in expansion.fast)
     yield _section(("High-bandwidth approximation: ", fast), rows, [said] if errors else ())
@@ -636,10 +635,10 @@ def page(d: Derivation) -> Document:
     mixed = 0 < len(d.kept) < len(d.scene.parameters)
     shown = table(
         d.scene.parameters,
-        "The parameters, in SI units.",
+        "The parameters, in the units of the scene.",
         Field("symbol", lambda p: named(p.symbol.name)),
-        Field("quantity", lambda p: _meaning(p, d.scene.motion)),
-        Field("in the scene", lambda p: layout(p.value)),
+        Field("quantity", lambda p: _meaning(p, p.shown_unit(d.scene.motion).text)),
+        Field("in the scene", lambda p: layout(p.value / p.shown_unit(d.scene.motion).size)),
         Field("", lambda p: ("kept" if p.symbol in d.kept else "inserted") * mixed),
     )
     blocks = *((shown,) if shown.rows else ()), *sections(d)
@@ -662,11 +661,11 @@ def _asides(d: Derivation) -> list[str]:
     ]
 
 
-def _meaning(p: Parameter, motion: MotionKind | None) -> str:
-    """Return what a parameter is, with its unit."""
-    plain, unit = p.dimension in (Dimension.ANY, Dimension.RATIO), p.unit_in(motion)
+def _meaning(p: Parameter, unit: str) -> str:
+    """Return what a parameter is, with a unit."""
+    plain = p.dimension in (Dimension.ANY, Dimension.RATIO)
     kind = "number" if plain else p.dimension.name.lower()
-    return f"{kind}, {unit_text(unit)}" if unit not in ("", "1") else kind
+    return f"{kind}, {unit}" if unit not in ("", "1") else kind
 
 
 def body(d: Derivation) -> dict[str, Any]:
@@ -684,7 +683,7 @@ def _parameter(d: Derivation, p: Parameter) -> dict[str, Any]:
     shown = {"text": plain(p.value), "latex": formula(p.value)}
     return {
         "name": p.symbol.name,
-        "meaning": _meaning(p, d.scene.motion),
+        "meaning": _meaning(p, unit_text(p.unit_in(d.scene.motion))),
         "symbol": p.symbol in d.kept,
         "value": shown,
     }

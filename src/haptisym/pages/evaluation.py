@@ -24,7 +24,7 @@ from haptisym.judge.evaluation import Compared, Evaluation, Reported, different,
 from haptisym.judge.passivity import Beyond, Passivity
 from haptisym.judge.peaks import Peaks
 from haptisym.judge.regions import Joint
-from haptisym.kernel.reals import ExactNumber, RealNumber, Way
+from haptisym.kernel.reals import ExactNumber, RealNumber, Scaled, Way
 from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Chart
 from haptisym.model.jnd import Part, Threshold, like
@@ -369,7 +369,7 @@ def crossings(e: Evaluation) -> Block:
         # Where a tangency is undecided, that nothing crosses is proven elsewhere alone.
         decided = ", up to what is undecided" if e.undecided else ""
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
-    enclosure = ("enclosure of ", named("omega"), " (rad/s)")
+    enclosure = ("enclosure of ", w.IN_UNIT)
     numbers = [w.Field("no.", lambda c: str(e.crossings.index(c) + 1))] if _is_numbered(e) else []
     return w.table(
         e.crossings,
@@ -379,8 +379,14 @@ def crossings(e: Evaluation) -> Block:
         w.hertz(lambda c: w.cell(c.omega)),
         w.Field("ratio", event),
         w.Field("distortion", sense),
-        w.Field(enclosure, lambda c: "[{}, {}]".format(*c.omega.enclosure(e.digits)), full=True),
+        w.Field(enclosure, lambda c: _enclosure(c.omega, e), full=True),
     )
+
+
+def _enclosure(x: RealNumber, e: Evaluation) -> str:
+    """Return the interval that holds a frequency, in the unit of the scene."""
+    size = e.scene.frequency.size
+    return "[{}, {}]".format(*(x if size == 1 else Scaled(x, size)).enclosure(e.digits))
 
 
 def how_sure(e: Evaluation) -> str:
@@ -454,10 +460,7 @@ def undecided_table(e: Evaluation) -> doc.Table:
         "here, crosses it twice or "
         "stays clear.",
         w.Field("part", lambda x: x[0].name),
-        w.Field(
-            ("near ", named("omega"), " (rad/s)"),
-            lambda x: "[{}, {}]".format(*x[1].omega.enclosure(e.digits)),
-        ),
+        w.Field(("near ", w.IN_UNIT), lambda x: _enclosure(x[1].omega, e)),
     )
 
 

@@ -20,12 +20,12 @@ from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.rings import omega
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import Parameter, Rule
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.quantities import RADIANS, Dimension, MotionKind, Unit
 from haptisym.model.scene import Scene
 from haptisym.pages.scene import SceneForms
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OMEGA, PART_NAMES, RATIOS, unit
 from haptisym.writing.code import Language, nearest_double, scene_program
-from haptisym.writing.document import Phrase
+from haptisym.writing.document import Phrase, Style
 from haptisym.writing.html import Html, data, element, inline, joined, phrase, script
 from haptisym.writing.layout import named
 
@@ -34,12 +34,12 @@ from haptisym.writing.layout import named
 
 @dataclass(frozen=True)
 class Slider:
-    """A number that can be moved: from ``low`` to ``high`` by the slider, to any value that
-    ``rule`` allows by typing."""
+    """A number, SI, that can be moved: from ``low`` to ``high`` by the slider, to any value that
+    ``rule`` allows by typing. It is shown and typed in ``unit``."""
 
     identity: str
     label: str
-    unit: str
+    unit: Unit
     value: float
     low: float
     high: float
@@ -53,7 +53,8 @@ class Slider:
         """Return what the script needs to know of the slider."""
         return {
             "id": self.identity,
-            "unit": self.unit,
+            "unit": self.unit.text,
+            "size": float(self.unit.size),
             "value": self.value,
             "low": self.low,
             "high": self.high,
@@ -68,7 +69,7 @@ class Slider:
     def control(self, words: str) -> Html:
         """The slider and the box that shows its value, each with its label; ``words``: what it is,
         for a screen reader."""
-        unit = f", {self.unit}" if self.unit else ""
+        unit = f", {self.unit.text}" if self.unit.text else ""
         label = element("label", self.label, given={"for": self.identity, "title": words})
         slide = element(
             "input", given={"type": "range", "id": self.identity, "aria-label": words, "step": "1"}
@@ -82,7 +83,7 @@ class Slider:
         shown = element(
             "span",
             element("input", given=box),
-            element("span", self.unit),
+            element("span", self.unit.text),
             given={"class": "readout"},
         )
         return element("div", label, slide, shown, given={"class": "control"})
@@ -105,7 +106,14 @@ def limit_sliders(scene: Scene) -> Limits:
     t = scene.threshold
     if t.region.corners:
         size = Slider(
-            "explorer-size", Html("size"), "×", 1.0, 0.1, 10.0, Rule.POSITIVE, is_logarithmic=True
+            "explorer-size",
+            Html("size"),
+            Unit("×"),
+            1.0,
+            0.1,
+            10.0,
+            Rule.POSITIVE,
+            is_logarithmic=True,
         )
         return {"size": (size, "how many times the polygon is as large")}
     # One slider moves both half widths only where they are one number, and no limit for shrinking
@@ -139,14 +147,15 @@ def _of_part(threshold: Threshold, part: Part) -> Iterator[tuple[str, tuple[Slid
 
 def _share(identity: str, label: Html, value: Expr) -> Slider:
     """Return the slider of a threshold, which is a fraction of |H_env|."""
-    return Slider(identity, label, "", nearest_double(value), 0.01, 1.0, Rule.POSITIVE).reaching()
+    share = Slider(identity, label, Unit(""), nearest_double(value), 0.01, 1.0, Rule.POSITIVE)
+    return share.reaching()
 
 
 def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
     """Yield the sliders of a floor and of a tilt, where the region has them."""
     region = scene.threshold.region
     if region.floor is not None and not region.floor.has(omega):
-        stiffness = unit(Dimension.STIFFNESS, scene.motion)
+        stiffness = Unit(unit(Dimension.STIFFNESS, scene.motion))
         value = nearest_double(region.floor)
         slider = Slider(
             "explorer-floor",
@@ -165,7 +174,7 @@ def _others(scene: Scene) -> Iterator[tuple[str, tuple[Slider, str]]]:
         slider = Slider(
             "explorer-tilt",
             Html("tilt"),
-            "",
+            Unit(""),
             value,
             -0.99,
             0.99,
@@ -233,6 +242,7 @@ def explorer(e: Evaluation, forms: SceneForms, proven: Phrase = "") -> Html:
     record = {
         "band": [probe[0].low, probe[0].high],
         "unit": unit(Dimension.STIFFNESS, e.scene.motion),
+        "frequency": {"unit": e.scene.frequency.text, "size": float(e.scene.frequency.size)},
         "arguments": [sliders[x][0].identity for x in names],
         "region": region_record(e.scene.threshold, limits),
         "limits": list(dict.fromkeys(slider.identity for slider, _ in limits.values())),
@@ -245,9 +255,10 @@ def explorer(e: Evaluation, forms: SceneForms, proven: Phrase = "") -> Html:
         (own / name).read_text(encoding="utf-8") for name in ("region.js", "explorer.js")
     )
     shown = [slider.control(words) for slider, words in controls.items()]
+    in_unit = Style(frequency=e.scene.frequency)
     return joined(
         [
-            _body(shown, e.scene.threshold, proven, is_small=is_small),
+            _body(shown, e.scene.threshold, in_unit.phrase(proven), is_small=is_small),
             data(json.dumps(record), "explorer-data"),
             script(code),
             script(page),
@@ -373,11 +384,7 @@ _MOST_AT_ZERO = {Dimension.TIME: 0.1, Dimension.FORCE: 1.0}
 
 def _parameter(p: Parameter, identity: str, label: str, motion: MotionKind | None) -> Slider:
     """A decade to each side of a positive value; else a range around it, or from zero."""
-    printed_unit = (
-        ""
-        if p.dimension is Dimension.RATIO
-        else unit_text(p.unit_in(motion or MotionKind.TRANSLATION))
-    )
+    printed_unit = Unit("") if p.dimension is Dimension.RATIO else p.shown_unit(motion)
     value, rule = nearest_double(p.value), p.rule
     # Strictly between 0 and 1: the slider stays a hundredth away from both.
     if rule is Rule.FRACTION:
@@ -399,8 +406,9 @@ def _probe(e: Evaluation) -> tuple[Slider, str]:
     """Return the slider of the frequency at which the explorer prints values: at first the middle
     of the band."""
     low, high = (float(e.chart.points[i].omega) for i in (0, -1))
-    middle = float(f"{(low + high) / 2:.4g}")
-    slider = Slider(
-        "explorer-omega", inline(OMEGA), "rad/s", middle, low, high, Rule.NONNEGATIVE, most=high
-    )
+    size = float(e.scene.frequency.size)
+    middle = size * float(f"{(low + high) / (2 * size):.4g}")
+    unit = e.scene.frequency
+    label = inline(OMEGA if unit == RADIANS else named("f"))
+    slider = Slider("explorer-omega", label, unit, middle, low, high, Rule.NONNEGATIVE, most=high)
     return slider, "frequency at which values are printed"

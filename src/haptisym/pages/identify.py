@@ -12,10 +12,11 @@ import numpy as np
 from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import s
 from haptisym.model.distortion import distort
-from haptisym.model.quantities import Dimension, unit_text
+from haptisym.model.quantities import Dimension
 from haptisym.pages.measured import linearity, measured_words
 from haptisym.pages.words import (
     Field,
+    both,
     near,
     noted,
     number,
@@ -52,7 +53,8 @@ def page(a: Identification) -> Document:
         ),
         doc.Paragraph(_how_sure(a)),
     )
-    return Document(a.title, (), blocks, "A model fitted to a measured response")
+    title = "A model fitted to a measured response"
+    return Document(a.title, (), blocks, title, a.frequency)
 
 
 def page_zwidth(a: ZWidthFit) -> Document:
@@ -124,7 +126,7 @@ def _about(a: Identification) -> Iterator[tuple[str, Phrase]]:
     if omitted := len(a.measurement) - len(a.fit.lines):
         yield (
             "left out",
-            f"{counted(omitted, 'point')}, off the band, at 0 rad/s or without coherence",
+            f"{counted(omitted, 'point')}, off the band, at frequency 0 or without coherence",
         )
     yield "model", a.wanted.words
     same = f"{a.fit.agreeing} of {counted(a.fit.starts, 'start')} ended in the same least sum"
@@ -201,16 +203,23 @@ def _table(a: Identification) -> Block:
         "range where all parameters are "
         "estimated together."
     )
+    units = {x.parameter.path: a.unit(x).text for x in a.estimates}
     return table(
-        a.estimates,
+        [_in_unit(x, float(a.unit(x).size)) for x in a.estimates],
         caption,
         Field("parameter", lambda x: _name(a, x)),
         number("value", lambda x: _certain_digits(x, x.value)),
         number("± error", lambda x: near(x.error, most=2)),
         Field(f"{100 * a.fit.lines.confidence:g}\xa0% interval", lambda x: _ends(x, x.low, x.high)),
         Field("joint range", lambda x: _ends(x, x.least, x.most)),
-        Field("", lambda x: "" if a.unit(x) == "1" else unit_text(a.unit(x))),
+        Field("", lambda x: units[x.parameter.path]),
     )
+
+
+def _in_unit(x: Estimate, size: float) -> Estimate:
+    """Return an estimate in a unit of this size, in SI."""
+    numbers = (x.value, x.error, x.low, x.high, x.least, x.most)
+    return Estimate(x.parameter, *(y / size for y in numbers))
 
 
 def _ends(x: Estimate, low: float, high: float) -> Phrase:
@@ -249,9 +258,9 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         yield f"No point of this response distinguishes them. Fix {paths} (", *fix
     if a.fit.period is not None:
         # At multiples of a frequency d, exp(-j omega tau) is the same for tau and tau + 2 pi/d.
-        step, period = near(2 * np.pi / a.fit.period), near(a.fit.period)
+        step, period = both(2 * np.pi / a.fit.period), near(a.fit.period)
         words = (
-            "Points {} rad/s apart do not distinguish a delay from one that is {} s longer; the "
+            "Points {} apart do not distinguish a delay from one that is {} s longer; the "
             "shortest is kept."
         )
         yield phrased(words, step, period)

@@ -102,11 +102,11 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _range(r: Requirement) -> Phrase:
-    """Return from where to where values are searched, with 0 where the model allows it."""
+    """Return from where to where values are searched: from 0 on, as a rule."""
     low, high = searched(r.free, r.domain)
-    zero = "0 and " if r.domain.low == 0 and r.domain.holds_low else ""
+    if r.domain.low == 0:
+        return "up to ", w.reach_of(r.free, high, Way.NEAREST)
     return (
-        zero,
         w.bare(w.value_of(r.free, low, Way.NEAREST)),
         " to ",
         w.value_of(r.free, high, Way.NEAREST),

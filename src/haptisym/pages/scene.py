@@ -30,7 +30,7 @@ from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment
 from haptisym.model.distortion import Distortion, magnitude
 from haptisym.model.jnd import Part, Shape, Threshold
 from haptisym.model.parameters import spread, values
-from haptisym.model.quantities import Dimension, MotionKind, unit_text
+from haptisym.model.quantities import Dimension, MotionKind, Unit, unit_text
 from haptisym.model.scene import Knob, Scene
 from haptisym.pages.derive import beyond, explained, ways
 from haptisym.pages.words import CHANGE, H_ENV, H_PERC, OPERATORS, RATIOS, both, page_about, region
@@ -243,7 +243,7 @@ def scene_blocks(
         yield doc.Table(
             tuple(doc.Column(x, number=x == "value") for x in columns),
             rows,
-            "The parameters, in SI units.",
+            "The parameters, in the units of the scene.",
         )
     low, high = (both(ExactNumber(x)) for x in scene.band)
     yield doc.Paragraph(
@@ -298,15 +298,18 @@ def _link(place: str, part: Environment | Effect) -> Phrase:
 def _parameter(scene: Scene, short_names: Mapping[Symbol, Symbol], p: Knob) -> tuple[Phrase, ...]:
     """Return the row of a parameter: symbol, elements, key, quantity, value, unit."""
     quantity = "" if p.dimension is Dimension.ANY else p.dimension.name.lower()
-    own = unit_text(p.unit_in(scene.motion or MotionKind.TRANSLATION))
+    own, si = (
+        p.shown_unit(scene.motion),
+        unit_text(p.unit_in(scene.motion or MotionKind.TRANSLATION)),
+    )
     symbol = named(short_names.get(p.symbol, p.symbol).name)
     places = ", ".join(x.removeprefix("effects.").rpartition(".")[0] for x in p.paths)
-    return symbol, places, p.key, quantity, _value(p.value), own or "SI"
+    return symbol, places, p.key, quantity, _value(p.value / own.size), own.text or si or "SI"
 
 
 def _range(p: Knob) -> str:
     """``±5 %``, or from where to where."""
-    words = spread(p.value, p.interval) if p.interval else ""
+    words = spread(p.value, p.interval, Unit("", p.shown_unit(p.motion).size)) if p.interval else ""
     return words.replace("by ", "±").replace(" %", "\xa0%").removeprefix("from ")
 
 

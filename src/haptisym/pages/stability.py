@@ -401,7 +401,7 @@ def _searched(
     for knob, (low, high) in rows:
         if low is not None or high is not None:
             first: Phrase = "" if low is None else (" from ", w.bare(w.value_of(knob, low, Way.UP)))
-            last: Phrase = "" if high is None else (" up to ", w.value_of(knob, high, Way.DOWN))
+            last: Phrase = "" if high is None else (" up to ", w.reach_of(knob, high, Way.DOWN))
             yield _name(knob), first, last
 
 

@@ -305,6 +305,14 @@ def value_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
     return doc.Real(x, way, unit=knob.shown_unit(knob.motion))
 
 
+def reach_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
+    """The end of a search in the unit that the scene wrote; of a time in s, if it is 1 s or
+    more."""
+    shown = knob.shown_unit(knob.motion)
+    long = knob.dimension is Dimension.TIME and shown.size < 1 <= float(x)
+    return doc.Real(x, way, unit=Unit("s") if long else shown)
+
+
 def bare(x: doc.Real) -> doc.Real:
     """A number without the name of its unit, which follows or stands in the heading."""
     return doc.Real(in_unit(x.value, x.unit.size), x.way)

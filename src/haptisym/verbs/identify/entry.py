@@ -32,7 +32,7 @@ from haptisym.model.measured import Complexes, Measurement
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.measuring import measured
 from haptisym.model.parameters import Parameter, Rule
-from haptisym.model.quantities import Dimension, MotionKind, Number
+from haptisym.model.quantities import HERTZ, RADIANS, Dimension, MotionKind, Number, Unit
 from haptisym.model.scene import Scene, frequency
 from haptisym.model.scenefile import open_scenes, parse_scene
 from haptisym.model.shipped import bench_names, family_names, scene_names
@@ -489,12 +489,8 @@ class Identification(Answer):
         plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
             motion is None and len(set(dimension.value)) > 1
         )
-        unit, size = "" if plain else f" {dimension.unit(motion)}", 1.0
-        if dimension is Dimension.FREQUENCY and self.measurement.in_hertz:
-            unit, size = " Hz", 2 * np.pi
-        if dimension is Dimension.TIME and x.value < 1:
-            unit, size = " ms", 1e-3
-        texts = [f"{text}{unit}" for text in x.in_unit(size)]
+        unit = Unit("") if plain else self.unit(x)
+        texts = [f"{text} {unit.name}".rstrip() for text in x.in_unit(float(unit.size))]
         return texts if self.has_ranges else texts[1]
 
     def moved(self, other: Any) -> str:
@@ -505,7 +501,7 @@ class Identification(Answer):
             if x.parameter.path in self.ambiguous
         ]
         return ", ".join(
-            f"{x.parameter.path} = {v:.6g} {'' if (u := self.unit(x)) == '1' else u}".strip()
+            f"{x.parameter.path} = {v / float(self.unit(x).size):.6g} {self.unit(x).name}".strip()
             for x, v in pairs
         )
 
@@ -598,11 +594,27 @@ class Identification(Answer):
             "interval": [x.low, x.high],
             "box": [x.least, x.most],
         }
-        return {"path": x.parameter.path, **numbers, "unit": self.unit(x), "told": x.told}
+        return {"path": x.parameter.path, **numbers, "unit": self._si_unit(x), "told": x.told}
 
-    def unit(self, x: Estimate) -> str:
-        """The unit of a parameter; empty where its dimension is not known."""
+    def unit(self, x: Estimate) -> Unit:
+        """The unit in which a parameter is printed and written: Hz where the file is in Hz, ms for
+        times below 1 s, else that of SI; without a name where its dimension is not known."""
+        dimension = x.parameter.dimension
+        if dimension is Dimension.FREQUENCY:
+            return self.frequency
+        if dimension is Dimension.TIME and x.value < 1:
+            return Unit("ms", Rational(1, 1000))
+        name = self._si_unit(x)
+        return Unit("" if name == "1" else name)
+
+    def _si_unit(self, x: Estimate) -> str:
+        """Return the SI unit of a parameter; empty where its dimension is not known."""
         return x.parameter.dimension.unit(self.motion or MotionKind.TRANSLATION)
+
+    @property
+    def frequency(self) -> Unit:
+        """The unit of frequency of the file: rad/s or Hz."""
+        return HERTZ if self.measurement.in_hertz else RADIANS
 
 
 def correlation(found: Fit) -> Any:
