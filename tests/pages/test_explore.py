@@ -39,6 +39,17 @@ def test_at_rest_the_lines_are_those_of_the_command_line() -> None:
 
 
 @pytest.mark.usefixtures("notebook")
+def test_sliders_are_in_the_units_of_the_scene() -> None:
+    found = hs.explore("steering-wheel")
+    slider = found.sliders["effects.motor.omega_c"]
+    assert "(Hz)" in slider.description
+    assert (slider.value, slider.min) == (pytest.approx(6), pytest.approx(-0.2218487))  # a decade down: log10(0.6)
+    slider.value = 7
+    own = hs.evaluate(hs.load_scene("steering-wheel").with_values({"effects.motor.omega_c": "7 Hz"}))
+    assert found.evaluation.to_json() == own.to_json()
+
+
+@pytest.mark.usefixtures("notebook")
 @pytest.mark.parametrize("name", ["fu2019", "wave-variable-link", "organ-tissue"])
 def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_and_said_to_be(name: str) -> None:
     async def drag() -> None:

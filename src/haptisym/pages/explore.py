@@ -60,7 +60,7 @@ class Explorer:
         self._used = {x.name for x in symbolic.free_symbols} if symbolic else set()
         self._timer: TimerHandle | None = None
         self._marks = [
-            (path, slider, f"{name} ({slider.unit})" if slider.unit else name)
+            (path, slider.shown(), f"{name} ({slider.unit.text})" if slider.unit.text else name)
             for path, slider, name in _sliders(self.evaluation, self._forms)
         ]
         for path, slider, name in self._marks:
@@ -76,10 +76,16 @@ class Explorer:
     def _ipython_display_(self) -> None:
         import_module("IPython.display").display(self.widget)
 
-    def _values(self) -> dict[str, float]:
-        """The values of the sliders that are not where the scene has them, SI."""
+    def _values(self) -> dict[str, float | str]:
+        """The values of the sliders that are not where the scene has them: SI, or in the unit in
+        which the scene gives them."""
         at = ((path, slider, self.sliders[path].value) for path, slider, _ in self._marks)
-        return {path: float(f"{x:.4g}") for path, slider, x in at if x != slider.value}
+        moved = {
+            path: (slider.unit, float(f"{x:.4g}")) for path, slider, x in at if x != slider.value
+        }
+        return {
+            path: x if unit.size == 1 else f"{x} {unit.name}" for path, (unit, x) in moved.items()
+        }
 
     def _moved(self) -> None:
         """Draw what the sliders show, and evaluate it once they rest."""

@@ -88,6 +88,12 @@ class Slider:
         )
         return element("div", label, slide, shown, given={"class": "control"})
 
+    def shown(self) -> Slider:
+        """Return the slider with its numbers in its unit in place of SI."""
+        size = float(self.unit.size)
+        value, low, high = self.value / size, self.low / size, self.high / size
+        return replace(self, value=value, low=low, high=high)
+
     def reaching(self) -> Slider:
         """Return the slider with a logarithmic scale that holds its value, with a decade to each
         side."""
