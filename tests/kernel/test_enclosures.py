@@ -21,7 +21,7 @@ from sympy import Integer, Rational, pi
 
 from haptisym.kernel.delayterms import WaveSum, WaveTerm
 from haptisym.kernel.delayterms import power_series as power_coefficients
-from haptisym.kernel.enclosures import FunctionPiece, over_circle, range_of
+from haptisym.kernel.enclosures import FunctionPiece, over_ellipse, range_of
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.factors import AnalyticFactor
 from haptisym.kernel.leadingterm import clear_of_zero, exact_directions, leading_term, order_at_0, taylor_coefficients
@@ -548,15 +548,15 @@ def rational(draw: random.Random, depth: int, leaf: Any, whole: Any) -> Any:
 
 @pytest.mark.few(3)
 @pytest.mark.parametrize("seed", range(24))
-def test_on_a_circle_a_function_has_all_its_values_and_hardly_more(seed: int) -> None:
-    """At 17 places in between, exactly, whatever the circle; where it is small, by what the function changes over it."""
+def test_an_interpolated_function_has_all_its_values_and_slopes_and_hardly_more(seed: int) -> None:
+    """At 17 places in between, exactly, whatever the interval; where it is small, by what the function changes over it."""
     draw = random.Random(seed)
     middle = Fraction(draw.randint(-20, 20), 7)
     told = 0
     for n in (4, 16, 64, 1000):
         radius = Fraction(1, n)
         with flint.ctx.workprec(200):
-            line, constant = over_circle(
+            line, constant = over_ellipse(
                 lambda q: [rational(random.Random(seed), 3, q, int), q * 0 + 2], exactly(middle), exactly(radius)
             )
             assert constant.ball.contains(2)
@@ -566,6 +566,9 @@ def test_on_a_circle_a_function_has_all_its_values_and_hardly_more(seed: int) ->
                 values.append(rational(random.Random(seed), 3, middle + radius * y, Fraction))
                 assert not line.ball.is_finite() or line.ball.contains(exactly(values[-1]))
                 assert not line.at.is_finite() or (line.at + line.slope * exactly(y)).contains(exactly(values[-1]))
+            # Between two places the function has their mean slope somewhere.
+            for before, after in pairwise(values):
+                assert not line.rate.is_finite() or line.rate.contains(exactly(8 * (after - before)))
             told += line.ball.is_finite()
     assert told
     assert float(line.ball.rad()) <= 0.51 * float(max(values) - min(values)) + 1e-4 * float(
@@ -573,10 +576,10 @@ def test_on_a_circle_a_function_has_all_its_values_and_hardly_more(seed: int) ->
     )
 
 
-def test_sine_and_exponential_on_a_circle_are_nearly_straight() -> None:
+def test_sine_and_exponential_interpolated_are_nearly_straight() -> None:
     """exp(q) - 1 and sin(q) about 0, each a part of the other's argument: to a part in a million, where balls are off by a half."""
     with flint.ctx.workprec(128):
-        [found] = over_circle(lambda q: [(q.exp() - 1).sin() - q], arb(0), arb("0.01"))
+        [found] = over_ellipse(lambda q: [(q.exp() - 1).sin() - q], arb(0), arb("0.01"))
         assert abs(found.slope) < 1e-8
         assert float(found.at.lower()) <= -5e-7 + 1e-4 / 2
         assert found.ball.contains(((arb("0.01")).exp() - 1).sin() - arb("0.01"))

@@ -1,5 +1,5 @@
 """Narrow enclosures of a function over an interval, in balls: by Bernstein coefficients of a
-polynomial, or by interpolation on a circle.
+polynomial, or by interpolation.
 
 Evaluated in ball arithmetic, a formula widens with each number that occurs twice in it (the
 dependency problem). Two forms stay as narrow as the function is smooth. Both are proven enclosures
@@ -9,14 +9,17 @@ at any working precision, and not finite where the function cannot be bounded.
 in the basis of Bernstein's polynomials. A ``FunctionPiece`` is a function between two frequencies
 as such a polynomial: by Taylor's theorem its last coefficient is one over the whole piece.
 
-*Circles.* A function f that is analytic for |q - m| <= R, and there differs by at most M from some
-number, has Taylor coefficients of at most M/R^k (Cauchy). The polynomial of degree < N that has its
-values at N points all around |q - m| = r is off by at most 2 M (r/R)^N/(1 - r/R) for |q - m| <= r,
-as t^k and t^(k mod N) have the same values there. So M may be found in one wide ball, in which
-everything is multiplied: the power of r/R makes it small.
+*Ellipses.* A function of x that is analytic in the ellipse with foci -1 and 1 and the sum rho of
+semi-axes, and there differs by at most M from some number, is a sum of a_k T_k with Chebyshev's
+polynomials T_k and |a_k| <= 2 M/rho^k for k > 0 (Bernstein; Trefethen, Approximation Theory and
+Approximation Practice, theorem 8.1). At the N zeros of T_N each T_k with k >= N has the values of
++-T_j, j < N, or is 0. So the polynomial of degree < N with the values of the function there is off
+by at most 2 |a_N| + 2 |a_N+1| + ... <= 4 M rho^-N rho/(rho - 1) on [-1, 1], as |T_k| <= 1, and its
+slope by at most the same sum with k^2 |a_k|, as |T_k'| <= k^2. So M may be found in one wide ball,
+in which everything is multiplied: the power of rho makes it small.
 
 A *ball* is an interval of any precision, middle and radius (``arb`` of FLINT; complex: ``acb``).
-Begin with ``FunctionPiece`` for the first form and with ``over_circle`` for the second.
+Begin with ``FunctionPiece`` for the first form and with ``over_ellipse`` for the second.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ from math import comb
 from typing import NamedTuple, TypeAlias
 
 import flint
-from flint import acb, acb_mat, arb, arb_mat, fmpq
+from flint import acb, arb, arb_mat, fmpq
 
 from haptisym.kernel.reals import Ball
 
@@ -163,15 +166,16 @@ class FunctionPiece:
         return int(value > 0) - int(value < 0)
 
 
-# The ranges over -1 <= x <= 1 of odd and of even powers of x.
+# The range -1 <= x <= 1: times a bound, all numbers that are no larger.
 _EITHER = arb(0, 1)
-_EVEN = arb(0.5, 0.5)
-
-# Points on the circle, and R/r: what the polynomial is off by is (1/6)^10 < 2e-8 of the width of
-# the wide ball, for six evaluations, as half of the points are conjugate to the others.
-_POINTS = 10
-_WIDER = 6
 _UNKNOWN = arb("nan")
+
+# Points, and the larger semi-axis of the ellipse, which lies in a disc of that radius: what the
+# polynomial is off by is about 4 rho^-8 < 1e-8 of the width of the wide ball.
+_POINTS = 8
+_WIDER = 6
+_RHO = arb("11.91")
+"""Less than the sum 6 + sqrt(35) of the semi-axes."""
 
 
 class LinearEnclosure(NamedTuple):
@@ -191,71 +195,59 @@ class LinearEnclosure(NamedTuple):
         return self.at + self.slope * _EITHER
 
 
-def over_circle(
-    functions: Callable[[acb], Sequence[acb]], middle: Ball, radius: Ball
+def over_ellipse(
+    functions: Callable[[Ball], Sequence[Ball]], middle: Ball, radius: Ball
 ) -> list[LinearEnclosure]:
     """Enclose functions over real q, |q - middle| <= radius, by lines in x = (q - middle)/radius.
 
-    The functions must be real for real q. Where one is not analytic within six times the radius,
-    its balls over the wide disc, and so the enclosure, are not finite.
+    The functions must be real for real q. Where one is not analytic within six times the radius, no
+    enclosure is finite.
 
-    >>> [square] = over_circle(lambda q: [q * q - q], arb(1), arb("0.25"))  # from 3/4 - 3/16 to 5/4 + 5/16 by balls
+    >>> [square] = over_ellipse(lambda q: [q * q - q], arb(1), arb("0.25"))  # from 3/4 - 3/16 to 5/4 + 5/16 by balls
     >>> round(float(square.ball.lower()), 4), round(float(square.ball.upper()), 4)
     (-0.25, 0.3125)
     """
     wide = radius * _WIDER
     around = functions(acb(arb(middle, wide), arb(0, wide)))
+    sizes = [acb(x).rad().upper() for x in around]
+    if not all(x.is_finite() for x in sizes):
+        return [LinearEnclosure(_UNKNOWN, _UNKNOWN)] * len(sizes)
     bits = flint.ctx.prec
-    upper_half = _turns(_POINTS, bits)[: _POINTS // 2 + 1]
-    values = [functions(middle + radius * w) for w in upper_half]
-    coefficients = _interpolation(_POINTS, bits) * acb_mat(values)
-    enclosures = []
-    for j, wide_ball in enumerate(around):
-        row = [coefficients[k, j].real for k in range(_POINTS)]
-        enclosures.append(_line(acb(wide_ball), row))
-    return enclosures
+    values = [functions(middle + radius * x) for x in _places(bits)]
+    rows = (_interpolation(bits) * arb_mat(values)).transpose().tolist()
+    return [_line(size, row) for size, row in zip(sizes, rows, strict=True)]
 
 
-def _line(around: acb, row: Sequence[Ball]) -> LinearEnclosure:
-    """The enclosure of one function, from the coefficients in x of its interpolating polynomial and
-    from a ball around all of its values in the wide disc."""
-    # The bound of the module's docstring: 2 M (r/R)^n/(1 - r/R), with M the radius of the wide
-    # ball.
-    wide = 2 * around.rad().upper()
-    share = arb(1) / _WIDER
-    off = wide * share**_POINTS * _WIDER / (_WIDER - 1)
+def _line(size: Ball, row: Sequence[Ball]) -> LinearEnclosure:
+    """The enclosure of one function, from a bound of its distance from some number on the ellipse,
+    and from the Chebyshev coefficients of its interpolating polynomial."""
+    # The bounds of the module's docstring. From k = 8 on a square k^2 is less than 4/3 of the one
+    # before it, so that k^2 rho^-k falls at least as the powers of 4/(3 rho) do.
+    off = 4 * size * _RHO**-_POINTS
+    rest = off * _RHO / (_RHO - 1)
+    slopes = off * _POINTS**2 * 3 * _RHO / (3 * _RHO - 4)
     # The line keeps the linear term; all higher ones widen the place where it stands.
-    at = row[0]
-    for k, c in enumerate(row[2:]):
-        at = at + c * (_EITHER if k % 2 else _EVEN)
-    rate = arb(0)
-    for k, c in enumerate(row[1:], 1):
-        rate = rate + k * c * (_EITHER if k > 1 else 1)
-    # Of f = sum a_m x^m the polynomial has a_m + a_(m + n) + ... in place of a_m, m < n, and by
-    # Cauchy |a_m| <= M/R^m in units of r: slopes are off by 2 sum_(m >= n) m M/R^m < (n + 1) off.
-    rate = rate + (_POINTS + 1) * off * _EITHER
-    return LinearEnclosure(at + off * _EITHER, row[1], rate)
+    for k, c in enumerate(row[2:], 2):
+        rest = rest + abs(c)
+        slopes = slopes + k * k * abs(c)
+    return LinearEnclosure(row[0] + rest * _EITHER, row[1], row[1] + slopes * _EITHER)
 
 
 @lru_cache(maxsize=8)
-def _turns(n: int, bits: int) -> list[acb]:
-    """The n-th roots of 1, all around the circle."""
+def _places(bits: int) -> list[Ball]:
+    """Chebyshev's points, the zeros of T_n, in descending order."""
     with flint.ctx.workprec(bits):
-        angles = [acb(0, 2 * k) / n * arb.pi() for k in range(n)]
-        return [angle.exp() for angle in angles]
+        return [(arb.pi() * (2 * i + 1) / (2 * _POINTS)).cos() for i in range(_POINTS)]
 
 
 @lru_cache(maxsize=8)
-def _interpolation(n: int, bits: int) -> acb_mat:
-    """The matrix from values on the upper half of the circle to coefficients of the interpolating
-    polynomial, which are the real parts of the product.
-
-    The values on the lower half are conjugate to them, since the function is real for real q.
-    """
-    turns = _turns(n, bits)
-    half = n // 2
-    # A discrete Fourier transform; the points at 1 and -1 are their own conjugates and count once.
+def _interpolation(bits: int) -> arb_mat:
+    """The matrix from values at Chebyshev's points to the coefficients of T_0, T_1, ... in the
+    interpolating polynomial."""
     with flint.ctx.workprec(bits):
-        weights = [(1 if j in (0, half) else 2) / arb(n) for j in range(half + 1)]
-        numbered = list(enumerate(weights))
-        return acb_mat([[x * turns[-j * k % n] for j, x in numbered] for k in range(n)])
+        rows = []
+        for k in range(_POINTS):
+            weight = arb(2 if k else 1) / _POINTS
+            angles = [arb.pi() * (k * (2 * i + 1)) / (2 * _POINTS) for i in range(_POINTS)]
+            rows.append([weight * angle.cos() for angle in angles])
+        return arb_mat(rows)

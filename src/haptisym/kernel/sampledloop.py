@@ -35,7 +35,7 @@ import flint
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly, fmpq
 from sympy import Add, Expr, Integer, Symbol
 
-from haptisym.kernel.enclosures import LinearEnclosure, over_circle
+from haptisym.kernel.enclosures import LinearEnclosure, over_ellipse
 from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import Ball, at_rising_precision, expression_ball
 from haptisym.kernel.rootcount import routh
@@ -56,6 +56,7 @@ def matrix(rows: list[list[Any]], columns: int | None = None) -> Any:
     return kind(len(rows), width, entries)
 
 
+@lru_cache(maxsize=64)
 def _identity(n: int) -> Any:
     return matrix([[arb(int(i == j)) for j in range(n)] for i in range(n)])
 
@@ -68,7 +69,7 @@ def _polynomial(row: Sequence[Any]) -> Any:
 
 def _are_complex(numbers: Iterable[Any]) -> bool:
     """Whether any of these balls is complex."""
-    return any(isinstance(x, acb) for x in numbers)
+    return acb in map(type, numbers)
 
 
 @dataclass(frozen=True)
@@ -109,6 +110,14 @@ class States:
             rows.append([-x for x in self._scaled(self.Q[:n])])
         return matrix(rows)
 
+    @cached_property
+    def size_of_A(self) -> Ball:
+        """The infinity norm of A, the largest sum of absolute values in a row."""
+        if not self.size:
+            return arb(0)
+        last = sum((abs(self.A[self.size - 1, j]).upper() for j in range(self.size)), arb(0))
+        return last if self.size == 1 else max(last, self.rate)
+
     def _scaled(self, row: Sequence[Ball]) -> list[Ball]:
         """Coefficients of y, y', ... as those of the states."""
         n = self.size
@@ -128,15 +137,18 @@ class States:
         X = self.A * time
         one = total = _identity(self.size)
         # frexp gives e with |X| < 2^e.
-        _, exponent = frexp(float(norm(X).upper()))
+        _, exponent = frexp(float((self.size_of_A * abs(time)).upper()))
         doublings = max(0, exponent + 2)  # then |X| <= 1/4
         if doublings > _MOST_DOUBLINGS:
             return total * arb("nan")
         X = X * arb(2) ** -doublings
-        rest, shares = _series(flint.ctx.prec)
-        # Horner's rule for 1 + X/2 (1 + X/3 (1 + ...)).
-        for share in shares:
-            total = one + X * total * share
+        rest, blocks = _series(flint.ctx.prec)
+        # Horner's rule in X^4, with polynomials of degree 3 as its coefficients.
+        square = X * X
+        cube, fourth = square * X, square * square
+        total = one * arb(0)
+        for a, b, c, d in blocks:
+            total = fourth * total + (one * a + X * b + square * c + cube * d)
         # With Q = s^n, masses alone, A^n = 0: the series ends, nothing is left out of it.
         if not all(q.is_zero() for q in self.Q[:-1]):
             total = widened(total, rest)
@@ -147,18 +159,19 @@ class States:
 
 
 @lru_cache(maxsize=16)
-def _series(bits: int) -> tuple[Ball, list[Ball]]:
+def _series(bits: int) -> tuple[Ball, list[list[Ball]]]:
     """For the series S of ``States.integral`` with |X| <= 1/4: a bound of the sum of all terms that
-    are left out, and 1/n from its last term down to 1/2."""
+    are left out, and its coefficients 1/(n + 1)! in fours, ascending in each, the last four
+    first."""
     with flint.ctx.workprec(bits):
         rest = arb(1)
         k = 1
-        while rest > arb(2) ** -(bits + 8):
-            # 4^(1 - k)/k!, more than all terms from X^k/(k + 1)! on; below the rounding in the end.
+        # 4^(1 - k)/k!, more than all terms from X^k/(k + 1)! on; below the rounding in the end.
+        while rest > arb(2) ** -(bits + 8) or k % 4:
             k += 1
             rest = rest / (4 * k)
-        shares = [arb(1) / n for n in range(k, 1, -1)]
-        return rest, shares
+        shares = [1 / arb(n + 1).fac() for n in range(k)]
+        return rest, [shares[n : n + 4] for n in range(k - 4, -1, -4)]
 
 
 def column(M: Any, j: int) -> Any:
@@ -166,22 +179,12 @@ def column(M: Any, j: int) -> Any:
     return matrix([[M[i, j]] for i in range(M.nrows())], 1)
 
 
-def norm(X: Any) -> Ball:
-    """The infinity norm of a square matrix: the largest sum of absolute values in a row."""
-    n = X.nrows()
-    sums = []
-    for i in range(n):
-        sizes = (abs(X[i, j]).upper() for j in range(n))
-        sums.append(sum(sizes, arb(0)))
-    return max(sums, default=arb(0))
-
-
 def widened(M: Any, radius: Ball) -> Any:
     """A matrix with balls wider by ``radius``, in both parts where they are complex."""
     more = arb(0, radius.upper())
     more = acb(more, more) if isinstance(M, acb_mat) else more
-    rows = [[x + more for x in row] for row in M.tolist()]
-    return matrix(rows, M.ncols())
+    rows, columns = M.nrows(), M.ncols()
+    return M + type(M)(rows, columns, [more] * (rows * columns))
 
 
 def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
@@ -196,21 +199,19 @@ def opposite_response(states: States, C: Any, period: Ball) -> Ball | None:
     X = states.A * (period / 2)
     # The series converges for |X| < pi/2; up to half of that each term is at most 1/4 of the one
     # before it.
-    if not 4 * norm(X) < arb.pi():
+    if not 2 * states.size_of_A * abs(period) < arb.pi():
         return None
     if not n:
         return arb(0) * period / 2
     # e is the last unit vector: the force acts on the last state alone.
     power = matrix([[arb(int(i == n - 1))] for i in range(n)], 1)
     total = matrix([[arb(0)] for _ in range(n)], 1)
-    for share in _TANH[1:]:
+    shares, after = _tanh_balls(flint.ctx.prec)
+    for share in shares:
         power = X * (X * power)
-        total += power * arb(share)
-    # The last power times a geometric series: coefficients fall by 4/pi^2, X^2 by (pi/4)^2, so that
-    # all terms left out add up to at most 1/4 + 1/16 + ... = 1/3 of that of the last one.
+        total += power * share
     largest = max(abs(power[i, 0]).upper() for i in range(n))
-    last_coefficient = (4 / arb.pi() ** 2) ** (len(_TANH) - 1)
-    total = widened(total, largest * last_coefficient / 3)
+    total = widened(total, largest * after)
     direct = C[0, n - 1]
     later = C * total
     return (direct + later[0, 0]) * period / 2
@@ -231,6 +232,17 @@ _TANH = _tanh(16)
 """Each at most (4/pi^2)^k large: tanh(x)/x is the sum of 8/((2 j - 1)^2 pi^2 + 4 x^2)."""
 
 
+@lru_cache(maxsize=16)
+def _tanh_balls(bits: int) -> tuple[list[Ball], Ball]:
+    """The coefficients of tanh(x)/x after the first; and a bound of what all that are left out add,
+    relative to the last power."""
+    with flint.ctx.workprec(bits):
+        # A geometric series: coefficients fall by 4/pi^2, X^2 by (pi/4)^2, so that all terms left
+        # out add up to at most 1/4 + 1/16 + ... = 1/3 of that of the last one.
+        last_coefficient = (4 / arb.pi() ** 2) ** (len(_TANH) - 1)
+        return [arb(x) for x in _TANH[1:]], last_coefficient / 3
+
+
 @dataclass(frozen=True)
 class Plant:
     """G(s) = sum of exp(-s tau) N(s)/Q(s): the coefficients of Q, ascending, and for each delay (in
@@ -246,7 +258,19 @@ class Plant:
 
     def samples(self, period: Expr, known: Mapping[Expr, Ball]) -> tuple[int, ...]:
         """The number of whole sampling periods in each delay."""
-        return tuple(_floor(lag / period, known) for lag, _ in self.terms)
+        return tuple(_floor(x, known) for x in _ratios(self, period))
+
+
+@lru_cache(maxsize=64)
+def _ratios(plant: Plant, period: Expr) -> list[Expr]:
+    """The delays of a plant, in sampling periods."""
+    return [lag / period for lag, _ in plant.terms]
+
+
+@lru_cache(maxsize=64)
+def _rests(plant: Plant, period: Expr, whole: tuple[int, ...]) -> list[Expr]:
+    """What of its delays is left beyond whole sampling periods."""
+    return [lag - ell * period for (lag, _), ell in zip(plant.terms, whole, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -414,7 +438,7 @@ class SampledLoop:
         """A N and B Q, polynomials in z - 1."""
 
         def in_balls(row: tuple[Expr, ...]) -> Any:
-            return _polynomial([expression_ball(x, known) for x in _shifted(row, self._size)])
+            return _polynomial([_ball(x, known) for x in _shifted(row, self._size)])
 
         above, below = in_balls(self.above), in_balls(self.below)
         return above * moved.above, below * moved.below
@@ -432,7 +456,7 @@ class SampledLoop:
         """
         moved = self._moved(known)
         c = about_axis(self._row(moved, known)[always:])
-        above, below = (expression_ball(x, known) for x in self.at_minus_one)
+        above, below = (_ball(x, known) for x in self.at_minus_one)
         there = below * moved.below(arb(-2)) + above * moved.opposite
         there = there / (-2) ** always
         n = len(c) - 1
@@ -480,13 +504,8 @@ def _count_right(c: Sequence[Ball]) -> int | None:
 def about_axis(row: Sequence[Ball]) -> list[Ball]:
     """The coefficients in v, ascending, of (1 - v)^n p(z - 1), where z - 1 = 2 v/(1 - v) and n is
     the degree of p."""
-    n = len(row) - 1
-    total = arb_poly([])
-    for x, in_v in zip(row, _turned(n), strict=True):
-        total = total + x * in_v
-    c = total.coeffs()
-    missing = n + 1 - len(c)
-    return [*c, *[arb(0)] * missing]
+    c: list[Ball] = (_turned(len(row) - 1) * matrix([[x] for x in row], 1)).entries()
+    return c
 
 
 def hurwitz(c: Sequence[Ball]) -> Ball:
@@ -495,12 +514,19 @@ def hurwitz(c: Sequence[Ball]) -> Ball:
     n = len(c) - 1
     if n < 2:
         return arb(1)
-    descending = c[::-1]
+    padded = [*c[::-1], arb(0)]
+    return matrix([[padded[k] for k in row] for row in _hurwitz_places(n)]).det()
+
+
+@lru_cache(maxsize=64)
+def _hurwitz_places(n: int) -> list[list[int]]:
+    """Which coefficient stands where in Hurwitz' matrix of order n - 1, the highest one being
+    number 0; n + 1 is none."""
     rows = []
     for i in range(1, n):
         places = [2 * j - i for j in range(1, n)]
-        rows.append([descending[k] if 0 <= k <= n else arb(0) for k in places])
-    return matrix(rows).det()
+        rows.append([k if 0 <= k <= n else n + 1 for k in places])
+    return rows
 
 
 def has_no_pair(c: Sequence[Ball], lines: Sequence[LinearEnclosure] = ()) -> bool:
@@ -573,7 +599,7 @@ def most_on_circle(
     0 or 1; None where neither is proven.
 
     With 0 no root is on the circle for any value. Where one parameter varies, tests and
-    coefficients are enclosed by interpolation on circles about it, too: with a resonance between
+    coefficients are enclosed by interpolation, too: with a resonance between
     clock and hand, as behind a compliance, balls are up to a thousand times as wide as the range of
     the coefficients. A test whose derivative has one sign all over is 0 at most once.
     """
@@ -595,7 +621,7 @@ def most_on_circle(
     if len(known) > 1:
         return None
     [(symbol, q)] = known.items()
-    pair, *lines = over_circle(lambda x: tested({symbol: x}), q.mid(), q.rad())
+    pair, *lines = over_ellipse(lambda x: tested({symbol: x}), q.mid(), q.rad())
     at_1, *c = lines
     ends = at_1, c[-1]
     if not all(x.ball.is_finite() for x in lines):
@@ -639,12 +665,25 @@ def _of_numbers(plant: Plant, period: Expr, bits: int) -> _Moved:
     return _moved(plant, period, {})
 
 
+def _ball(x: Expr, known: Mapping[Expr, Ball]) -> Ball:
+    """``expression_ball``, from the cache where no symbol is in it."""
+    number = _number_ball(x, flint.ctx.prec)
+    return expression_ball(x, known) if number is None else number
+
+
+@lru_cache(maxsize=512)
+def _number_ball(x: Expr, bits: int) -> Ball | None:
+    """A ball around a number at the working precision ``bits``; None of what holds symbols."""
+    assert bits == flint.ctx.prec
+    return None if x.free_symbols else expression_ball(x)
+
+
 def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     """The pulse transfer function of a plant where symbols have the values ``known``."""
     whole = plant.samples(period, known)
-    T = expression_ball(period, known)
-    lead = expression_ball(plant.denominator[-1], known)
-    Q = [expression_ball(x, known) / lead for x in plant.denominator]
+    T = _ball(period, known)
+    *_, lead = row = [_ball(x, known) for x in plant.denominator]
+    Q = [x / lead for x in row]
     n = len(Q) - 1
     states = States(Q)
     integral = states.integral(T)
@@ -656,14 +695,15 @@ def _moved(plant: Plant, period: Expr, known: Mapping[Expr, Ball]) -> _Moved:
     total = arb_poly([])
     opposite = arb(0)
     longest = max(whole) + 1
-    for (lag, above), ell in zip(plant.terms, whole, strict=True):
-        N = [expression_ball(x, known) / lead for x in above]
+    rests = _rests(plant, period, whole)
+    for (_, above), ell, rest in zip(plant.terms, whole, rests, strict=True):
+        N = [_ball(x, known) / lead for x in above]
         N += [arb(0)] * (n + 1 - len(N))
         direct = N[n]
         # N/Q = N_n + C (s - A)^-1 e: the direct term apart, the rest is strictly proper.
         proper = [x - direct * q for x, q in zip(N, Q, strict=True)]
         C = states.row(proper[:n])
-        theta = expression_ball(lag - ell * period, known)
+        theta = _ball(rest, known)
         by_series = None
         if theta.is_zero():
             # A delay of whole samples only shifts.
@@ -714,14 +754,16 @@ def _between(C: Any, adjugate: list[Any], start: Any) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _turned(n: int) -> list[Any]:
-    """The polynomials (z - 1)^k (1 - v)^n = (2 v)^k (1 - v)^(n - k) in v, k = 0, ..., n."""
+def _turned(n: int) -> Any:
+    """The matrix whose columns are the coefficients in v of (z - 1)^k (1 - v)^n = (2 v)^k (1 -
+    v)^(n - k), k = 0, ..., n."""
     rows = []
-    for k in range(n + 1):
-        power = arb_poly([0] * k + [2**k])
-        binomials = [(-1) ** i * comb(n - k, i) for i in range(n - k + 1)]
-        rows.append(power * arb_poly(binomials))
-    return rows
+    for power in range(n + 1):
+        of_powers = [(k, power - k) for k in range(n + 1)]
+        rows.append(
+            [arb(2**k * (-1) ** i * comb(n - k, i)) if i >= 0 else arb(0) for k, i in of_powers]
+        )
+    return arb_mat(rows)
 
 
 @lru_cache(maxsize=64)

@@ -27,7 +27,7 @@ from flint import acb, acb_poly, arb, arb_poly
 from sympy import Expr, Rational
 
 from haptisym.kernel.budget import Waiting, tick
-from haptisym.kernel.enclosures import over_circle
+from haptisym.kernel.enclosures import over_ellipse
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import (
     Ball,
@@ -107,7 +107,7 @@ def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly
         coefficients: list[Ball] = loop.loop.sides({loop.symbol: theta})[0].coeffs()
         return coefficients
 
-    lines = over_circle(numerator, middle, radius)
+    lines = over_ellipse(numerator, middle, radius)
     N, Q = loop.loop.sides({loop.symbol: middle})
     # At z = 1 a delay changes nothing: the value there is exact, with no width and no slope.
     start = (N[0], arb(0), arb(0))
