@@ -104,7 +104,7 @@ def nearest(x: arb, dtype: DTypeLike) -> Any:
 BITS = 256
 # Of two. A double reaches from 2^-1022 to 2^1024: products of terms within 2^+-1000 neither
 # underflow nor overflow, and 2^22 of them may still be added up.
-_MOST_EXPONENT = 1000
+MOST_EXPONENT = 1000
 
 
 @dataclass(frozen=True)
@@ -181,16 +181,18 @@ def coefficients(terms: Sequence[Monomial], rows: int, powers: Monomials) -> Bat
     return Batch(values, sizes, 2 + degree + len(terms))
 
 
-def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]) -> Array:
+def within_reach(
+    values: Array, products: Iterable[Sequence[Sequence[Monomial]]], most: float = MOST_EXPONENT
+) -> Array:
     """The sets for which no product of sums of monomials, one of each of those in a row, can
     underflow or overflow.
 
-    With |log2| of every parameter that is not zero at most e, any product of terms lies within
-    2^+-(degree e + constants).
+    ``most`` : the largest exponent of two of a product. With |log2| of every parameter that is not
+    zero at most e, any product of terms lies within 2^+-(degree e + constants).
     """
     # In the bound of Higham a rounding is relative, which is not so where a product underflows. 0
     # is exact, whatever it is multiplied with, so that parameters of 0 are allowed.
-    limit = min(map(_limit, products), default=0.0)
+    limit = min((_limit(sums, most) for sums in products), default=0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         exponents = np.abs(np.log2(np.abs(values)))
     fits = (values == 0) | (exponents <= limit)
@@ -198,7 +200,7 @@ def within_reach(values: Array, products: Iterable[Sequence[Sequence[Monomial]]]
     return within
 
 
-def _limit(sums: Sequence[Sequence[Monomial]]) -> float:
+def _limit(sums: Sequence[Sequence[Monomial]], most: float) -> float:
     """The largest |log2| of the parameters for which no product of terms, one of each sum, leaves
     the range of floats."""
     degree = 0
@@ -206,7 +208,7 @@ def _limit(sums: Sequence[Sequence[Monomial]]) -> float:
     for terms in sums:
         degree += max(sum(t.exponents) for t in terms)
         constants += max(abs(log2(abs(t.constant))) for t in terms)
-    return (_MOST_EXPONENT - constants) / max(degree, 1)
+    return (most - constants) / max(degree, 1)
 
 
 # Zeros in Re s > 0.

@@ -57,6 +57,8 @@ _LIMIT_SYMBOLS = {part: Symbol(f"c_{part.value}", positive=True) for part in Par
 
 FamilyProduct: TypeAlias = tuple[Family, ...]
 """The factors of a product, each as often as it stands there."""
+TwoProducts: TypeAlias = tuple[FamilyProduct, FamilyProduct]
+"""A function whose sign is asked for: a product, minus another one, which is 0 if it is empty."""
 _Factors: TypeAlias = Sequence[tuple[Polynomial, int]]
 """Irreducible polynomials of a ring with their multiplicities."""
 
@@ -128,15 +130,15 @@ class Curves:
     has_waves: bool
 
     @property
-    def products(self) -> Iterator[FamilyProduct]:
-        """All products of factors whose signs are needed."""
+    def functions(self) -> Iterator[TwoProducts]:
+        """All functions whose signs are needed."""
         for excess in self.excess.values():
             if isinstance(excess, FamilyLattice):
-                yield from ((f,) for f in excess.factors)
+                yield from (((f,), ()) for f in excess.factors)
             elif excess is not None:
-                yield from (excess.above, excess.below)
-        yield from (x for x in self.changeovers if x is not None)
-        yield from ((x,) for x in self.nonzero)
+                yield excess.above, excess.below
+        yield from ((x, ()) for x in self.changeovers if x is not None)
+        yield from (((x,), ()) for x in self.nonzero)
 
 
 def curves_of(scene: Scene, swept: Sequence[Knob]) -> Curves | None:

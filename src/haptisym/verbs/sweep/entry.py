@@ -65,6 +65,7 @@ if TYPE_CHECKING:
 
 
 SETS_IN_A_BLOCK = 65_536
+_MANY_SETS = 250_000  # for which machine code is worth loading, and compiling once
 PATIENCE = 1.0
 """Seconds after which, as nearly as one can tell, what is computed is written down and told."""
 Region: TypeAlias = tuple[slice, ...]
@@ -141,7 +142,9 @@ class SweepGrid:
     @cached_property
     def evaluator(self) -> SetEvaluator:
         """What computes the variables of sets."""
-        return SetEvaluator.of(self.scene, [axis.knob for axis in self.axes])
+        return SetEvaluator.of(
+            self.scene, [axis.knob for axis in self.axes], many=self.sets >= _MANY_SETS
+        )
 
     def regions(self) -> Iterator[Region]:
         """The blocks, in the order of the grid."""

@@ -6,7 +6,8 @@ changes of Re H_env and Re H_perc), and the roots in each hand. Three ways, trie
 
 1. *Floats with bounds*, for thousands of sets at once (``passes.Pass``): all zeros of the functions
    that decide these answers (``curves``). A set whose answers the bounds do not prove is left.
-   Floats are doubles, then wider ones where there are no waves.
+   Floats are doubles, then wider ones where there are no waves. Very many sets without waves go
+   through machine code first, where Numba is installed (``compiled``).
 2. *Exact arithmetic*, for one set that is left: the certified chart of an evaluation
    (``exactanswers``).
 3. *No answer*, where that stays undecided or takes too long.
@@ -21,8 +22,11 @@ frequency lies within ``passes.TOLERANCE`` of the true one.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +49,7 @@ class SetEvaluator:
 
     ``curves`` : the functions whose zeros are computed in floats; None where exact arithmetic alone
     is left. ``hands`` : of each hand of the scene, likewise.
+    ``many`` : whether there are so many sets that machine code is worth its compilation.
     """
 
     scene: Scene
@@ -52,14 +57,15 @@ class SetEvaluator:
     curves: Curves | None
     band: Band
     hands: tuple[HandCurve | None, ...] = ()
+    many: bool = False
 
     @classmethod
-    def of(cls, scene: Scene, swept: Sequence[Knob]) -> SetEvaluator:
+    def of(cls, scene: Scene, swept: Sequence[Knob], *, many: bool = False) -> SetEvaluator:
         """The evaluator of a scene and the numbers that are swept."""
         curves = curves_of(scene, swept)
         band = Band.of(*scene.band, curves.step if curves else 1)
         # A copy has none of the scene's cached closed forms, which would travel to other processes.
-        return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept))
+        return cls(replace(scene), tuple(swept), curves, band, hand_curves(scene, swept), many)
 
     @property
     def sweep_variables(self) -> SweepVariables:
@@ -88,21 +94,38 @@ class SetEvaluator:
         count = values.shape[1]
         columns = _blank(self.sweep_variables, count)
         left = np.arange(count)
-        # Doubles first, wider floats for what is left; with waves only doubles have a known error.
-        for kind in FLOAT_KINDS if self.curves else ():
-            if kind is np.float64 or not self.has_waves:
-                left = self._in_floats(values.astype(kind), columns, left)
+        for each in self._passes:
+            left = self._in_floats(each, values, columns, left)
         return columns, left
 
-    def _in_floats(self, values: Array, columns: Columns, sets: Array) -> Array:
-        """Answer those sets that floats of this kind can prove, in ``columns``; return the indices
+    @cached_property
+    def _passes(self) -> list[Callable[[Array], Pass]]:
+        """The kinds of passes, each for what the one before leaves."""
+        if self.curves is None:
+            return []
+        if self.has_waves:
+            # Only of doubles is the error of a sine known.
+            return [partial(Pass, self.curves, self.band)]
+        found: list[Callable[[Array], Pass]] = []
+        if self.many:
+            # Numba is an extra, each version of it takes some versions of NumPy alone, and it needs
+            # a folder for what it has compiled.
+            with suppress(ImportError, RuntimeError):
+                from haptisym.verbs.sweep.compiled import compiled_passes
+
+                found += compiled_passes(self.curves, self.band)
+        kinds = FLOAT_KINDS[1:] if found else FLOAT_KINDS
+        return [*found, *(partial(_in_kind, self.curves, self.band, kind) for kind in kinds)]
+
+    def _in_floats(
+        self, kind: Callable[[Array], Pass], values: Array, columns: Columns, sets: Array
+    ) -> Array:
+        """Answer those sets that passes of this kind can prove, in ``columns``; return the indices
         of the others. ``sets`` : which are to be answered."""
-        assert self.curves is not None
         left = [sets[:0]]
         for i in range(0, len(sets), _SETS_AT_ONCE):
             some = sets[i : i + _SETS_AT_ONCE]
-            batch = Pass(self.curves, self.band, values[:, some])
-            answers, decided = batch.answers()
+            answers, decided = kind(values[:, some]).answers()
             for name, column in answers.items():
                 columns[name][some[decided]] = column[decided]
             left.append(some[~decided])
@@ -115,6 +138,11 @@ class SetEvaluator:
             columns[name] = counts
             columns["method"] = np.maximum(columns["method"], method)
         return columns
+
+
+def _in_kind(curves: Curves, band: Band, kind: Any, values: Array) -> Pass:
+    """A pass in floats of a kind."""
+    return Pass(curves, band, values.astype(kind))
 
 
 def _blank(variables: SweepVariables, sets: int) -> Columns:

@@ -33,14 +33,14 @@ from sympy import Expr
 
 from haptisym.kernel.reals import ExactNumber, bounds
 from haptisym.verbs.sweep.axes import ABSENT, FLOAT, SYSTEMS
-from haptisym.verbs.sweep.batch import Array, Monomials, within_reach
+from haptisym.verbs.sweep.batch import MOST_EXPONENT, Array, Monomials, within_reach
 from haptisym.verbs.sweep.curves import Curves, Excess, FamilyProduct, ThresholdPolynomial
 from haptisym.verbs.sweep.delayterms import Family, FamilyFactor, Function, Zeros, isolate, refine
 from haptisym.verbs.sweep.signchanges import SignChanges, lattice_changes, transparent_share
 
 TOLERANCE = 1e-10
 """Relative: every frequency that is answered is proven to lie this close to the true one."""
-_VARIABLE_TOLERANCE = 0.95 * TOLERANCE
+VARIABLE_TOLERANCE = 0.95 * TOLERANCE
 """The same for x = (omega/scale)^step, step 1 or 2: the rest is for taking the root and scaling
 back."""
 _CLOSE = 4 * TOLERANCE
@@ -93,13 +93,16 @@ class Pass:
     ``decided``: for each set, whether all that is computed of it is proven so far.
     """
 
+    most_exponent = MOST_EXPONENT
+
     def __init__(self, curves: Curves, band: Band, values: Array) -> None:
         """``values`` : of the parameters in rows, sets in columns."""
         self.curves, self.band = curves, band
         self.sets = values.shape[1]
         self.powers = Monomials(values)
-        terms = ([f.terms for f in product] for product in curves.products)
-        self.decided = within_reach(values, terms)
+        products = (product for function in curves.functions for product in function)
+        terms = ([f.terms for f in product] for product in products if product)
+        self.decided = within_reach(values, terms, self.most_exponent)
         self._factors: dict[Family, FamilyFactor] = {}
 
     def answers(self) -> tuple[Columns, Array]:
@@ -112,7 +115,7 @@ class Pass:
             for name, excess in self.curves.excess.items():
                 crossings[name] = self._crossings(excess)
             changeover_changes = [
-                self._sign_changes(None if x is None else self._at(x))
+                self._no_changes(-1) if x is None else self._sign_changes(x)
                 for x in self.curves.changeovers
             ]
         columns: Columns = {"method": np.full(self.sets, FLOAT, dtype=np.int8)}
@@ -125,6 +128,10 @@ class Pass:
             columns[f"changeovers_{name}"] = count
             columns[f"changeover_{name}"] = first
         return columns | self._transparency(crossings, columns), self.decided
+
+    def _function(self, above: FamilyProduct, below: FamilyProduct) -> Function:
+        """The product of some families minus that of others, which may be none."""
+        return self._at(above) - self._at(below) if below else self._at(above)
 
     def _at(self, families: FamilyProduct) -> Function:
         """The product of some families, with coefficients and rates for each set."""
@@ -140,17 +147,21 @@ class Pass:
         """Leave those sets undecided for which one of these functions has a zero on the band:
         denominators, and factors at whose zeros no sign changes (``Curves.nonzero``)."""
         for f in families:
-            zeros = self._isolated(self._at((f,)))
-            self.decided[zeros.sets] = False
+            self.decided[self._sets_with_zero(f)] = False
+
+    def _sets_with_zero(self, f: Family) -> Array:
+        """The sets for which a function has a zero on the band; some may be there several times."""
+        sets: Array = self._isolated(self._at((f,))).sets
+        return sets
 
     def _crossings(self, excess: Excess | None) -> SignChanges:
         """The sign changes of a criterion's excess; None stands for one that is negative
         everywhere."""
         if excess is None:
-            return self._sign_changes(None)
+            return self._no_changes(-1)
         if isinstance(excess, ThresholdPolynomial):
-            return self._sign_changes(self._at(excess.above) - self._at(excess.below))
-        changes = {f: self._sign_changes(self._at((f,))) for f in excess.factors}
+            return self._sign_changes(excess.above, excess.below)
+        changes = {f: self._sign_changes((f,)) for f in excess.factors}
         if not changes:
             return self._no_changes(excess.sign)
         crossings, decided = lattice_changes(excess, changes, self.band.low_fraction, _CLOSE)
@@ -164,26 +175,27 @@ class Pass:
         self.decided &= zeros.decided
         return zeros
 
-    def _sign_changes(self, f: Function | None) -> SignChanges:
-        """The zeros of a function, all simple, to the promised accuracy; None stands for one that
-        is negative everywhere, as r^2 - c^2 for r = 0."""
-        if f is None:
-            return self._no_changes(-1)
+    def _sign_changes(self, above: FamilyProduct, below: FamilyProduct = ()) -> SignChanges:
+        """The zeros of a function, all simple, to the promised accuracy."""
+        f = self._function(above, below)
         isolated = self._isolated(f)
-        x, is_refined = refine(
-            f.of(isolated.sets), isolated.low, isolated.high, _VARIABLE_TOLERANCE
-        )
+        x, is_refined = refine(f.of(isolated.sets), isolated.low, isolated.high, VARIABLE_TOLERANCE)
         self.decided[isolated.sets[~is_refined]] = False
+        return self._changes(isolated.sets, x, isolated.first)
+
+    def _changes(self, sets: Array, x: Array, first: Array) -> SignChanges:
+        """The sign changes of a function from all its zeros x, ascending for each set."""
         root = np.sqrt(x) if self.curves.step == 2 else x
         fractions = root.astype(float)
         # Segments overlap by a unit in the last place, where a zero would be found twice.
         is_close = np.diff(fractions) < _CLOSE * fractions[1:]
-        is_same_set = np.diff(isolated.sets) == 0
-        self.decided[isolated.sets[1:][is_close & is_same_set]] = False
-        return SignChanges(isolated.sets, fractions, isolated.first)
+        is_same_set = np.diff(sets) == 0
+        self.decided[sets[1:][is_close & is_same_set]] = False
+        return SignChanges(sets, fractions, first)
 
     def _no_changes(self, sign: int) -> SignChanges:
-        """Those of a function that has one sign on the whole band for all sets."""
+        """Those of a function that has one sign on the whole band for all sets, as r^2 - c^2 for
+        r = 0, which is negative."""
         no_sets, no_frequencies = np.zeros(0, dtype=int), np.zeros(0)
         return SignChanges(no_sets, no_frequencies, np.full(self.sets, sign))
 
