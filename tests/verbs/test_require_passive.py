@@ -596,3 +596,15 @@ def test_beyond_what_is_cut_finely_wide_ranges_are_told_as_they_are() -> None:
     for mass in ("1", "1.8 kg", "50", "100000"):
         assert not is_open(found, float(scene.with_values({"environment.m": mass}).knobs["environment.m"].value))
         assert scene.with_values({"environment.m": mass}).distortion().compile()(omega).perceived_imag.min() < 0
+
+
+def test_a_display_with_friction_is_passive_up_to_the_stiffness_at_which_its_damping_is_used_up() -> None:
+    found = hs.require("stick-with-friction", "environment.k", that="passive")
+    [piece] = found.values.feasible
+    # Of s = j omega: (m s^2 + b s + k) w^2/(s^2 + w s + w^2), w = 80 rad/s, and 4 F/(pi A) j of the friction.
+    p = 1j * np.geomspace(0.01, 1e4, 200_001)
+
+    def energy(k: float) -> Any:
+        return ((1.8 * p**2 + 15 * p + k) * 6400 / (p**2 + 80 * p + 6400)).imag + 4 * 0.26 / (np.pi * 0.05)
+
+    assert energy(float(piece.high) - 0.1).min() > 0 > energy(float(piece.high) + 0.1).min()

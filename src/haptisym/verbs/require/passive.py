@@ -26,7 +26,7 @@ from itertools import count
 
 import flint
 from flint import acb_poly, arb
-from sympy import Expr, Integer, Rational, pi
+from sympy import Expr, I, Integer, Rational, pi
 
 from haptisym.judge.bindings import Binding, Kind
 from haptisym.judge.colgate import SampledPassivity, loop_of, sampled_passivity
@@ -331,6 +331,10 @@ def solve_passive(scene: Scene, free: Knob, asked: Domain) -> ValueSet:
         turns = [*_of_signs(condition, free), *turns_of_poles(perceived, free)]
 
         def lone(x: CriticalValue) -> bool | None:
+            # With friction j is among the numbers of H_perc, which balls of real numbers do not
+            # hold: what a value alone does is then not known.
+            if I in perceived.ring.generators:
+                return None
             if _is_denied_by_poles(perceived, free, x.value):
                 return False
             return _alone_by_signs(scene, condition, free, x)
