@@ -516,7 +516,7 @@ def test_the_shipped_wave_variable_link_is_decided() -> None:
 def test_spring_pots_of_any_order_are_judged(order: str) -> None:
     """k s^alpha takes energy at every frequency; behind a filter of second order it gives some back."""
     pot: Any = hs.environments.spring_pot(100, order)
-    found = hs.stability(hs.Scene(pot, (hs.effects.second_order_lowpass(80, 0.5),)), "light-touch")
+    found = hs.stability(hs.Scene(pot, (hs.effects.second_order_lowpass(80, 0.5),)))
     assert found.imposed.stable is True
     assert found.every_passive_hand.holds is False
     assert passivity(hs.Scene(pot, (hs.effects.shunt(m=1, b=1),))).holds is True
@@ -725,7 +725,7 @@ def test_a_hand_makes_up_for_the_negative_damping_of_a_device_where_the_clock_as
     for more, stable in (("0.99", False), ("1.01", True)):
         hand = hs.Hand("own", m=0, b=-b * Rational(more), k=3)
         assert found.every_passive_hand.sampled.is_held_by(hand.b.value, hand.k.value) is stable
-    assert hs.stability(scene, hs.Hand("own", m=1, b=-b * Rational("1.01"), k=3)).held[0].stable is True
+    assert held(scene, hs.Hand("own", m=1, b=-b * Rational("1.01"), k=3)).stable is True
 
 
 def test_without_any_damping_a_motion_may_go_on_between_the_samples() -> None:

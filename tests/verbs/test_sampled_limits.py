@@ -390,6 +390,8 @@ def test_it_does_not_where_the_number_takes_away_or_something_yields(device: dic
     assert is_held(scene, hand, scene.knobs["effects.shunt.m"], Rational(1, 2)) is not bool(drive)
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_every_number_of_a_sampled_wall_is_told_where_eigenvalues_leave_the_circle() -> None:
     """None is asked about; what moves, exactly sampled by SciPy, with the samples that the backward difference keeps."""
     given = {"k": 400.0, "b": 0.4, "T": 1e-3, "m": 0.05, "d": 0.8}
