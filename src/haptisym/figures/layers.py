@@ -990,8 +990,10 @@ class Room:
         if line.get_linestyle() not in ("None", "none", " ", ""):
             # What is far off the axes is brought near: its length would make samples coarse.
             scale = self.ax.figure.dpi / 72
-            points = _dense(np.clip(points, 2 * low - high, 2 * high - low) / scale) * scale
-        seen: Array = points[((points >= low) & (points <= high)).all(axis=1)]
+            near = np.clip(points, 2 * low - high, 2 * high - low)
+            points = _dense(near / scale) * scale
+        within = (points >= low) & (points <= high)
+        seen: Array = points[within.all(axis=1)]
         return seen * 72 / self.ax.figure.dpi
 
     def beside(self, x: float, y: float, text: str, size: float) -> Span:

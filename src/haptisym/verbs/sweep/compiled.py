@@ -26,7 +26,7 @@ building blocks of double-word arithmetic, ACM Transactions on Mathematical Soft
 algorithms 6 and 10; J.-M. Muller and L. Rideau, same journal, 48, 2022), if nothing underflows or
 overflows on the way.
 
-Begin with ``compiled_passes``, then ``Plan.zeros``.
+Begin with ``compiled_passes``, then ``ZeroSearch.zeros``.
 """
 
 from __future__ import annotations
@@ -101,8 +101,11 @@ def _exact_product(a: float, b: float) -> tuple[float, float]:
     far_a, far_b = _SPLITTER * a, _SPLITTER * b
     high_a, high_b = far_a - (far_a - a), far_b - (far_b - b)
     low_a, low_b = a - high_a, b - high_b
+    # The order of these sums is that in which each of them is exact.
     left = high_a * high_b - product
-    return product, ((left + high_a * low_b) + low_a * high_b) + low_a * low_b
+    left += high_a * low_b
+    left += low_a * high_b
+    return product, left + low_a * low_b
 
 
 @_compiled
@@ -227,11 +230,15 @@ def _cut(b: Array, sizes: Array, n: int, lower: Array, lower_sizes: Array) -> No
     """Leave the coefficients on the second half of a segment, and put those on the first half in
     ``lower`` (de Casteljau)."""
     for k in range(n):
-        lower[k], lower_sizes[k] = b[0], sizes[0]
+        lower[k] = b[0]
+        lower_sizes[k] = sizes[0]
+        # Each coefficient becomes the mean of itself and its neighbour.
         for i in range(n - k):
-            b[i] = _half(_sum(b[i], b[i + 1]))
+            both = _sum(b[i], b[i + 1])
+            b[i] = _half(both)
             sizes[i] = 0.5 * (sizes[i] + sizes[i + 1])
-    lower[n], lower_sizes[n] = b[0], sizes[0]
+    lower[n] = b[0]
+    lower_sizes[n] = sizes[0]
 
 
 @_compiled
@@ -324,14 +331,21 @@ def _multiplied(
     a: Array, of_a: Array, n: int, b: Array, of_b: Array, m: int, room: Array, rooms: Array
 ) -> None:
     """Multiply a polynomial of degree n, and its sizes, by one of degree m, in place."""
-    for k in range(n + m + 1):
-        total, size = a[0] * 0.0, 0.0
-        for i in range(max(0, k - m), min(n, k) + 1):
-            total = _sum(total, _times(a[i], b[k - i]))
+    none, degree = a[0] * 0.0, n + m
+    for k in range(degree + 1):
+        # The coefficient of x^k is the sum of a_i b_(k - i), 0 <= i <= n and 0 <= k - i <= m.
+        total, size = none, 0.0
+        first = max(0, k - m)
+        last = min(n, k)
+        for i in range(first, last + 1):
+            product = _times(a[i], b[k - i])
+            total = _sum(total, product)
             size += of_a[i] * of_b[k - i]
-        room[k], rooms[k] = total, size
-    for k in range(n + m + 1):
-        a[k], of_a[k] = room[k], rooms[k]
+        room[k] = total
+        rooms[k] = size
+    for k in range(degree + 1):
+        a[k] = room[k]
+        of_a[k] = rooms[k]
 
 
 @_compiled
@@ -437,7 +451,7 @@ def _all_zeros(
 
 
 @dataclass(frozen=True)
-class Plan:
+class ZeroSearch:
     """The functions of a sweep as arrays for machine code, with numbers of one kind.
 
     ``index`` : the place of each function. ``most`` : zeros of one function at most, and one more.
@@ -448,7 +462,7 @@ class Plan:
     arrays: tuple[Any, ...]
 
     @classmethod
-    def of(cls, curves: Curves, ends: tuple[float, ...], kind: Any) -> Plan | None:
+    def of(cls, curves: Curves, ends: tuple[float, ...], kind: Any) -> ZeroSearch | None:
         """The plan for all functions of a scene on a band from its low end, of which ``ends`` are
         one float or the two about it, to 1; None where weights are too small, or there is no
         function."""
@@ -505,7 +519,7 @@ class CompiledPass(Pass):
 
     most_exponent = _MOST_EXPONENT
 
-    def __init__(self, plan: Plan, curves: Curves, band: Band, values: Array) -> None:
+    def __init__(self, plan: ZeroSearch, curves: Curves, band: Band, values: Array) -> None:
         super().__init__(curves, band, values)
         self.index = plan.index
         self.zeros, self.counts, self.first = plan.zeros(values)
@@ -524,7 +538,7 @@ class CompiledPass(Pass):
 def compiled_passes(curves: Curves, band: Band) -> list[Callable[[Array], CompiledPass]]:
     """The passes in machine code for a scene, in doubles, then in pairs; none where weights are too
     small."""
-    plans = [Plan.of(curves, band.ends, kind) for kind in _UNITS]
+    plans = [ZeroSearch.of(curves, band.ends, kind) for kind in _UNITS]
     return [partial(CompiledPass, plan, curves, band) for plan in plans if plan]
 
 
