@@ -504,6 +504,22 @@ def test_what_damps_nowhere_or_gives_energy_back_is_not_called_stable_by_its_par
     assert hs.stability(gives).imposed.stable is not True
 
 
+def test_a_link_may_turn_a_resonance_without_damping_round_to_the_hand() -> None:
+    """At 0.5 Hz the environment has a force without motion, and the link of 1 s, half a period, leaves it one: H_perc has a pole there."""
+    values = {"b": "1 N*s/m", "k": "1 N/m", "w": "0.5 Hz"}
+    resonance = environments.expression("b*s + k*s^2/(s^2 + w^2)", parameters=values)
+    scene = hs.Scene(resonance, (effects.wave_variables(2, "1 s"),), ("0 Hz", "0.3 Hz"))
+
+    def perceived(z: Any) -> Any:
+        H, sinh, cosh = z + z**2 / (z**2 + mpmath.pi**2), mpmath.sinh(z), mpmath.cosh(z)
+        return (cosh * H + 2 * z * sinh) / (sinh / (2 * z) * H + cosh)
+
+    near = [abs(perceived(1j * mpmath.pi + d)) * d for d in (1e-3, 1e-4)]
+    assert near == [pytest.approx(1.2568, rel=2e-3)] * 2
+    assert hs.evaluate(scene).stable is not True
+    assert hs.stability(scene).imposed.stable is not True
+
+
 def test_the_shipped_wave_variable_link_is_decided() -> None:
     found = hs.stability("wave-variable-link", "light-touch")
     assert (found.imposed.stable, found.imposed.unstable, found.every_passive_hand.holds) == (True, 0, True)

@@ -623,16 +623,30 @@ def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
         return verdict
     alone = environment_alone(scene)
     try:
-        if alone and (passivity(alone).dissipates or _dissipates_by_signs(alone)):
+        if alone and (_dissipates_without_resonance(alone) or _dissipates_by_signs(alone)):
             return True
         return False if _has_pole_on_axis(distortion) else None
     except UndecidedError:
         return None
 
 
+def _dissipates_without_resonance(scene: Scene) -> bool:
+    """Whether an environment alone is passive, Im H_env > 0 at every frequency > 0, and H_env has
+    no pole on the axis; False proves nothing.
+
+    The last does not follow: b s + k s^2/(s^2 + w^2) is passive, and Im H = b omega > 0, but at w
+    it has a force without any motion, which a wave-variable link may turn round to the hand.
+    """
+    alone = passivity(scene)
+    if not alone.dissipates:
+        return False
+    H = alone.distortion.perc
+    return not count_roots(H.denominator, ring_of(H)).on_axis
+
+
 def _dissipates_by_signs(scene: Scene) -> bool:
-    """Whether Im H_env > 0 at every frequency > 0 by signs alone, powers of s included; False
-    proves nothing."""
+    """Whether Im H_env > 0 at every frequency > 0 and H_env has no pole on the axis, by signs
+    alone, powers of s included; False proves nothing."""
     imaginary = scene.closed.env_response.raw_imag
     return is_positive_real_by_signs(scene.environment.H) and not imaginary.is_zero
 
