@@ -386,6 +386,15 @@ def test_an_order_of_a_power_of_s_is_no_group_and_without_a_scale_of_time_omega_
     assert [g.symbol.name for g in still.groups] == ["kappa"]
 
 
+def test_names_of_groups_and_of_the_frequency_are_those_of_no_pure_number() -> None:
+    values = {"x": 0.5, "zeta_env": 2, "b": "30 N*s/m", "k": "100 N/m", "m": "1.8 kg"}
+    stick = hs.environments.expression("m*s^2 + x*b*s + zeta_env*k", parameters=values)
+    found = groups(hs.Scene(stick, (hs.effects.second_order_lowpass("80 rad/s", 0.5),)))
+    names = [g.symbol.name for g in (found.frequency, *found.groups)]
+    assert len(set(names)) == len(names)
+    assert {"x", "zeta_env", "zeta"} < set(names[1:])
+
+
 @pytest.mark.parametrize("place", range(4))
 def test_units_that_do_not_fit_in_any_entry_of_a_chain_matrix_are_refused(place: int) -> None:
     """A frequency where a number, a stiffness, a compliance and a number belong; the last entry may be nothing."""

@@ -135,8 +135,11 @@ def groups(scene: Scene) -> Groups:
     unit_of_stiffness = _unit(stiffness, base, sizes)
     if unit_of_stiffness is None:
         raise _without_unit("H", base)
+    # x, unless a pure number of the scene has that name already.
+    names = {x.symbol.name for x in found}
+    letter = next(x for x in ("x", "Omega", "x_omega") if x not in names)
     return Groups(
-        DimensionlessGroup(Symbol("x", positive=True), omega / unit_of_frequency),
+        DimensionlessGroup(Symbol(letter, positive=True), omega / unit_of_frequency),
         tuple(found),
         tuple(base),
         unit_of_stiffness,
@@ -279,7 +282,7 @@ def _named(
             # A parameter's name stays that parameter's.
             if name in taken:
                 name = f"{letter}_{'env' if p.symbol in of_environment else key}"
-        if any(name == group.symbol.name for group, _ in named):
+        while name != key and (name in taken or any(name == x.symbol.name for x, _ in named)):
             name = f"{name}_{key}"
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
