@@ -6,14 +6,17 @@ import ast
 import inspect
 import re
 from collections.abc import Iterator
+from html import unescape
 from pathlib import Path
 
 import click
 import pytest
+from explorers import undrawn
 
 import haptisym as hs
 from haptisym import effects, environments, interop
 from haptisym.cli import VERBS, app
+from haptisym.writing.latex import latex
 
 ROOT = Path(__file__).parents[2]
 SOURCE = ROOT / "src" / "haptisym"
@@ -150,3 +153,24 @@ def test_paragraphs_of_the_docs_have_at_most_five_lines() -> None:
         for paragraph in prose.split("\n\n"):
             lines = paragraph.strip().splitlines()
             assert len(lines) <= 5 or re.match(r"[|#-]|\d\.|\$\$", lines[0]), (path.name, lines[0])
+
+
+DOCUMENTS = {
+    "a continuous device": lambda: hs.evaluate("fu2019"),
+    "a sampled device": lambda: hs.evaluate("sampled-wall"),
+    "a teleoperator": lambda: hs.evaluate("position-force-teleoperation"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_documents_are_in_the_terms_of_the_field(name: str) -> None:
+    """All that a document of LaTeX and a report contain in full, but for formulas."""
+    answer = DOCUMENTS[name]()
+    formulas = r"\$[^$]*\$|\\\[.*?\\\]|\\begin\{(align\*)\}.*?\\end\{\1\}|\\[A-Za-z]+\*?"
+    paper = re.sub(formulas, " ", latex(answer.document()), flags=re.DOTALL)
+    report = unescape(re.sub(r"<(style|script|math)\b.*?</\1>|<[^>]*>", " ", undrawn(answer), flags=re.DOTALL))
+    for text in (paper, report):
+        words = " ".join(text.split())
+        assert "The relative distortion, not to be confused with them, is" in words  # the derivation is there
+        assert dialect(words) == []

@@ -396,12 +396,12 @@ class SceneForms:
         # Of a plain threshold each part is judged by one function, not by a lattice of several.
         assert isinstance(excess, RealFunction)
         shown = self.polynomial(_excess(part), excess)
-        if isinstance(shown, doc.Line):
+        if isinstance(shown, doc.Line) and not is_long(shown.value, _SHORT):
             return shown
         # The polynomial is, up to a positive factor, (Re dH)^2 - c^2 |H_env|^2.
         change = Power(Fenced(quantity(f"{_OPERATORS[part]} dH")), Numeral("2"))
         return doc.Line(
-            shown,
+            _excess(part),
             Sum(
                 ((1, change), (-1, SideBySide((layout(limits[part] ** 2), quantity("|H_env|^2")))))
             ),
@@ -559,10 +559,7 @@ def _terms(expression: Expr) -> tuple[int, int]:
 _H = named("H")
 _VALUES = "the scene's values"
 _MOST_POLYNOMIALS = 12
-_WIDE = (
-    "Where terms cancel so that no coefficients of a readable length have these roots, the "
-    "distortion stands for them. "
-)
+_WIDE = "A polynomial too long to print is given by the distortion. "
 
 
 def derivation(forms: SceneForms) -> Iterator[Block]:
@@ -632,8 +629,8 @@ class _Steps:
         yield from self._equations([*lines, *(self.forms.in_symbols(DYNAMICS) or [])[1:]])
         if scene.parameters:
             rounded_so = (
-                "here and below, long numbers are rounded so that four digits of a value are "
-                "left, after ≈"
+                "here and below, long numbers after ≈ are rounded so that four digits of a value "
+                "are correct"
             )
             lead = f"With {_VALUES} ({rounded_so}):"
             yield from self._in_numbers(lead, self.forms.in_numbers(DYNAMICS))
@@ -643,7 +640,11 @@ class _Steps:
         where = Relation((named("s"), layout(I * omega)), ("=",))
         change = Relation((CHANGE, Sum(((1, H_PERC), (-1, H_ENV)))), ("=",))
         yield from self._formulas(
-            ("On ", where, " the distortion ", change, " has the parts"), DIFFERENCE
+            (
+                *("On ", where, " the parts of the distortion ", change),
+                ", and the modulus of the environment, are",
+            ),
+            DIFFERENCE,
         )
         yield from self._formulas(
             "The distortion ratios, which the threshold judges, are", RATIO_FORMS
@@ -652,7 +653,7 @@ class _Steps:
             "The relative distortion, not to be confused with them, is", RELATIVE
         )
         if self.evaluation.scene.parameters and self.forms.in_symbols(DIFFERENCE):
-            lead = f"With {_VALUES} the distortion is"
+            lead = f"With {_VALUES} these parts and the modulus are"
             yield from self._in_numbers(lead, self.forms.in_numbers(DIFFERENCE))
 
     def thresholds(self) -> Iterator[Block]:
@@ -671,19 +672,17 @@ class _Steps:
         exceeds = listed(
             (RATIOS[part], " exceeds exactly where ", _excess(part), " > 0") for part in Part
         )
+        rounded_so = "Coefficients after ≈ are rounded, with these roots to four digits. "
         lead: Phrase = (
-            "A ratio exceeds its threshold where its square does, and so no root is needed: ",
+            "A ratio exceeds its threshold where its square does, so no root is needed: ",
             exceeds,
-            f". These are {kind} ",
-            (
-                "with exact coefficients; the crossings are their roots on the band, to four "
-                "digits also where the "
-            ),
-            "coefficients are rounded, after ≈. ",
+            f". These are {kind}; the crossings are their roots on the band. ",
+            rounded_so if any(x.relation == "≈" for x in lines) else "",
             wide,
             "Written up to a positive factor:",
         )
-        yield from self._in_numbers(lead, lines)
+        yield doc.Paragraph(lead)
+        yield from self._equations(lines)
 
     def _regions(self) -> Iterator[Block]:
         """Yield, for a region or limits that are formulas in omega, the functions that decide what

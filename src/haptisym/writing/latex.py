@@ -133,6 +133,10 @@ _ACCENTS = {
 }
 _SIGNS = {"∞": r"\infty"}
 _NEGATIVE, _MINUS = re.compile(r"(?<![\w.})-])-(?=\.?\d)"), r"\\ensuremath{-}"
+_POWER, _TIMES = (
+    re.compile(r"(?<![\w.])(\d[\d.]*)e(-?)\+?0*(\d+)(?!\w)"),
+    r"\\ensuremath{\1\\times10^{\2\3}}",
+)
 _LONG_WORD = 20  # letters; a longer one gets places to break
 _BREAK = re.compile(r"\d{5}(?=\d{5})|[^\W_]{5}(?=[^\W_]{20})|[^\w\s](?=\w)|_(?=[^\W_])")
 
@@ -209,13 +213,13 @@ def coded(words: str) -> str:
 
 def spaced(words: str) -> str:
     r"""Words in LaTeX, with a space at their ends where they have one; a negative number has a
-    minus sign, not a hyphen.
+    minus sign, not a hyphen; a power of ten is set as one.
 
     >>> spaced("from -1.5 to 2e-3 ")
-    'from \\ensuremath{-}1.5 to 2e-3 '
+    'from \\ensuremath{-}1.5 to \\ensuremath{2\\times10^{-3}} '
     """
     before, after = (" " if x.isspace() else "" for x in (words[:1], words[-1:]))
-    return f"{before}{_NEGATIVE.sub(_MINUS, escape(words))}{after}"
+    return f"{before}{_POWER.sub(_TIMES, _NEGATIVE.sub(_MINUS, escape(words)))}{after}"
 
 
 def set_name(name: boxes.Name) -> str:
@@ -584,7 +588,11 @@ _TEMPLATE = r"""\documentclass[a4paper]{article}
 \renewcommand{\textfraction}{0.05}
 \renewcommand{\floatpagefraction}{0.85}
 %% Tables and figures stand where they are named: no float, but captions that count as theirs.
-\makeatletter \newcommand{\here}[1]{\def\@captype{#1}} \makeatother
+\makeatletter
+\newcommand{\here}[1]{\def\@captype{#1}}
+\renewcommand{\section}{\@startsection{section}{1}{0pt}{-2.4ex plus -1ex}{1ex}{\large\bfseries}}
+\renewcommand{\subsection}{\@startsection{subsection}{2}{0pt}{-2ex plus -1ex}{0.8ex}{\bfseries}}
+\makeatother
 %s
 \AtBeginDocument{\setlength{\abovedisplayskip}{4pt plus 2pt} \setlength{\belowdisplayskip}{4pt plus 2pt}}
 
@@ -775,14 +783,9 @@ class _Writer:
 
     @_written.register
     def _(self, block: doc.Facts) -> str:
-        rows = [rf"  \item[\normalfont {phrase(key)}] {phrase(words)}" for key, words in block.rows]
-        return "\n".join(
-            [
-                r"\begin{description} \setlength{\itemsep}{0pt} \setlength{\parskip}{0pt}",
-                *rows,
-                r"\end{description}",
-            ]
-        )
+        rows = [rf"  \item[{phrase(key)}] {phrase(words)}" for key, words in block.rows]
+        widest = phrase(max((key for key, _ in block.rows), key=lambda x: len(said(x))))
+        return "\n".join([_FACTS % widest, *rows, r"\end{list}"])
 
     @_written.register
     def _(self, block: doc.Flow) -> str:
@@ -825,8 +828,9 @@ class _Writer:
     def _float(self, kind: str) -> tuple[str, str]:
         """How a figure or a table begins and ends."""
         if self.is_whole:
-            begin = f"\\smallskip\\begin{{minipage}}{{\\linewidth}}\\centering\\here{{{kind}}}"
-            return begin, r"\end{minipage}\smallskip"
+            # No page ends between a table and the paragraph that names it.
+            begin = r"\nopagebreak\smallskip\begin{minipage}{\linewidth}\centering\here"
+            return f"{begin}{{{kind}}}", r"\end{minipage}\smallskip"
         return f"\\begin{{{kind}}}[!htbp]\n  \\centering", f"\\end{{{kind}}}"
 
     @_written.register
@@ -844,6 +848,11 @@ class _Writer:
         )
 
 
+_FACTS = r"""\begin{list}{}{\settowidth{\labelwidth}{%s} \setlength{\leftmargin}{\labelwidth}
+  \setlength{\labelsep}{1em} \addtolength{\leftmargin}{\labelsep}
+  \setlength{\itemsep}{0pt} \setlength{\parsep}{0pt}
+  \renewcommand{\makelabel}[1]{#1\hfil}}"""
+"""How a list begins whose labels are as wide as the widest."""
 _MOST = 32  # lines of a table, so that it fits on a page
 _LINE = 88  # characters of a line of a table
 _GAP = 3
