@@ -11,6 +11,7 @@ from mpmath import findroot, mp, mpf
 
 import haptisym as hs
 from haptisym.kernel.errors import SceneError
+from haptisym.writing.latex import latex
 
 E, F = hs.environments, hs.effects
 
@@ -147,3 +148,10 @@ def test_the_command_compares_files_and_values(call: Any) -> None:
     assert call("compare", "palpation-device", "fu2019", "--environment", "liver", "--json")[0] == 0
     status, _, err = call("compare", "fu2019", "--with", "zeta")
     assert (status, "PATH=VALUE" in err) == (2, True)
+
+
+def test_the_next_command_stands_in_the_text_but_not_in_a_document() -> None:
+    found = hs.compare(lagged(1, 4, 100, F.first_order_lag(40)), lagged(1, 4, 100, F.first_order_lag(60)))
+    assert "Next: `haptisym evaluate SCENE`" in str(found)
+    assert "Proven: every bandwidth" in latex(found.document())
+    assert "Next" not in latex(found.document())

@@ -27,11 +27,14 @@ _VERDICTS: dict[bool | None, Phrase] = {
 
 def page(found: Comparison) -> Document:
     """Return the page: the answer in three lines, what differs, the devices, the figure."""
+    notes = tuple(_notes(found))
+    following = ("Next: ", doc.Code("haptisym evaluate SCENE"))
     blocks = (
         doc.Facts(tuple(_answer(found)), "findings"),
         doc.Section("Side by side", tuple(_side_by_side(found)), "side-by-side"),
         *_differences(found),
-        doc.Notes(tuple(_notes(found))),
+        # What to type next is for a terminal, not for a paper or a report.
+        doc.Versions((doc.Notes((*notes, following)),), lambda: (doc.Notes(notes),)),
     )
     frequency = found[0].scene.frequency
     return Document(found._about.title, (), blocks, "Comparison of haptic displays", frequency)
@@ -220,4 +223,3 @@ def _notes(found: Comparison) -> Iterator[Phrase]:
     for x in found:
         if isinstance(x.scene, Scene):
             yield from ((f"{x.name}: ", words) for words in w.model_words(x.scene))
-    yield "Next: ", doc.Code("haptisym evaluate SCENE")
