@@ -1,10 +1,11 @@
 """The page that runs haptisym in a browser, ``try/`` of the site, and the packages that it needs.
 
 ``python docs/building/inbrowser.py FOLDER`` fetches Pyodide from npm and the wheels from PyPI into a folder, once, and
-compiles them, so that SymPy is loaded in 1 s and not in 7; and axe, by which the tests judge whether everybody can use the
-page. Where a registry is out of reach, or npm is missing, it says so and ends with status 69; whatever else goes wrong is an
-error. A site that is built while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the page; without
-it the page says how. By itself:
+compiles them, and what the page uses of the standard library, so that SymPy is loaded in 1 s and not in 7; and axe, by
+which the tests judge whether everybody can use the page. A folder of other versions, or one that was interrupted, is made
+anew. Where a registry is out of reach, or npm is missing, it says so and ends with status 69; whatever else goes wrong is
+an error. A site that is built while HAPTISYM_BROWSER names that folder (``build/browser`` if it names none) holds the
+page; without it the page says how. By itself:
 ``python docs/building/inbrowser.py FOLDER SITE`` writes SITE/try.
 """
 
@@ -20,7 +21,7 @@ from collections.abc import Iterator
 from html import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+from zipfile import ZipFile
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "try"
@@ -30,8 +31,12 @@ PLATFORM = [
     "--platform", "pyemscripten_2026_0_wasm32", "--implementation", "cp", "--abi", "cp314", "--python-version", "314",
 ]  # fmt: skip
 WHEELS = {f"python-flint=={FLINT}": PLATFORM, "sympy": [], "mpmath": []}
-CORE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "python_stdlib.zip", "pyodide-lock.json")
-MOST = 35_000_000
+CORE = ("pyodide.mjs", "pyodide.asm.mjs", "pyodide.asm.wasm", "pyodide-lock.json")
+STDLIB, PACKAGES = "python_stdlib.zip", "packages.tar.zst"
+COMPILER = Path(__file__).with_name("compile.mjs")
+MADE = "made.txt"
+"""The file of a folder that says what its packages are made of; it is written last."""
+MOST = 24_000_000
 """Bytes of the page."""
 
 
@@ -58,31 +63,52 @@ def download(words: list[str], folder: Path) -> str:
 
 
 def fetch(folder: Path) -> None:
-    """Fetch what is missing from a folder."""
+    """Fetch into a folder what is missing from it or is of other versions, and compile it."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, version in (("pyodide", PYODIDE), ("axe-core", AXE)):
-        if (folder / name).is_dir():
+        described = folder / name / "package.json"
+        if described.is_file() and json.loads(described.read_text("utf-8"))["version"] == version:
             continue
+        for old in (name, "package"):  # the second one, where an unpacking was interrupted
+            shutil.rmtree(folder / old, ignore_errors=True)
         packing = ["npm", "pack", "--loglevel=error", f"{name}@{version}"]
         archive = folder / download(packing, folder).split()[-1]
         with tarfile.open(archive) as packed:
             packed.extractall(folder, filter="data")
         (folder / "package").rename(folder / name)
         archive.unlink()
-    if not (folder / "packages.zip").is_file():
+    if not is_ready(folder):
         with TemporaryDirectory() as wheels:
             for name, platform in WHEELS.items():
                 options = ["--quiet", "--no-deps", "--only-binary=:all:", *platform, "--dest", wheels]
                 download([sys.executable, "-m", "pip", "download", *options, name], folder)
-            compiler = Path(__file__).with_name("compile.mjs")
-            subprocess.run(["node", compiler, folder.resolve(), *sorted(Path(wheels).iterdir())], check=True)
+            (folder / MADE).unlink(missing_ok=True)
+            compiled(folder, folder / STDLIB, [folder / "pyodide" / STDLIB])
+            compiled(folder, folder / PACKAGES, sorted(Path(wheels).iterdir()))
+            (folder / MADE).write_text(_made(), encoding="utf-8")
+
+
+def is_ready(folder: Path) -> bool:
+    """Return whether a folder holds what the page needs, of these versions and compiled as now."""
+    made = folder / MADE
+    return made.is_file() and made.read_text("utf-8") == _made()
+
+
+def _made() -> str:
+    return f"Pyodide {PYODIDE}, {', '.join(WHEELS)}, by\n{COMPILER.read_text('utf-8')}"
+
+
+def compiled(folder: Path, target: Path, archives: list[Path]) -> None:
+    """Write archives of Python as one of bytecode, by the Python of the page."""
+    pyodide = (folder / "pyodide").resolve()
+    subprocess.run(["node", COMPILER, pyodide, target.resolve(), *(x.resolve() for x in archives)], check=True)
 
 
 def place(folder: Path, site: Path) -> None:
     """Write the page into ``site/try``: with the packages of a folder, or with how they are had."""
     target = site / "try"
     shutil.rmtree(target, ignore_errors=True)
-    if not (folder / "packages.zip").is_file():
+    if not is_ready(folder):
         target.mkdir(parents=True)
         (target / "index.html").write_text(_without(), encoding="utf-8")
         return
@@ -92,14 +118,15 @@ def place(folder: Path, site: Path) -> None:
     (target / "pyodide").mkdir()
     for name in CORE:
         shutil.copy(folder / "pyodide" / name, target / "pyodide")
-    shutil.copy(folder / "packages.zip", target)
-    with ZipFile(target / "haptisym.zip", "w", ZIP_DEFLATED) as archive:
-        for path in _sources():
-            entry = ZipInfo(str(path.relative_to(ROOT / "src")))
-            archive.writestr(entry, path.read_bytes(), ZIP_DEFLATED)
-    sizes = [
-        {"name": x.name, "size": x.stat().st_size} for x in sorted(target.iterdir()) if x.suffix in (".whl", ".zip")
-    ]
+    shutil.copy(folder / STDLIB, target / "pyodide")
+    shutil.copy(folder / PACKAGES, target)
+    with TemporaryDirectory() as made:
+        sources = Path(made) / "haptisym.zip"
+        with ZipFile(sources, "w") as archive:
+            for path in _sources():
+                archive.write(path, path.relative_to(ROOT / "src"))
+        compiled(folder, target / "haptisym.tar.zst", [sources])
+    sizes = [{"name": x.name, "size": x.stat().st_size} for x in sorted(target.glob("*.tar.zst"))]
     core = sum(x.stat().st_size for x in (target / "pyodide").iterdir())
     (target / "packages.json").write_text(json.dumps({"core": core, "packages": sizes}), encoding="utf-8")
     whole = sum(x.stat().st_size for x in target.rglob("*") if x.is_file())

@@ -9,7 +9,8 @@ export async function boot({ load, read, base, told = () => {} }) {
   let done = core;
   for (const { name, size } of packages) {
     told(done / whole);
-    python.unpackArchive(await read(name, (part) => told((done + part) / whole)), "zip", { extractDir: python.runPython("import site; site.getsitepackages()[0]") });
+    python.FS.writeFile("/tmp/packed", await read(name, (part) => told((done + part) / whole)));
+    python.runPython("import site, tarfile; tarfile.open('/tmp/packed', 'r:zst').extractall(site.getsitepackages()[0], filter='fully_trusted')");
     done += size;
   }
   told(1);

@@ -272,7 +272,7 @@ def packages() -> Path:
 @pytest.fixture(scope="module")
 def site(packages: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The page and its packages, as the site has them."""
-    required(f"{packages}, by python docs/building/inbrowser.py {packages},", (packages / "packages.zip").is_file())
+    required(f"{packages}, by python docs/building/inbrowser.py {packages},", (packages / "packages.tar.zst").is_file())
     built = tmp_path_factory.mktemp("site")
     subprocess.run([sys.executable, ROOT / "docs" / "building" / "inbrowser.py", packages, built], check=True)
     return built / "try"
