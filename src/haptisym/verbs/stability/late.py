@@ -71,11 +71,13 @@ class Log(NamedTuple):
 class AngleCurve:
     """A piece of a curve on which |N| = |Q|: at most one omega for each theta in a ``box`` of both.
 
+    ``piece`` : the rests theta for which N is the loop's, s; the box may reach beyond them.
     ``turn`` : the angle of -N/Q plus omega theta, all over the box: the phase by which a delay of
     turn/omega, and of each whole turn more, puts a root on the circle.
     """
 
     loop: Opened
+    piece: tuple[Fraction, Fraction]
     box: Box
     turn: Ball
 
@@ -121,8 +123,9 @@ def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
     that has no bounds."""
     T, bits = expression_ball(loop.loop.T), flint.ctx.prec
     # z - 1 = exp(j angle) - 1 without cancellation at low frequencies.
+    # The middle is that of omega, times T with its radius: interval Newton steps from there.
     x, middle = (
-        acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, (omega * T).mid())
+        acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, omega.mid() * T)
     )
     # The slope is a difference over the radius: of a shorter one it would have fewer digits.
     radius = theta.rad().max(T.lower() * arb(2) ** (-bits // 4)).mid()
@@ -141,7 +144,9 @@ def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
     log = there.log() if not there.real < 0 else (-there).log() + acb(0, arb.pi())
     rises, risen, rising, falls = (parts[i].derivative()(x - middle) for i in (0, 1, 3, 4))
     risen += parts[2].derivative()(x - middle) * arb(0, 1)
-    # N turns with theta as a whole, which its slope over itself does not
+    # The slope rises/here is that at the middle theta; by the mean value theorem in theta it
+    # changes by no more than its own slope along theta, (rising - risen slope/above)/above, times
+    # the way from there.
     along = rises / here - falls / below + (rising - risen * slope / above) / above * _off(theta)
     return False, Log(log, acb(0, 1) * (1 + x) * T * along, slope / above)
 
@@ -151,12 +156,16 @@ def _off(x: Ball) -> Ball:
     return x - x.mid()
 
 
-def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iterator[AngleCurve]:
-    """All pieces of curves for rests theta between two, s, but those with roots on the circle at
-    delays beyond ``most`` alone.
+def curves(
+    loop: Opened, piece: tuple[Fraction, Fraction], most: Fraction
+) -> tuple[list[AngleCurve], bool]:
+    """All pieces of curves for rests theta in a ``piece``, s, but those with roots on the circle at
+    delays beyond ``most`` alone; and whether there may be any of these.
 
     UndecidedError where a box is neither clear nor holds one piece.
     """
+    start, end = piece
+    found, is_cut_off = list[AngleCurve](), False
     with flint.ctx.workprec(_BITS):
         highest = float(arb(_PI) / expression_ball(loop.loop.T).lower())
         first = (0.0, highest), (nextafter(float(start), -inf), nextafter(float(end), inf))
@@ -164,12 +173,15 @@ def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iter
         for frequencies, delays in waiting:
             box = _ball(*frequencies), _ball(*delays)
             clear, log = log_of(loop, *box)
-            if clear or (log and _is_later(AngleCurve(loop, box, _turn(log, *box)), most)):
+            if clear:
                 continue
-            found = _followed(loop, box, log) if log else box
-            if isinstance(found, AngleCurve):
-                yield found
-            elif found is not None:
+            if log and _is_later(_turn(log, *box), box[0], most):
+                is_cut_off = True
+                continue
+            curve = _followed(loop, piece, box, log) if log else box
+            if isinstance(curve, AngleCurve):
+                found.append(curve)
+            elif curve is not None:
                 # Cut along theta where the box is wider there, relative to the whole, than four
                 # times along omega.
                 width = (delays[1] - delays[0]) / float(end - start)
@@ -177,6 +189,7 @@ def curves(loop: Opened, start: Fraction, end: Fraction, most: Fraction) -> Iter
                 waiting.add(*_halves(frequencies, delays, int(is_wide)))
         if waiting.rest:
             raise UndecidedError("at which frequencies the loop has a gain of 1")
+    return found, is_cut_off
 
 
 def _ball(low: float, high: float) -> Ball:
@@ -198,18 +211,19 @@ def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
     return middle + (log.along.imag + theta) * _off(omega) + (log.later.imag + omega) * _off(theta)
 
 
-def _is_later(curve: AngleCurve, most: Fraction) -> bool:
-    """Whether a curve has roots on the circle at delays beyond ``most`` alone, as a low frequency
-    takes long for a turn."""
-    if not curve.turn.rad() < 1:
+def _is_later(phase: Ball, omega: Ball, most: Fraction) -> bool:
+    """Whether a box has roots on the circle at delays beyond ``most`` alone, as a low frequency
+    takes long for a turn. ``phase`` : as of ``AngleCurve``."""
+    if not phase.rad() < 1:
         return False
     # The first turn that is not below 0; the one before it is, so that no delay is missed.
-    turn = curve.turn + 2 * arb.pi() * (-curve.turn / (2 * arb.pi())).upper().ceil()
-    lowest = turn - 2 * arb.pi()
-    return bool(lowest < 0 and turn > curve.box[0].upper() * fraction_ball(most))
+    first = phase + 2 * arb.pi() * (-phase / (2 * arb.pi())).upper().ceil()
+    return bool(first - 2 * arb.pi() < 0 and first > omega.upper() * fraction_ball(most))
 
 
-def _followed(loop: Opened, box: Box, log: Log | None) -> AngleCurve | Box | None:
+def _followed(
+    loop: Opened, piece: tuple[Fraction, Fraction], box: Box, log: Log | None
+) -> AngleCurve | Box | None:
     """The piece of a curve in a box; None where there is none; a box where neither is shown.
 
     Interval Newton for Re log(-N/Q) = 0 in omega, for all theta of the box at once: as the slope is
@@ -225,7 +239,7 @@ def _followed(loop: Opened, box: Box, log: Log | None) -> AngleCurve | Box | Non
         if 4 * omega.rad() > 3 * before.rad():
             turn = _turn(log, before, theta)
             is_narrow = turn.rad() < 1 and _NARROW * omega.rad() < omega.mid()
-            return AngleCurve(loop, (omega, theta), turn) if is_narrow else box
+            return AngleCurve(loop, piece, (omega, theta), turn) if is_narrow else box
         clear, log = log_of(loop, omega, theta)
         if clear:
             return None
@@ -250,7 +264,9 @@ class Turn:
         """The step of interval Newton: a box that holds all solutions of a box; None where it has
         no bounds."""
         whole = expression_ball(self.whole)
-        log = self.curve.log(omega, delay - whole)
+        # Newton is in omega and theta: log.middle is exactly there, whatever the radius of T.
+        theta = delay - whole
+        log = self.curve.log(omega, theta)
         if log is None:
             return None
         off = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
@@ -260,18 +276,23 @@ class Turn:
             return None
         return (
             omega.mid() - (d * off.real - b * off.imag) / determinant,
-            delay.mid() - (a * off.imag - c * off.real) / determinant,
+            whole + (theta.mid() - (a * off.imag - c * off.real) / determinant),
         )
 
     def pairs(self) -> Iterator[Pair]:
-        """All solutions in the curve's box, each once. UndecidedError where that is not settled, as
-        at a double one."""
+        """All solutions in the curve's box whose rest is in its piece. One that is at the edge of
+        two parts of the box may come twice. UndecidedError where that is not settled, as at a
+        double one."""
         omega, theta = self.curve.box
-        waiting = Waiting([(omega, theta + expression_ball(self.whole))], most=_DEEPEST)
+        delay, delays = theta + expression_ball(self.whole), self.curve.delays(self.k)
+        if not delay.overlaps(delays):
+            return
+        waiting = Waiting([(omega, delay.intersection(delays))], most=_DEEPEST)
         for box in waiting:
             found = self._closed(*box)
             if isinstance(found, Pair):
-                yield found
+                if self._is_in_piece(found):
+                    yield found
             elif found is not None:
                 omega, delay = found
                 middle = delay.mid()
@@ -280,6 +301,12 @@ class Turn:
                 )
         if waiting.rest:
             raise UndecidedError("whether a root comes to the unit circle and goes back")
+
+    def _is_in_piece(self, pair: Pair) -> bool:
+        """Whether a solution is not proven to be outside of the piece: there another N is the
+        loop's."""
+        start, end = (ExactNumber(self.whole + rational(x)) for x in self.curve.piece)
+        return ordered(pair.value, start) <= 0 <= ordered(pair.value, end)
 
     def _closed(self, omega: Ball, delay: Ball) -> Pair | Box | None:
         """The one solution in a box, None where there is none, or the smaller box that is left."""
@@ -320,13 +347,15 @@ class Lateness:
     """The critical delays of a loop: those ``found`` by now, and up to which delay, ``frontier``,
     they are all (None: everywhere).
 
-    ``own`` : the delay that the scene has. ``senses`` : how many roots more are outside of the
+    ``own`` : the delay that the scene has. ``most`` : the delay up to which ``curves`` have all
+    roots on the circle (None: at all delays). ``senses`` : how many roots more are outside of the
     circle beyond each delay. ``left`` : intervals of delays in which others may be.
     """
 
     loop: Opened
     own: Rational
     curves: list[AngleCurve]
+    most: Fraction | None
     found: list[Passage] = field(default_factory=list)
     senses: list[int] = field(default_factory=list)
     left: list[Span] = field(default_factory=list)
@@ -334,37 +363,53 @@ class Lateness:
 
     @classmethod
     def of(cls, loop: Opened, own: Expr, most: Fraction) -> Lateness | None:
-        """The search, with all of its curves; None where these are not settled."""
+        """The search, with all of its curves up to a delay of ``most``; None where these are not
+        settled."""
         at, period = Fraction(0), Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
-        found = list[AngleCurve]()
+        found, is_cut_off = list[AngleCurve](), False
         try:
             while at < period:
                 piece, last = loop.piece(at, period)
-                found += curves(piece, at, last, most)
+                more, is_more_cut_off = curves(piece, (at, last), most)
+                found += more
+                is_cut_off |= is_more_cut_off
                 at = last
         except UndecidedError:
             return None
-        return cls(loop, Rational(own), found)
+        return cls(loop, Rational(own), found, most if is_cut_off else None)
 
     def known(self, end: Fraction) -> Iterator[Fraction]:
         """Find the critical delays one after the other, up to ``end``; yield up to where all are
-        known, after each."""
-        with flint.ctx.workprec(_BITS):
-            # The curve with the earliest next turn comes first, so that delays are complete up to
-            # its bound.
-            heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
-            heapify(heap)
-            while heap and len(self.found) < _MOST_PASSAGES:
-                low, n, k = heap[0]
-                if low > end:
-                    break
-                tick()
+        known, after each. A second call goes on where the last one ended."""
+        # The working precision is that of the caller while this waits at a yield.
+        while self._heap and len(self.found) < _MOST_PASSAGES:
+            low, n, k = self._heap[0]
+            self._proceed(low)
+            if low > end:
+                return
+            tick()
+            with flint.ctx.workprec(_BITS):
                 self._look(self.curves[n], k)
-                heapreplace(heap, self._ahead(self.curves[n], n, k))
-                self.frontier = max(Fraction(0), Fraction(heap[0][0]))
+                heapreplace(self._heap, self._ahead(self.curves[n], n, k))
+            self._proceed(self._heap[0][0])
+            if self.frontier is not None:
                 yield self.frontier
-        if not heap:
-            self.frontier = None
+        if not self._heap:
+            self.frontier = self.most
+
+    def _proceed(self, low: float) -> None:
+        """Note that all critical delays below a lower bound of those that follow are known."""
+        frontier = max(Fraction(0), Fraction(low))
+        self.frontier = frontier if self.most is None else min(frontier, self.most)
+
+    @cached_property
+    def _heap(self) -> list[tuple[float, int, int]]:
+        """The next turn of each curve. The earliest comes first, so that delays are complete up to
+        its bound."""
+        with flint.ctx.workprec(_BITS):
+            heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
+        heapify(heap)
+        return heap
 
     def _ahead(self, curve: AngleCurve, n: int, k: int) -> tuple[float, int, int]:
         """The next turn of a curve after k whose delays are not all < 0, with a lower bound on
@@ -380,8 +425,11 @@ class Lateness:
         ``left``."""
         T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
         first, last = (
-            int(x.floor().unique_fmpz())
-            for x in ((delays.lower() - theta.upper()) / T, (delays.upper() - theta.lower()) / T)
+            int(x.floor().unique_fmpz())  # of a number without radius: just one
+            for x in (
+                ((delays.lower() - theta.upper()) / T).lower(),
+                ((delays.upper() - theta.lower()) / T).upper(),
+            )
         )
         if last - first > _MANY:
             self.left.append(bounds(delays))
@@ -390,16 +438,31 @@ class Lateness:
             turn = Turn(curve, samples, k)
             try:
                 for pair in turn.pairs():
-                    sense = turn.sense(pair)
-                    self.found.append(Passage(pair.value, pair.frequency))
-                    self.senses.append(2 * sense)
+                    self._add(Passage(pair.value, pair.frequency), turn.sense(pair))
             except UndecidedError:
                 self.left.append(bounds(delays))
+
+    def _add(self, passage: Passage, sense: int) -> None:
+        """Add a critical delay, unless it is there: parts of curves overlap a little, and a whole
+        number of samples is at the end of one piece and at the start of the next."""
+        # A pair of roots: at z = 1 and z = -1, where there is one alone, |N/Q| is even in the
+        # angle, so that its slope is 0 and no curve is proven.
+        roots = 2 * sense
+        for i, known in enumerate(self.found):
+            same_value = not ordered(known.value, passage.value)
+            if same_value and not ordered(known.omega, passage.omega):
+                if self.senses[i] != roots:
+                    raise UndecidedError("whether a root comes to the unit circle and goes back")
+                return
+        self.found.append(passage)
+        self.senses.append(roots)
 
     def holds(self, value: Rational) -> bool | None:
         """Whether the loop is stable with a delay, by the exact count at its own one and the roots
         that cross in between; None where these are not all known."""
-        if not self._is_told(value):
+        # At a critical delay itself a root is on the circle, or may be: the sum tells nothing.
+        at = ExactNumber(value)
+        if not self._is_told(value) or any(not ordered(x.value, at) for x in self.found):
             return None
         low, high = sorted((self.own, value))
         between = [
@@ -412,7 +475,12 @@ class Lateness:
     def _is_told(self, value: Rational) -> bool:
         """Whether all critical delays between the loop's own delay and another one are known."""
         last = max(self.own, value)
-        return not self.left and (self.frontier is None or last < rational(self.frontier))
+        if self.left or self.frontier is None:
+            return not self.left
+        # ``most`` itself is among what is known: what was cut off, and a lower bound in the heap
+        # that is as large, stand for larger delays.
+        frontier = rational(self.frontier)
+        return last < frontier or (self.frontier == self.most and last == frontier)
 
     @cached_property
     def _home(self) -> int:
