@@ -91,7 +91,9 @@ class CrossingCurve:
             raise UndecidedError("whether a root touches the imaginary axis")
         roots = list[CriticalRoot]()
         for point in points[1:]:
-            # Where the value has a pole no q puts the root on the axis.
+            # At a pole of the value no q puts a root on the axis: A + q B has B = 0 and A not 0
+            # there, and c0 + c1 q, 0 at every common root, has c1 = 0 and c0 not 0. (``_are_apart``
+            # says when c0 and c1 cannot both be 0 there.) The first point is omega = 0.
             order_of_value = point.orders.get(_VALUE, 0)
             if point.orders.get(_CONDITION, 0) > 0 and order_of_value >= 0:
                 q = ExactNumber(Integer(0)) if order_of_value else ValueAt(value, point.omega)
@@ -240,8 +242,14 @@ def _coefficient(polynomial: Polynomial, index: int, power: int) -> Polynomial:
 
 
 def _are_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
-    """Whether it is proven that two polynomials have no common zero omega > 0; False proves
-    nothing."""
+    """Whether no common factor of two polynomials has a zero omega > 0; False proves nothing.
+
+    For coefficients and a lag that are algebraic, and no fractional powers, the two then have no
+    common zero omega > 0 at all. Without a common factor they are 0 together at finitely many pairs
+    (omega, t), which are algebraic, and tan(omega lag/2) of an algebraic number but 0 is
+    transcendental (Lindemann). With pi among the coefficients, several lags or fractional powers,
+    a common zero at a single frequency is not excluded.
+    """
     shared = axis.function(f.gcd(g))
     at_infinity = asymptotic_sign(shared)
     if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):

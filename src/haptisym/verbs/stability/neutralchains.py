@@ -92,11 +92,14 @@ def from_infinity(loop: Loop) -> tuple[CriticalRoot, ...]:
     polygon). So such zeros begin or end at values of q at which one is equal to that sum, which are
     zeros of a + sum of +-d_i for some choice of signs.
 
-    The phases take all values together if the exponents of the z_i are linearly independent and no
-    unit delays are multiples of one time (Kronecker's theorem). The first is tested: UndecidedError
-    where it is not so. The second holds but for delays that are large multiples of one time, which
-    a ring keeps apart (``kernel.dynamics``). For these the values are right where |a| > sum of
-    |d_i|; elsewhere more may be returned than there are, and ``Loop.roots_at`` decides nothing.
+    The phases take all values together if the exponents of the z_i and the unit delays are linearly
+    independent over the rational numbers (Kronecker's theorem). The first is tested: UndecidedError
+    where it is not so. The second is not, as of 1, 2^(1/2) and 1 + 2^(1/2) s, or of delays that are
+    large multiples of one time, which a ring keeps apart (``kernel.dynamics``). Without it L
+    may have no zero with |z_i| = 1 where the sides close, but it still has none where they do not.
+    So the values are right where |a| > sum of |d_i|; elsewhere more may be returned than there are,
+    and ``Loop.roots_at`` decides nothing: it counts with several delays in L only where |a| is
+    larger (``kernel.rootcount``).
 
     UndecidedError also where there are too many delayed terms, or where q is in one of several
     lags.
@@ -127,6 +130,8 @@ def from_infinity(loop: Loop) -> tuple[CriticalRoot, ...]:
         rows = [undelayed]
         for sign, exponents in zip(signs, delayed, strict=True):
             rows.append([sign * c for c in leading[exponents]])
+        # A sum that is 0 for all q has no end, and ``zeros`` none of it: sides are equal to the sum
+        # of the others until a d_i changes its sign, and there the sum with -d_i is 0 too.
         values += zeros(_sum(rows))
     return tuple(CriticalRoot(q) for q in values)
 
