@@ -280,8 +280,8 @@ def test_every_verb_that_takes_a_scene_takes_a_name_or_a_path() -> None:
     asking = {
         name for name, x in public.items() if inspect.isfunction(x) and "scene" in inspect.signature(x).parameters
     }
-    # design takes families, too, and fit_zwidth sampled walls alone
-    assert asking - {"load_scene", "load_scenes", "design", "fit_zwidth"} == set(CALLS)
+    # design takes families, too, fit_zwidth sampled walls alone, and explore draws in a notebook
+    assert asking - {"load_scene", "load_scenes", "design", "fit_zwidth", "explore"} == set(CALLS)
 
 
 @pytest.mark.slow
@@ -1055,7 +1055,7 @@ def test_what_is_nominal_is_said_in_a_sentence_for_each_width() -> None:
     )
     assert (
         note([0.1, 0.3], k=1, b=[0, 2])
-        == "b varies from 0 to 2; omega_c, c vary by 50 %: this is the nominal scene; see `haptisym tolerances`."
+        == "b varies from 0 to 2 N·s/m; omega_c, c vary by 50 %: this is the nominal scene; see `haptisym tolerances`."
     )
     assert (
         note([0.1, 0.3], "evaluation.jnd", k=1, b=2)
