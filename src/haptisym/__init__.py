@@ -12,7 +12,7 @@ import re
 from importlib import import_module
 from pkgutil import get_data
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _MODULES = {
     name: module

@@ -39,7 +39,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Expr, Integer
+from sympy import Expr, Integer, pi
 
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign, sign_without_zeros
@@ -53,6 +53,7 @@ from haptisym.verbs.stability.loops import CriticalRoot, Loop
 
 # The names under which the functions of a curve are on a chart (``kernel.roots``).
 _CONDITION, _VALUE, _SHARED = "condition", "value", "shared"
+_REMAINDER = ("c0", "c1")
 
 _UNDECIDED = "where roots meet the imaginary axis"
 
@@ -66,36 +67,46 @@ class CrossingCurve:
     whether it is above or below a number at high frequency is often known, although the value
     itself, -Re(A/B), swings with the phase of the delays. ``critical`` bounds with it the
     frequencies that a window of q can have.
-    ``is_linear`` : whether C is A + q B and g = value - j condition.
+    ``is_linear`` : whether C is A + q B and g = value - j condition. ``remainder`` : c0 and c1 where
+    it is not proven once for all that both are 0 at no zero of the condition; else empty.
 
-    All three are functions of omega whose denominators are squares or sums of squares, so that the
-    sign of such a function is that of its numerator, as ``asymptotic_sign`` needs it.
+    Condition, value and square are functions of omega whose denominators are squares or sums of
+    squares, so that the sign of such a function is that of its numerator, as ``asymptotic_sign``
+    needs it.
     """
 
     condition: RationalFunction
     value: RationalFunction
     square: RationalFunction
     is_linear: bool = False
+    remainder: tuple[RationalFunction, ...] = ()
 
     def roots(self, reach: Expr) -> tuple[CriticalRoot, ...]:
         """All critical values with a root at 0 < omega <= ``reach``, rad/s, each with its frequency
         and sense.
 
         At omega = 0 the condition is 0 for every q, C being real there, and tells nothing.
-        UndecidedError where a chart cannot say whether the condition has a zero.
+        UndecidedError where a chart cannot say whether the condition has a zero, and where c0 and
+        c1 are both 0 at one: any q may have a root on the axis there.
         """
         value = RealFunction(self.value.reduced())
-        condition = RealFunction(self.condition.reduced())
-        points = chart({_CONDITION: condition, _VALUE: value}, Integer(0), reach).points
+        functions = {_CONDITION: RealFunction(self.condition.reduced()), _VALUE: value}
+        for name, function in zip(_REMAINDER, self.remainder, strict=False):
+            functions[name] = RealFunction(function.reduced())
+        points = chart(functions, Integer(0), reach).points
         if any(_CONDITION in point.undecided for point in points):
             raise UndecidedError("whether a root touches the imaginary axis")
         roots = list[CriticalRoot]()
         for point in points[1:]:
             # At a pole of the value no q puts a root on the axis: A + q B has B = 0 and A not 0
-            # there, and c0 + c1 q, 0 at every common root, has c1 = 0 and c0 not 0. (``_are_apart``
-            # says when c0 and c1 cannot both be 0 there.) The first point is omega = 0.
+            # there, and c0 + c1 q, 0 at every common root, has c1 = 0 and c0 not 0. The first point
+            # is omega = 0.
             order_of_value = point.orders.get(_VALUE, 0)
-            if point.orders.get(_CONDITION, 0) > 0 and order_of_value >= 0:
+            if point.orders.get(_CONDITION, 0) <= 0:
+                continue
+            if self.remainder and all(_may_vanish(name, point) for name in _REMAINDER):
+                raise UndecidedError(_UNDECIDED)
+            if order_of_value >= 0:
                 q = ExactNumber(Integer(0)) if order_of_value else ValueAt(value, point.omega)
                 roots.append(CriticalRoot(q, omega=point.omega, sense=self._sense(point)))
         return tuple(roots)
@@ -120,6 +131,11 @@ class CrossingCurve:
         if not self.is_linear:
             return None
         return (point.before[_CONDITION] - point.after[_CONDITION]) // 2
+
+
+def _may_vanish(name: str, point: Point) -> bool:
+    """Whether a function is 0 at a point of a chart, or that is not known."""
+    return point.orders.get(name, 0) > 0 or name in point.undecided
 
 
 def curve_of(loop: Loop) -> CrossingCurve | None:
@@ -191,10 +207,14 @@ def _by_resultant(loop: Loop) -> CrossingCurve:
     # c0 + c1 q gives none.
     if not _are_apart(resultant, c1, axis):
         raise UndecidedError(_UNDECIDED)
+    remainder: tuple[RationalFunction, ...] = ()
+    if not _are_never_zero_together(resultant, c1, axis):
+        remainder = axis.function(c0), axis.function(c1)
     return CrossingCurve(
         condition=_at_half_turns(resultant, real, imag, index, axis),
         value=axis.function(-c0 * c1, c1 * c1),
         square=axis.function(c0 * c0, c1 * c1),
+        remainder=remainder,
     )
 
 
@@ -242,14 +262,7 @@ def _coefficient(polynomial: Polynomial, index: int, power: int) -> Polynomial:
 
 
 def _are_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
-    """Whether no common factor of two polynomials has a zero omega > 0; False proves nothing.
-
-    For coefficients and a lag that are algebraic, and no fractional powers, the two then have no
-    common zero omega > 0 at all. Without a common factor they are 0 together at finitely many pairs
-    (omega, t), which are algebraic, and tan(omega lag/2) of an algebraic number but 0 is
-    transcendental (Lindemann). With pi among the coefficients, several lags or fractional powers,
-    a common zero at a single frequency is not excluded.
-    """
+    """Whether no common factor of two polynomials has a zero omega > 0; False proves nothing."""
     shared = axis.function(f.gcd(g))
     at_infinity = asymptotic_sign(shared)
     if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
@@ -258,6 +271,23 @@ def _are_apart(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
     table = chart({_SHARED: RealFunction(shared)}, Integer(0), reach)
     is_zero = any(x.orders.get(_SHARED) for x in table.points[1:])
     return not table.undecided and not is_zero
+
+
+def _are_never_zero_together(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
+    """Whether two polynomials that are apart (``_are_apart``) have no common zero omega > 0; False
+    proves nothing.
+
+    Without a common factor they are 0 together at finitely many pairs (omega, t), or for finitely
+    many values of pi.
+
+    - With neither delays nor fractional powers: these values of pi are algebraic, and pi is not.
+    - With one lag, and no pi in coefficients and lag: omega and t are algebraic, but
+      tan(omega lag/2) of an algebraic number that is not 0 is transcendental (Lindemann).
+    """
+    if axis.orders or axis.delays > 1:
+        return False
+    has_pi = any(p.degrees()[axis.meanings.index(pi)] for p in (f, g))
+    return not axis.delays or not (has_pi or axis.lags[0].has(pi))
 
 
 def _linear_remainder(
