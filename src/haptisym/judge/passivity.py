@@ -442,6 +442,8 @@ def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
     parts = {"real": response.real, "imag": response.imag}
     table = chart(parts, Integer(0), Integer(int(max(on_positive_axis)) + 1))
     for point in table.points:
+        if point.undecided:
+            raise UndecidedError("whether a pole on the axis has a positive residue")
         real_order, imaginary_order = (point.orders.get(name, 0) for name in parts)
         if min(real_order, imaginary_order) >= 0:
             continue  # no pole
@@ -513,8 +515,8 @@ def environment_alone(scene: Scene) -> Scene | None:
 def are_passive(effects: Iterable[Effect]) -> bool:
     """Whether effects are passive two-ports, by their models; False says nothing of others.
 
-    A shunt is passive if its impedance Z, the second entry of its matrix, is m s^2 + b s + k with
-    no negative number. A compliance always is, as its parameters k and b are positive by their
+    A shunt is passive if its force per position, the second entry of its matrix, is m s^2 + b s + k
+    with no negative number. A compliance always is, as its parameters k and b are positive by their
     rules; a wave-variable link is by its theory.
 
     >>> from haptisym import effects
@@ -610,7 +612,8 @@ def _is_passive_polynomial(Z: Expr) -> bool:
 
 def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
     """Whether all poles of H_perc have Re s < 0; None where that is undecided, and for a sampled
-    loop, whose stability the poles of H_perc do not show.
+    loop, whose stability the poles of H_perc do not show. True does not bound their distance from
+    the axis: with delays they may approach it at high frequencies.
 
     First by ``is_stable``. Where infinitely many poles approach the axis it is undecided; then by
     the parts: with an environment that dissipates none reaches the axis (see the module), and a
@@ -661,4 +664,5 @@ def _has_pole_on_axis(distortion: Distortion) -> bool:
         return False
     high = _FIRST_TURNS * 2 * pi / max(lags)
     points = chart({_REAL: perceived.real}, Integer(0), high).points
+    # The first point is omega = 0.
     return any(x.orders.get(_REAL, 0) < 0 and _REAL not in x.undecided for x in points[1:])

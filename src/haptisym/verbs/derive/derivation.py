@@ -5,10 +5,14 @@ A scene is a haptic display: an environment to be felt, H_env(s), effects (filte
 - H_env, on s = j omega a change is noticed where r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env|
 exceeds c.
 
-Begin with ``derive`` and the ``Derivation`` that it returns: all closed forms by name
-(``QUANTITIES``), in steps, crossings solved for omega or as equations. All are exact. Two further
-forms have modules of their own: leading terms for fast devices (``expansion``), and the
-dimensionless form (``groups``).
+Begin with ``derive``. The ``Derivation`` that it returns has all closed forms by name
+(``QUANTITIES``), the distortion in named steps, and crossings and changeovers as formulas for omega
+or, where none can be read, as equations. All are exact.
+
+A *system* is "env", the environment, or "perc", what is felt. A *criterion* is one condition r <= c
+of the JND (``judge.crossings``): that of the real or the imaginary part, or of a region; the
+*excess* is r^2 - c^2. Two further forms have modules of their own: leading terms for fast devices
+(``expansion``), and the dimensionless form (``groups``).
 """
 
 from __future__ import annotations
@@ -57,8 +61,8 @@ class Derivation(Answer):
 
     ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the
     distortion in short named steps; ``crossings`` and ``changeovers`` are solved where a formula is
-    readable, and otherwise the equation to solve. Where a part is wanted, ``of`` is a Part or a
-    criterion: one condition of the JND by itself (``judge.crossings``).
+    readable, and otherwise the equation to solve. An argument ``of`` of a method is a Part or a
+    criterion; the field ``of`` is what the page shows.
     """
 
     scene: Scene
@@ -74,7 +78,9 @@ class Derivation(Answer):
     _figure: ClassVar[str] = "haptisym.figures.evaluation:DERIVATION"
 
     def _line(self) -> str:
-        kept = ", ".join(p.name for p in self.kept) or "nothing"
+        # A derivation of a distortion keeps nothing, as it has no values: all symbols stay.
+        symbols = self.kept or self.chain.parameters
+        kept = ", ".join(p.name for p in symbols) or "nothing"
         return f"{titled(self.scene.title)}: {kept} as symbols"
 
     def _body(self) -> dict[str, Any]:
@@ -100,10 +106,10 @@ class Derivation(Answer):
 
     @cached_property
     def environment(self) -> Distortion:
-        """The closed forms of the environment alone, felt as it is: for these no chain is
-        multiplied out."""
-        felt = self.chain.environment
-        return Distortion.of(Chain(felt, felt, ()))
+        """The closed forms of the environment without any effects: for these no chain matrices are
+        multiplied."""
+        H = self.chain.environment
+        return Distortion.of(Chain(H, H, ()))
 
     @cached_property
     def steps(self) -> Steps:
@@ -137,8 +143,11 @@ class Derivation(Answer):
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """The criterion of a part, or the one with the name of a criterion; SceneError for a JND of
-        which there are no such formulas."""
+        """The criterion of a part, or this derivation's own in place of an equal one of the scene.
+
+        SceneError where a threshold is kept as c although the JND is not one number for each part:
+        c would have no meaning.
+        """
         if self.kept_thresholds:
             self.scene.threshold.need_plain("formulas of crossings")
         name = of.value if isinstance(of, Part) else of.name
@@ -153,7 +162,8 @@ class Derivation(Answer):
         return self._excess(of, self.distortion)
 
     def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
-        """r^2 - c^2 of a distortion; SceneError for a JND that is no single formula."""
+        """r^2 - c^2 of a distortion; SceneError for a criterion that is no single formula, as that
+        of a polygon."""
         function = self.criterion(of).function(d)
         if isinstance(function, RealFunction):
             return function
@@ -163,8 +173,11 @@ class Derivation(Answer):
         )
 
     def piece(self, of: LatticePiece) -> RealFunction:
-        """One function of a JND region that is a maximum of minima of several (a lattice), by the
-        region's name, the minimum (``term``) and the place in it."""
+        """One function of a JND region whose excess is a maximum of minima of several (a lattice).
+
+        ``of`` : what it is called on a chart: as ``name`` the region's criterion, the minimum
+        (``term``), and the ``place`` in that.
+        """
         criterion = next(x for x in self.criteria if x == of.name)
         lattice = criterion.function(self.distortion)
         assert isinstance(lattice, Lattice)
@@ -175,10 +188,11 @@ class Derivation(Answer):
     def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
         """The frequencies at which the ratio crosses its threshold, as formulas; where a factor has
         none that can be read, the equation itself, or with ``readable`` nothing."""
+        # Delays whose sum alone is felt are one delay there: an equal function, of fewer angles.
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
-        """Re H of the environment ("env") or of what is felt ("perc")."""
+        """Re H of a system, on s = j omega: k - m omega^2 of a spring and a mass."""
         return (
             self.environment.env_response.real
             if system == "env"
@@ -186,8 +200,7 @@ class Derivation(Answer):
         )
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
-        """The frequencies at which Re H of the environment ("env") or of what is felt ("perc")
-        vanishes, as formulas or equations."""
+        """The frequencies at which Re H of a system vanishes, as formulas or equations."""
         return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
@@ -205,8 +218,11 @@ class Derivation(Answer):
 
     def factors(self, of: Criterion | LatticePiece | str) -> Factors:
         """The irreducible factors of numerator and denominator of r^2 - c^2, of one function of a
-        region (``piece``), or of Re H of a system ("env" or "perc"); at each crossing one of them
-        is 0."""
+        region (``piece``), or of Re H of a system.
+
+        The function changes its sign only where one of them is 0: at a zero, or at a pole, as Re H
+        may. (r^2 does not change its sign at a pole.)
+        """
         if isinstance(of, str):
             f = self.stiffness(of)
         elif isinstance(of, LatticePiece):
@@ -224,12 +240,13 @@ class Derivation(Answer):
 
     @cached_property
     def groups(self) -> Groups:
-        """The scene in independent dimensionless groups; SceneError where the units do not show them."""
+        """The scene in independent dimensionless groups, of all parameters, also of those that are
+        not kept; SceneError where the units do not show them."""
         return groups(self.scene)
 
     def expansion(self, order: int = 1) -> Expansion:
-        """The leading terms for fast devices, with a proven bound on the rest; SceneError where no
-        device has a speed."""
+        """The leading terms for fast devices in all parameters, with a proven bound on the rest at
+        the scene's values; SceneError where no device has a speed."""
         return expansion(self.scene, order)
 
     def at(self, /, **values: Number) -> Evaluation:
@@ -250,8 +267,8 @@ def _equation(f: RealFunction) -> Equation:
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
-    """The function that gives the polynomial with the sign of r^2 - c^2, as a product of
-    factors."""
+    """The function that gives the polynomial with the sign of r^2 - c^2, as a product of factors:
+    the numerator of the excess, whose denominator is positive, |H_env|^2 times squares."""
 
     def polynomial(d: Derivation) -> Expr:
         f = d.excess(part).written
@@ -277,8 +294,8 @@ def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
 
 
 def _jnd(name: str) -> Callable[[Derivation], Expr]:
-    """The function that gives the JND of a parameter, by its name, that the threshold c amounts
-    to."""
+    """The function that gives the JND of a parameter, by its name, that a threshold amounts to:
+    always with the symbol c, so that one formula holds for every number."""
     return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
 
@@ -289,8 +306,8 @@ _PERCEIVED = {
     "F_si": "spring_inertia_force",
     "F_d": "damping_force",
 }
-"""Attributes of ``model.chain.Properties`` by the letter in a quantity's name: what a person makes
-of a dynamics."""
+"""Attributes of ``model.chain.Properties`` by the letter in a quantity's name: as which stiffness,
+mass and damping a system is felt."""
 _SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 
 QUANTITIES: Mapping[str, Callable[[Derivation], Expr]] = MappingProxyType(
