@@ -321,10 +321,7 @@ def test_figures_are_written_in_the_format_and_the_style_that_are_asked_for(call
     one, folder = tmp_path / "mine", tmp_path / "all"
     words = ["--figure", str(one), "--figures", str(folder), "--format", "svg", "--style", "paper"]
     assert call("require", "fu2019", "--free", "zeta", *words)[0] == 0
-    assert sorted(x.relative_to(tmp_path).as_posix() for x in tmp_path.rglob("*.*")) == [
-        "all/worst.svg",
-        "mine.svg",
-    ]
+    assert sorted(x.relative_to(tmp_path).as_posix() for x in tmp_path.rglob("*.*")) == ["all/worst.svg", "mine.svg"]
     drawn = (tmp_path / "mine.svg").read_text()
     colors = set(re.findall(r"#([0-9a-f]{6})", drawn))
     assert colors
