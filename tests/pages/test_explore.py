@@ -1,4 +1,4 @@
-"""Sliders in a notebook: computed while they move, exact when they rest. Widgets are moved as a notebook moves them."""
+"""Sliders in a notebook: computed while they move, the result of evaluate when they rest. Widgets are moved as a notebook moves them."""
 
 from __future__ import annotations
 
@@ -21,10 +21,25 @@ def notebook(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=object()))
 
 
+def unwrapped(text: str) -> str:
+    """A text in one line."""
+    return " ".join(text.split())
+
+
 @pytest.mark.usefixtures("notebook")
-def test_at_rest_the_lines_are_those_of_the_command_line() -> None:
+@pytest.mark.parametrize("name", ["fu2019", "steering-wheel"])
+def test_at_rest_the_lines_are_those_of_the_command_line_in_the_units_of_the_scene(name: str) -> None:
+    *lines, proven = hs.explore(name).text.splitlines()
+    page = unwrapped(str(hs.evaluate(name)))
+    assert len(lines) == 3
+    assert proven.startswith("Proven: ")
+    for line in [*lines, proven]:
+        assert unwrapped(line) in page
+
+
+@pytest.mark.usefixtures("notebook")
+def test_at_rest_the_evaluation_is_that_of_the_scene_with_the_values_of_the_sliders() -> None:
     found = hs.explore("fu2019")
-    assert found.text.splitlines()[:3] == str(hs.evaluate("fu2019")).splitlines()[2:5]
     drawn = bytes(found.widget.children[1].value)
     assert drawn.startswith(b"\x89PNG")
     found.sliders["effects.filter.omega_n"].value = 47.5
@@ -32,7 +47,7 @@ def test_at_rest_the_lines_are_those_of_the_command_line() -> None:
     own = hs.evaluate(hs.load_scene("fu2019").with_values({"omega_n": "47.5 rad/s", "evaluation.jnd": "0.15"}))
     assert found.evaluation.to_json() == own.to_json()
     assert found.text.splitlines()[:3] == str(own).splitlines()[2:5]
-    assert "Exact" in found.text
+    assert "Proven" in found.text
     assert bytes(found.widget.children[1].value) != drawn
     found.widget.children[-1].click()
     assert found.evaluation.to_json() == hs.evaluate("fu2019").to_json()
@@ -50,7 +65,7 @@ def test_sliders_are_in_the_units_of_the_scene() -> None:
 
 
 @pytest.mark.usefixtures("notebook")
-@pytest.mark.parametrize("name", ["fu2019", "wave-variable-link", "organ-tissue"])
+@pytest.mark.parametrize("name", ["fu2019", "wave-variable-link", "organ-tissue", "steering-wheel"])
 def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_and_said_to_be(name: str) -> None:
     async def drag() -> None:
         found = hs.explore(name)
@@ -59,16 +74,18 @@ def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_an
         slider.value = slider.value * 1.1
         own = hs.evaluate(rested.scene.with_values({path: float(f"{slider.value:.4g}")}))
         assert "no error bound" in found.text
-        assert "Exact" not in found.text
+        assert "Proven" not in found.text
         assert found.evaluation is rested
         if own.bandwidth is None:
             assert found.text.startswith("Bandwidth  none: noticed at the lower end of the band")
         else:
-            ends = re.match(r"Bandwidth  ([\d.e-]+) to ([\d.e-]+) rad/s", found.text)
+            ends = re.match(r"Bandwidth  ([\d.e-]+) to ([\d.e-]+) (\S+)", found.text)
             assert ends, found.text
-            assert 0.9995 * float(ends[1]) <= float(own.bandwidth) <= 1.0005 * float(ends[2])  # four digits
+            assert ends[3] == own.scene.frequency.text
+            bandwidth = float(own.bandwidth) / float(own.scene.frequency.size)
+            assert 0.9995 * float(ends[1]) <= bandwidth <= 1.0005 * float(ends[2])  # four digits
         slider.value = slider.value * 1.1  # again before it rests: evaluated once, at the last value
-        while "Exact" not in found.text:
+        while "Proven" not in found.text:
             await asyncio.sleep(0.05)
         own = hs.evaluate(rested.scene.with_values({path: float(f"{slider.value:.4g}")}))
         assert found.evaluation.to_json() == own.to_json()

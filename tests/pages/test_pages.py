@@ -304,7 +304,6 @@ NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
     "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"}, "compare": {"scenes", "differences"},
-    "require": {"searched"}, "require-delay": {"searched"},  # the low end, where that is next to 0
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 

@@ -137,10 +137,12 @@ def test_a_moved_slider_draws_what_python_computes(name: str, shown: Any) -> Non
     opened, scene = shown(said(name)), evaluated(name).scene
     names = [p.symbol.name for p in scene.parameters]
     before = drawn(opened, "ratio.real")
-    for parameter, number in MOVED[name].items():
-        typed(opened, f"explorer-{names.index(parameter)}", number)
+    for parameter, number in MOVED[name].items():  # SI; typed as the scene has them
+        index = names.index(parameter)
+        size = float(scene.parameters[index].shown_unit(scene.motion).size)
+        typed(opened, f"explorer-{index}", f"{number / size:.12g}")
     real, imag = drawn(opened, "ratio.real"), drawn(opened, "ratio.imag")
-    omega, (low, high) = real[:, 0], map(float, scene.band)
+    omega, (low, high) = real[:, 0] * float(scene.frequency.size), map(float, scene.band)
     assert (omega[0], omega[-1]) == (low, pytest.approx(high, rel=1e-15))
     assert (np.diff(omega) > 0).all()
     assert len(omega) > 250
@@ -471,8 +473,8 @@ def test_a_slider_of_a_family_is_that_of_the_chosen_environment_and_so_is_each_l
     typed(tried, "explorer-c-real", "0.2")
     changed = text.replace('k = "290 N/m"', 'k = "310 N/m"').replace("real = 0.10", "real = 0.2")
     until(tried, f"document.getElementById('scene').value === {json.dumps(changed)}")
-    typed(tried, "explorer-2", "500")  # the amplifier, whose frequency the scene has in Hz
-    until(tried, "document.getElementById('scene').value.includes('500 rad/s')")
+    typed(tried, "explorer-2", "79.6")  # the amplifier, in Hz as the scene has it
+    until(tried, "document.getElementById('scene').value.includes('79.6 Hz')")
     tried.value(CLICK.format("explorer-reset"))
     until(
         tried, f"document.getElementById('json').value === {json.dumps(hs.evaluate_all('palpation-device').to_json())}"

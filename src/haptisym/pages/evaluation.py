@@ -85,7 +85,7 @@ def page(e: Evaluation) -> Document:
     )
     kind = "Two-step evaluation of a haptic display"
     further = ("--formulas", "haptisym stability SCENE --hand NAME")
-    return w.page_about(e.scene, findings(e), blocks, _proven(e), kind, e.asides(), further)
+    return w.page_about(e.scene, findings(e), blocks, proven(e), kind, e.asides(), further)
 
 
 def _percent(x: float) -> str:
@@ -989,7 +989,7 @@ def _energy(e: Evaluation) -> Iterator[Phrase]:
 # What is proven.
 
 
-def _proven(e: Evaluation) -> Iterator[Phrase]:
+def proven(e: Evaluation) -> Iterator[Phrase]:
     """Yield what is proven of an evaluation, and what is undecided."""
     yield from w.left_open(e.left)
     if e.undecided:

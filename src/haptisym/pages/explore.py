@@ -21,15 +21,17 @@ from matplotlib.figure import Figure
 
 from haptisym.figures import pen
 from haptisym.figures.curves import columns, evenly, limit_of, name_of
+from haptisym.figures.layers import frequency
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.errors import HaptisymError, SceneError
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
-from haptisym.pages.evaluation import findings
+from haptisym.pages.evaluation import findings, proven
 from haptisym.pages.explorer import Slider, limit_sliders, parameter_sliders
 from haptisym.pages.scene import SceneForms
 from haptisym.verbs.evaluate.entry import evaluate
+from haptisym.writing.document import Style
 from haptisym.writing.plain import said
 
 _QUIET = 0.3  # s without a change before the scene is evaluated exactly
@@ -114,8 +116,9 @@ class Explorer:
         except HaptisymError as wrong:
             self._say(str(wrong))
             return
-        rows = "\n".join(f"{said(name):<11}{said(value)}" for name, value in findings(found))
-        self._say(f"{rows}\nExact: what evaluate finds at these values.")
+        printed = Style(frequency=found.scene.frequency).phrase
+        rows = [f"{said(name):<11}{said(printed(value))}" for name, value in findings(found)]
+        self._say("\n".join([*rows, *(said(printed(x)) for x in proven(found))]))
         ax = found.plot(_axes())
         self._show(ax)
         self._judged = ax.get_ylabel()
@@ -126,6 +129,7 @@ class Explorer:
         """Draw the compiled closed forms at a scene's values, the last exact ones in grey."""
         numbers = {p.symbol.name: float(p.value) for p in scene.parameters}
         omega = evenly(self.evaluation)
+        across = frequency(scene.frequency)
         values = compiled(omega, **{x: numbers[x] for x in self._used if x in numbers})
         criteria = noticed(scene.threshold)
         limits = [limit_of(x) for x in criteria]
@@ -134,15 +138,15 @@ class Explorer:
         for old, new, x, stroke in zip(
             self._rested.T, ratios.T, criteria, pen.STROKES, strict=False
         ):
-            ax.plot(omega, old, color=pen.GREY, linestyle=stroke, linewidth=0.7)
-            ax.plot(omega, new, color=pen.INK, linestyle=stroke, label=name_of(x))
+            ax.plot(across.of(omega), old, color=pen.GREY, linestyle=stroke, linewidth=0.7)
+            ax.plot(across.of(omega), new, color=pen.INK, linestyle=stroke, label=name_of(x))
         for limit in set(limits):
             ax.axhline(limit, color=pen.GREY, linewidth=0.7)
         top = max(1.06 * float(np.nanquantile(ratios, 0.97)), *(2 * limit for limit in limits))
         ax.set(
-            xlim=(omega[0], omega[-1]),
+            xlim=(across.of(omega[0]), across.of(omega[-1])),
             ylim=(0, top),
-            xlabel=r"$\omega$ (rad/s)",
+            xlabel=across.text,
             ylabel=self._judged,
         )
         ax.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False)
@@ -153,7 +157,8 @@ class Explorer:
         elif outside[0] == 0:
             least = "none: noticed at the lower end of the band"
         else:  # it lies between two samples
-            least = f"{omega[outside[0] - 1]:.4g} to {omega[outside[0]]:.4g} rad/s"
+            below, above = across.of(omega[outside[0] - 1]), across.of(omega[outside[0]])
+            least = f"{below:.4g} to {above:.4g} {across.unit.text}"
         self._say(
             f"Bandwidth  {least}\nFelt as    (when the sliders rest)\nStability  (when the sliders "
             f"rest)\nComputed: floating point on {len(omega)} samples of the band, no error bound."

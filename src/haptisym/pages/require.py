@@ -102,15 +102,12 @@ def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
 
 
 def _range(r: Requirement) -> Phrase:
-    """Return from where to where values are searched: from 0 on, as a rule."""
+    """Return from where to where values are searched, rounded inward; 0 is examined by itself where
+    it belongs to the domain and the search begins next to it."""
     low, high = searched(r.free, r.domain)
-    if r.domain.low == 0:
-        return "up to ", w.reach_of(r.free, high, Way.NEAREST)
-    return (
-        w.bare(w.value_of(r.free, low, Way.NEAREST)),
-        " to ",
-        w.value_of(r.free, high, Way.NEAREST),
-    )
+    ends = w.reach_of(r.free, low, Way.UP), w.reach_of(r.free, high, Way.DOWN)
+    zero = "0, and " if r.domain.low == 0 and r.domain.holds_low else ""
+    return zero, w.bare(ends[0]) if ends[0].unit == ends[1].unit else ends[0], " to ", ends[1]
 
 
 def _bindings(end: SingleValue, r: Requirement) -> Iterator[Phrase]:
