@@ -155,10 +155,22 @@ def test_numba_computes_a_describing_function_as_numpy_does(model: str) -> None:
     size = next(x for x in EFFECTS[model].slots if x != "amplitude")
     d = hs.distort(MSD, EFFECTS[model].build(**{size: q, "amplitude": a}))
     omega, both = np.geomspace(0.1, 100, 5), [d.compile(engine=x) for x in ("numpy", "numba")]
-    for x in (0.05, 1.0, 2.1, 4.0):
+    for x in (0.05, 1.0, 2.1, 3.0, 4.0):
         plain, machine = (f(omega, m=0.5, b=2.0, k=300.0, a=1.5, q=x) for f in both)
         assert machine.real == pytest.approx(plain.real, rel=1e-13, abs=1e-10)
         assert machine.imag == pytest.approx(plain.imag, rel=1e-13, abs=1e-10)
+
+
+@pytest.mark.parametrize("accuracy", ["fast", "double-double", "certified"])
+def test_a_power_with_an_exponent_beyond_0_to_1_is_not_lost_on_its_way(accuracy: str) -> None:
+    """Im H_env = c omega^alpha sin(pi alpha/2): of each of these the power alone is no double."""
+    alpha, c, k = hs.symbols("alpha c k")
+    f = hs.distort(spring_pot(c, alpha, k=k), first_order_lag(20)).compile(accuracy, of=("environment_imag",))
+    for size, exponent, omega in ((1e200, 5.0, 1e-80), (1e200, -5.0, 1e80), (1e-200, 5.0, 1e80), (1e-200, -5.0, 1e-80)):
+        with mpmath.workdps(30):
+            wanted = mpmath.mpf(size) * mpmath.mpf(omega) ** exponent * mpmath.sin(mpmath.pi * exponent / 2)
+        found = f([omega, omega], c=size, alpha=exponent, k=3.0).environment_imag
+        assert found == pytest.approx(float(wanted), rel=1e-13)
 
 
 def test_double_doubles_stay_below_one_unit_where_the_chain_is_rational() -> None:

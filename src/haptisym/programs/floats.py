@@ -533,7 +533,9 @@ def _step(
         return MagnitudeRange(
             x.low - y.high - 1, x.high - y.low + 1, x.positive and y.positive, x.nonzero
         )
-    if name == "power":  # of an exponent between 0 and 1
+    if name == "power":
+        if not _is_of_root(y):
+            return MagnitudeRange(-inf, inf)
         return MagnitudeRange(min(x.low, 0.0), max(x.high, 0.0), positive=True, nonzero=x.nonzero)
     # Nothing cancels between numbers >= 0. Otherwise a sum of two floats is a multiple of the last
     # place of the smaller one: where it is not 0 it is no smaller than that.
@@ -545,6 +547,12 @@ def _step(
             nonzero=x.nonzero or y.nonzero,
         )
     return MagnitudeRange(min(x.low, y.low) - digits - 1, max(x.high, y.high) + 1)
+
+
+def _is_of_root(exponent: MagnitudeRange) -> bool:
+    """Whether an exponent is known to lie between 0 and 1, so that its power lies between 1 and the
+    base. Any other takes a base of no great size out of the range of floats."""
+    return exponent.positive and exponent.high <= 0
 
 
 def floats_of(x: Expr, at: Any) -> Any:
