@@ -101,6 +101,54 @@ NAMES = list(WRITTEN_OUT)
 SCENES = {**{name: hs.load_scene(name) for name in NAMES}, **OTHERS}
 
 
+def fourier(pieces):
+    """Both parts of the first harmonic, in phase and a quarter turn ahead, of what answers sin(theta).
+
+    From each angle of half a period to the next it is a + b sin(theta); the other half is its negative.
+    """
+    in_phase = ahead = MP.mpf(0)
+    for start, end, a, b in pieces:
+        for t, sign in ((end, 1), (start, -1)):  # the integrals of a sin + b sin^2 and of a cos + b sin cos
+            in_phase += sign * (b * (2 * t - MP.sin(2 * t)) / 4 - a * MP.cos(t))
+            ahead += sign * (a * MP.sin(t) + b * MP.sin(t) ** 2 / 2)
+    return 2 * in_phase / MP.pi, 2 * ahead / MP.pi
+
+
+def limited(u):
+    """What follows the sine up to u, and stays there."""
+    reached = MP.asin(min(u, 1))
+    return fourier([(0, reached, 0, 1), (reached, MP.pi - reached, u, 0), (MP.pi - reached, MP.pi, 0, 1)])[0]
+
+
+def beyond(u):
+    """What is 0 up to u, and then follows the sine."""
+    reached = MP.asin(min(u, 1))
+    return fourier([(reached, MP.pi - reached, -u, 1)])[0]
+
+
+def play(u):
+    """What rests from the top of the sine on, until it has come down by the gap 1 - u, and then is dragged along."""
+    gap = min(1 - u, 2)
+    taken_up = MP.pi - MP.asin(1 - gap)
+    return fourier([(MP.pi / 2, taken_up, 1 - gap / 2, 0), (taken_up, 3 * MP.pi / 2, gap / 2, 1)])
+
+
+def stairs(u):
+    """Steps of the height 2 u, at each odd multiple of u."""
+    edges = (MP.asin(i * u) for i in range(1, int(1 / u) + 1, 2))
+    return fourier([(edge, MP.pi - edge, 2 * u, 0) for edge in edges])[0]
+
+
+HARMONICS = {
+    "limiter": limited,
+    "deadband": beyond,
+    "following": lambda u: play(u)[0],
+    "lagging": lambda u: play(u)[1],
+    "quantiser": stairs,
+}
+"""First harmonics by their names, from the Fourier integrals of what the elements do."""
+
+
 def digits(expression, values):
     """An expression in 60 digits (or as many as MP has)."""
     if expression in values:
@@ -114,6 +162,8 @@ def digits(expression, values):
         return MP.fprod(parts)
     if expression.is_Pow:
         return MP.power(*parts)
+    if expression.func.__name__ in HARMONICS:
+        return HARMONICS[expression.func.__name__](*parts)
     return {pi: MP.pi, I: MP.mpc(0, 1)}.get(expression) or {exp: MP.exp, cosh: MP.cosh, sinh: MP.sinh}[expression.func](
         *parts
     )
@@ -304,6 +354,49 @@ def test_the_code_has_the_values_of_the_physics(language, tmp_path):
                 if not agrees(value, exact, size):
                     wrong.append((LABELS[n], name, point, value, MP.nstr(exact, 17)))
     assert wrong == []
+
+
+def at_points(text: str, language: Language, points: Sequence[Sequence[float]], folder: Path) -> list[float]:
+    """The result y of a function f of two numbers, in its own language."""
+    program_name, _ = RUNNERS[language]
+    required(program_name, not program_name or shutil.which(program_name))
+    columns = [list(x) for x in zip(*points, strict=True)]
+    if language is Language.NUMPY:
+        return list(map(float, function_of(text, "f")(*np.array(columns)).y))
+    if language is Language.OCTAVE:
+        rest = f'v = f({columns[0]}, {columns[1]}); fprintf("%.17g\\n", v.y);'
+    elif language is Language.C:
+        rest = "".join(f'f({x!r}, {y!r}, &v); printf("%.17g\\n", v.y);\n' for x, y in points)
+        rest = f"#include <stdio.h>\nint main(void) {{ f_values v;\n{rest}return 0; }}\n"
+    else:
+        rest = "".join(f"console.log(f({x!r}, {y!r}).y);\n" for x, y in points)
+    start = "1;\n" if language is Language.OCTAVE else ""
+    (folder / f"main.{language.value}").write_text(f"{start}{text}\n{rest}\n", encoding="utf-8")
+    command = {
+        Language.C: "cc -std=c99 -Wall -Wextra -Werror -pedantic main.c -o main -lm && ./main",
+        Language.OCTAVE: "octave-cli --norc main.m",
+        Language.JAVASCRIPT: "node main.js",
+    }[language]
+    return list(map(float, run(["sh", "-c", command], folder).split()))
+
+
+@pytest.mark.few("NUMPY", "JAVASCRIPT")
+@pytest.mark.parametrize("language", Language, ids=lambda x: x.name)
+def test_code_takes_an_encoder_of_very_many_steps_for_none(language, tmp_path):
+    """1 up to u = q/(2 A) = 5e-6, beside the sum: 1 + 16/pi zeta(-1/2, t) u^(3/2), t the part of the last step that is left."""
+    q, a = symbols("q a", positive=True)
+    text = code({"y": effects.encoder(q, a).matrix[0]}, [q, a], language, "f")
+    given = [(x, 1.0) for x in (5e-324, 1e-300, 1e-12, 1e-6, 1e-5, 1.02e-5, 2e-3, 0.09, 0.9, 1.999, 2.0, 3.0)]
+    values = at_points(text, language, given, tmp_path)
+    for (size, _), value in zip(given, values, strict=True):
+        u = MP.mpf(size) / 2
+        if u < 1e-5:
+            t = (1 / u + 1) / 2 % 1
+            wanted = 1 + 16 / MP.pi * MP.zeta(MP.mpf(-1) / 2, t or 1) * u**1.5
+            assert value == (1 if u <= 5e-6 else pytest.approx(float(wanted), rel=1e-12))
+            assert abs(value - wanted) < 1.2e-8 or u > 5e-6
+        else:
+            assert value == pytest.approx(float(stairs(u)), rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.slow

@@ -29,7 +29,6 @@ from sympy import (
 
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.harmonics import quantiser
 from haptisym.programs.floats import Floats, nearest
 from haptisym.programs.program import LAST, SMALL, Operation, Program, sincm1
 
@@ -50,7 +49,6 @@ _WRITTEN: dict[str, Callable[..., Expr]] = {
     "asin": asin,
     "max": lambda x, y: Max(x, y, evaluate=False),
     "min": lambda x, y: Min(x, y, evaluate=False),
-    "quantiser": quantiser,
     "power": lambda x, y: Pow(x, y, evaluate=False),
 }
 
@@ -62,8 +60,9 @@ class Machine:
 
     Where a program holds no sines, cosines or powers, the doubles are those of ``Floats``, bit for
     bit; those may differ by a few units in the last place between NumPy and the mathematical
-    library that Numba calls. Machine code runs where the frequency alone is an array; arrays of
-    parameters are left to ``Floats``.
+    library that Numba calls. Machine code runs where the frequency alone is an array. Arrays of
+    parameters are left to ``Floats``, and so are the steps of an encoder, of which that sums what
+    does not depend on the frequency once, and not at each.
     Raises SceneError where Numba is not installed.
     """
 
@@ -79,6 +78,11 @@ class Machine:
     def in_numpy(self) -> Floats:
         """The same program as NumPy runs it."""
         return Floats(self.program)
+
+    @cached_property
+    def _has_steps(self) -> bool:
+        """Whether a sum over the steps of an encoder is computed."""
+        return any(step.name == "quantiser" for step in self.program.operations)
 
     def point(self, inputs: Sequence[float]) -> list[float]:
         """As ``Floats.point``."""
@@ -97,7 +101,7 @@ class Machine:
         """Fill the arrays ``out``, one for each result; an input is a float or an array of that
         size."""
         omega, *numbers = inputs
-        if not np.ndim(omega) or any(np.ndim(x) for x in numbers):
+        if self._has_steps or not np.ndim(omega) or any(np.ndim(x) for x in numbers):
             self.in_numpy.run(inputs, size, out)
             return
         results = tuple(self.program.results.values())
@@ -144,17 +148,11 @@ def _step(program: Program, results: tuple[int, ...]) -> Any:
             series = -x * x / (n * (n - 1)) * (1.0 + series)
         return series
 
-    def stairs(x: float) -> float:
-        total = 0.0
-        for i in range(1, int(1 / x) + 1, 2):
-            total += np.sqrt(1.0 - min(i * x, 1.0) ** 2)
-        return 8 / np.pi * x * total
-
     names = [Symbol(f"x{i}") for i in range(len(program.operations))]
     arguments = [Symbol(f"given{i}") for i in range(len(program.inputs))]
     needed = program.needed(results)
     steps = [(names[i], _written(program.operations[i], names, arguments)) for i in needed]
-    waves = {"sinc": wave, "sincm1": less_one, "quantiser": stairs}
+    waves = {"sinc": wave, "sincm1": less_one}
     library = {name: numba.njit(f, error_model="numpy") for name, f in waves.items()}
     outputs = tuple(names[x] for x in results)
     # lambdify prints the steps as they are, in their order: they are the common subexpressions, and

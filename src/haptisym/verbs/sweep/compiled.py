@@ -36,7 +36,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from math import comb
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numba
 import numpy as np
@@ -58,9 +58,10 @@ _MOST_EXPONENT = 900
 underflow or overflow in any part."""
 _SLACK = 1.001  # covers the roundings of sizes and bounds, as in ``batch``
 _OF_TWO_FLOATS = 2.0**-52  # how far, relatively, two neighbouring floats are from one another
-_INSIDE = (
-    2.0**-49
-)  # relative: how far inside a segment its ends are taken, more than they were rounded
+# Relative: how far inside a segment its ends are taken. An end is rounded three times, as the span
+# of the band, as a part of it and as the sum with the low end, which are all positive, and twice
+# more when it is moved: by 5 * 2^-53, of which this is three times as much.
+_INSIDE = 2.0**-49
 _MOST_CUTS, _MOST_SEGMENTS = 40, 200
 _MOST_STEPS = 100  # of Newton's method or bisection
 # Relative: a step so short is followed by the proof; one that short leads nowhere else.
@@ -72,6 +73,10 @@ _overloaded: Callable[..., Callable[[_F], _F]] = partial(overload, strict=False)
 
 
 # Numbers, doubles or pairs
+#
+# The exact sum and product are those of ``programs.certified``, copied: Numba compiles no function
+# that calls a plain one of Python, as that product does, and what it keeps on disk it compiles
+# again when this file has changed, not when another one has.
 
 
 def _sum(a: Any, b: Any) -> Any:
@@ -171,6 +176,8 @@ def _search(
     """The number of zeros of one function on the band, -1 for an open one, and the sign at the low
     end; the zeros are in ``found``.
 
+    An error is a bound of the roundings and ``TINY``, which is more than what all products lose
+    that underflow: coefficients do not, but high powers of a small x may.
     ``c``, ``sizes``, ``n``, ``roundings`` : its coefficients, of powers of x up to n. ``weights`` :
     those of Bernstein's basis. ``doubt`` : how far, relatively, the low end may lie below ``low``.
     ``stack``, ``stacked``, ``places`` : room for the coefficients of segments, their sizes, and
@@ -373,42 +380,54 @@ def _evaluate(
         term = ends[f]
 
 
+class _Arrays(NamedTuple):
+    """What ``_all_zeros`` reads, the same for all sets.
+
+    ``constants``, ``exponents``, ``powers`` : of each term its constant, the exponents of the
+    parameters, and the power of x. ``ends`` : of each factor the end of its terms. ``degrees`` : of
+    each factor.
+    ``listed`` : the factors of all products, one after the other. ``above``, ``below`` : of each
+    function the ends of its two products there. ``of_functions`` : degrees. ``roundings`` : behind
+    a coefficient. ``weights`` : those of Bernstein's basis, by degree.
+    ``low``, ``doubt``, ``unit``, ``tolerance`` : as in ``_search``.
+    """
+
+    constants: Array
+    exponents: Array
+    powers: Array
+    ends: Array
+    degrees: Array
+    listed: Array
+    above: Array
+    below: Array
+    of_functions: Array
+    roundings: Array
+    weights: Array
+    low: float
+    doubt: float
+    unit: float
+    tolerance: float
+
+
 @_compiled
-def _all_zeros(
-    values: Array,
-    zeros: Array,
-    counts: Array,
-    first: Array,
-    constants: Array,
-    exponents: Array,
-    powers: Array,
-    ends: Array,
-    degrees: Array,
-    listed: Array,
-    above: Array,
-    below: Array,
-    of_functions: Array,
-    roundings: Array,
-    weights: Array,
-    low: float,
-    doubt: float,
-    unit: float,
-    tolerance: float,
-) -> None:
+def _all_zeros(values: Array, zeros: Array, counts: Array, first: Array, given: _Arrays) -> None:
     """Fill zeros, their counts and the signs at the low end, for each function and set."""
-    most, kind = weights.shape[0], constants.dtype
+    ends, degrees, listed = given.ends, given.degrees, given.listed
+    most, kind = given.weights.shape[0], given.constants.dtype
     factors, sizes = np.zeros((len(ends), most), kind), np.zeros((len(ends), most))
     products, product_sizes = np.zeros((3, most), kind), np.zeros((3, most))
     stack, stacked = np.zeros((_MOST_CUTS + 2, most), kind), np.zeros((_MOST_CUTS + 2, most))
-    places, none = np.zeros((3, _MOST_CUTS + 2)), constants[0] * 0.0
+    places, none = np.zeros((3, _MOST_CUTS + 2)), given.constants[0] * 0.0
     for column in range(values.shape[1]):
-        _evaluate(values[:, column], constants, exponents, powers, ends, factors, sizes)
+        _evaluate(
+            values[:, column], given.constants, given.exponents, given.powers, ends, factors, sizes
+        )
         place = 0
-        for function in range(len(of_functions)):
-            n = of_functions[function]
+        for function in range(len(given.of_functions)):
+            n = given.of_functions[function]
             for side in range(2):
                 product, product_size, degree = products[side], product_sizes[side], 0
-                end = below[function] if side else above[function]
+                end = given.below[function] if side else given.above[function]
                 for i in range(n + 1):
                     product[i], product_size[i] = none, 0.0
                 for j in range(place, end):
@@ -437,12 +456,12 @@ def _all_zeros(
                 products[0],
                 product_sizes[0],
                 n,
-                roundings[function],
-                weights[n],
-                low,
-                doubt,
-                unit,
-                tolerance,
+                given.roundings[function],
+                given.weights[n],
+                given.low,
+                given.doubt,
+                given.unit,
+                given.tolerance,
                 stack,
                 stacked,
                 places,
@@ -459,7 +478,7 @@ class ZeroSearch:
 
     index: dict[TwoProducts, int]
     most: int
-    arrays: tuple[Any, ...]
+    arrays: _Arrays
 
     @classmethod
     def of(cls, curves: Curves, ends: tuple[float, ...], kind: Any) -> ZeroSearch | None:
@@ -485,7 +504,7 @@ class ZeroSearch:
         return cls(
             {function: i for i, function in enumerate(functions)},
             most,
-            (
+            _Arrays(
                 np.array([_number(t.constant, t.rest, kind) for _, t in terms]),
                 np.array([t.exponents for _, t in terms]),
                 np.array([f.exponents[t.power][0] for f, t in terms]),
@@ -510,7 +529,7 @@ class ZeroSearch:
         shape = len(self.index), values.shape[1]
         zeros = np.empty((*shape, self.most))
         counts, first = np.empty((2, *shape), np.int64)
-        _all_zeros(values, zeros, counts, first, *self.arrays)
+        _all_zeros(values, zeros, counts, first, self.arrays)
         return zeros, counts, first
 
 
