@@ -293,6 +293,31 @@ def test_limit_cycles_that_are_not_searched_are_said_not_to_be(effects: Any, why
     assert ("Limit cycles are not searched" in page) is bool(why)
     assert why in page
     assert any(why in x for x in found.to_dict().get("caveats", [""]))
+    assert found.limit_cycles == ((None,) if why else found.limit_cycles)
+
+
+def test_limit_cycles_of_a_sampled_loop_that_is_undecided_are_said_to_be() -> None:
+    """Waves return between sampler and hand: no pulse transfer function in closed form."""
+    elements = hs.effects.sampled_loop("1 ms", "tustin"), hs.effects.encoder("1 mm", "1 cm")
+    scene = hs.Scene(
+        hs.environments.mass_spring_damper(k=100), (*elements, hs.effects.wave_variables(12, "20 ms")), (0, 150)
+    )
+    said = f"Limit cycles in {QUICK.name} are undecided."
+    found, run = hs.stability(scene, QUICK, free=["hand.b"]), hs.release(scene, "2 cm", QUICK, duration=0.2)
+    assert (found.limit_cycles, run.limit_cycles) == ((None,), None)
+    for answer in (found, run):
+        assert said in answer.caveats
+        assert said in answer.to_dict()["caveats"]
+        assert said in " ".join(str(answer).split())
+
+
+def test_a_verdict_in_a_hand_counts_friction_among_what_stands_for_its_first_harmonic() -> None:
+    """Friction takes energy only: a passive display is passive with it, but poles in a hand are those of a model."""
+    words = "friction: by the describing function"
+    assert words not in str(hs.stability("stick-with-friction"))
+    [said] = hs.stability("stick-with-friction", QUICK, free=["hand.b"]).caveats
+    assert said.startswith(words)
+    assert "verdicts in a hand are" in said
 
 
 def test_what_a_dead_zone_keeps_quiet_grows_from_beyond_a_limit_cycle_that_does_not_attract() -> None:
@@ -323,7 +348,8 @@ def test_a_quantised_wall_within_the_bound_of_abbott_and_okamura_rests_and_rattl
     if friction:
         late = run.hand_motion[run.time > 9]
         assert np.ptp(late) < 1e-9
-        assert run.limit_cycles == ()  # two elements: not searched
+        assert run.limit_cycles is None  # two elements: not searched
+        assert any("several elements" in x for x in run.to_dict()["caveats"])
     else:
         assert any(x.attracts for x in run.limit_cycles)
 

@@ -28,7 +28,6 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial, reduce
-from importlib.util import find_spec
 from typing import Any, Protocol
 
 from sympy import Expr, Integer, Max, Rational, Symbol, pi
@@ -45,7 +44,6 @@ from haptisym.model.catalogue import (
     DIFFERENCE_EQUATION,
     FRICTION,
     NOBODY,
-    SAMPLED_LOOP,
     Effect,
     Environment,
     Hand,
@@ -991,36 +989,24 @@ def _large_thresholds(scene: Scene) -> list[str]:
     return words
 
 
-def unsearched_cycles(scene: Scene) -> list[str]:
-    """A caveat for a scene with elements that are not linear of which possible limit cycles are not
-    searched; empty for all others."""
-    elements = [x for x in scene.effects if x.model in DESCRIBED]
-    lead = "Limit cycles are not searched"
-    if len(elements) > 1:
-        names = ", ".join(x.name for x in elements)
-        return [f"{lead}: {names} are several elements; leave one in, or let it go (--release)."]
-    if not elements:
-        return []
-    reads_first = scene.effects[0].model == SAMPLED_LOOP and scene.effects[1:2] == (elements[0],)
-    if clocks(scene) and (not reads_first or elements[0].model == FRICTION):
-        name = elements[0].name
-        return [f"{lead}: {name} is not what the clock reads; let it go (simulate --release)."]
-    if not (find_spec("numpy") and find_spec("scipy")):
-        return [f"{lead}: NumPy and SciPy are not installed."]
-    return []
-
-
-def first_harmonics(scene: Scene) -> list[str]:
+def first_harmonics(scene: Scene, *, in_hand: bool = False) -> list[str]:
     """A caveat for elements that stand for their first harmonic at one amplitude, a linear model:
-    of the element itself nothing is proven. Friction, which takes energy only, is none of them."""
-    names = [x.name for x in scene.effects if x.model in DESCRIBED and x.model != FRICTION]
+    of the element itself nothing is proven.
+
+    Friction counts ``in_hand`` alone. It takes energy only, so that no passivity rests on its
+    model; where the poles of a loop lie does.
+    """
+    described = [x for x in scene.effects if x.model in DESCRIBED]
+    others = [x for x in described if x.model != FRICTION]
+    names = ", ".join(x.name for x in (described if in_hand else others))
     if not names:
         return []
+    verdicts = "verdicts on stability and passivity" if others else "verdicts in a hand"
     words = (
         "by the describing function for one sine of its amplitude, which leaves out all harmonics; "
-        "verdicts on stability and passivity are those of this linear model."
+        f"{verdicts} are those of this linear model."
     )
-    return [f"{', '.join(names)}: {words}"]
+    return [f"{names}: {words}"]
 
 
 def _late_mass(scene: Scene) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from haptisym.kernel.rootcount import RootChain
 from haptisym.model.quantities import Dimension
-from haptisym.model.scene import clocks, unsearched_cycles
+from haptisym.model.scene import clocks
 from haptisym.pages import words as w
 from haptisym.pages.stability import limit_cycle_table
 from haptisym.verbs.simulate.entry import Simulation, Simulations
@@ -147,9 +147,9 @@ def page_release(r: Release) -> Document:
     chain = [_chain(r.closed)] if r.closed is not None and r.is_envelope else []
     blocks = (
         *_table_release(r),
-        *limit_cycle_table(r.scene.motion, [(r.hand.name, x) for x in r.limit_cycles]),
+        *limit_cycle_table(r.scene.motion, [(r.hand.name, x) for x in r.limit_cycles or ()]),
         *w.noted(chain),
-        *w.caveats(unsearched_cycles(r.scene)),
+        *w.caveats(r.caveats),
         doc.Facts(tuple(_run(r))),
         doc.Figure("release", shown, r.figure),
     )

@@ -75,12 +75,12 @@ def page(found: Stability) -> Document:
             [
                 (x.hand.name, cycle)
                 for x, cycles in zip(found.held, found.limit_cycles, strict=True)
-                for cycle in cycles
+                for cycle in cycles or ()
             ],
         ),
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
-        *w.caveats(found.caveats()),
+        *w.caveats(found.caveats),
         w.CERTIFICATE,
     )
     return w.page_about(
@@ -95,12 +95,13 @@ def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield a line for each hand, and one for any passive operator."""
     if not found.held:
         yield "Hand", ("none given: --hand NAME; the package ships ", ", ".join(hands))
-    model = w.of_linear_model(found.scene)
+    in_hand = w.of_linear_model(found.scene, in_hand=True)
     for x, rows in zip(found.held, found.critical, strict=True):
-        of = model if x.roots else ""
+        of = in_hand if x.roots else ""
         yield x.hand.name, (_verdict(x), of, _nearest_limits(found, x, rows))
     is_open = found.every_passive_hand.holds is None
-    yield "Any operator", (_any_operator(found), "" if is_open else model)
+    model = "" if is_open else w.of_linear_model(found.scene)
+    yield "Any operator", (_any_operator(found), model)
 
 
 def _verdict(held: Held) -> Phrase:

@@ -473,10 +473,13 @@ def caveats(found: Iterable[str]) -> tuple[doc.Notes, ...]:
     return noted((Strong("Note:"), f" {caveat}") for caveat in found)
 
 
-def of_linear_model(scene: Scene | SceneFamily) -> str:
-    """What is added to a verdict where elements stand for their first harmonic; empty elsewhere."""
+def of_linear_model(scene: Scene | SceneFamily, *, in_hand: bool = False) -> str:
+    """What is added to a verdict where elements stand for their first harmonic; empty elsewhere.
+    Friction is one of them ``in_hand`` alone, as ``first_harmonics`` says."""
     one = scene.first if isinstance(scene, SceneFamily) else scene
-    return " (of the linear model at this amplitude)" if first_harmonics(one) else ""
+    return (
+        " (of the linear model at this amplitude)" if first_harmonics(one, in_hand=in_hand) else ""
+    )
 
 
 def is_transparent_throughout(e: Evaluation) -> bool:

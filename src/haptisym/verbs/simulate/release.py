@@ -50,7 +50,7 @@ from haptisym.verbs.simulate.network import (
 from haptisym.verbs.simulate.rightmost import Rightmost, clocked_root, rightmost_root
 from haptisym.verbs.simulate.statespace import Record
 from haptisym.verbs.stability.held import Held, characteristic, held, need_roots
-from haptisym.verbs.stability.limitcycles import LimitCycle, limit_cycles, linear
+from haptisym.verbs.stability.limitcycles import LimitCycle, cycle_caveats, limit_cycles, linear
 
 _WINDOWS = 6
 # Radians between two samples, at the most: beyond pi a sampled oscillation looks like a slower one.
@@ -309,9 +309,9 @@ class Release(Answer):
     """The motion that neither grows nor decays, with an encoder, friction or a limit of the
     force; None where there is none."""
     extras: tuple[Extra, ...] = ()
-    limit_cycles: tuple[LimitCycle, ...] = ()
+    limit_cycles: tuple[LimitCycle, ...] | None = ()
     """Those that the describing function of the one element that is not linear makes possible;
-    estimated."""
+    estimated. None where they are not known."""
 
     def _line(self) -> str:
         verdict = (
@@ -416,7 +416,13 @@ class Release(Answer):
             "held": self.held.stable,
             "agrees": self.agrees,
             **({"approximate": self.approximate} if self.approximate else {}),
+            **({"caveats": list(caveats)} if (caveats := self.caveats) else {}),
         }
+
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Sentences on limit cycles that are not known."""
+        return cycle_caveats(self.scene, {self.hand.name: self.limit_cycles})
 
     def _closed(self) -> dict[str, Any] | None:
         if self.closed is None:

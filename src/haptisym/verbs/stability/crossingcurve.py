@@ -283,8 +283,11 @@ def _are_never_zero_together(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
     - With neither delays nor fractional powers: these values of pi are algebraic, and pi is not.
     - With one lag, and no pi in coefficients and lag: omega and t are algebraic, but
       tan(omega lag/2) of an algebraic number that is not 0 is transcendental (Lindemann).
+
+    With roots of numbers nothing is known: sqrt(2) is a variable of the ring, so that polynomials
+    without a common factor there may have one, as x^2 - 2 and x - sqrt(2) have.
     """
-    if axis.orders or axis.delays > 1:
+    if axis.orders or axis.delays > 1 or axis.root_in(f, g) is not None:
         return False
     has_pi = any(p.degrees()[axis.meanings.index(pi)] for p in (f, g))
     return not axis.delays or not (has_pi or axis.lags[0].has(pi))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from haptisym.judge.answers import Answer
 from haptisym.judge.bindings import STABLE, STEADY, stable_in
@@ -22,8 +22,8 @@ from haptisym.kernel.errors import SceneError, several
 from haptisym.kernel.objects import titled
 from haptisym.kernel.reals import RealNumber, whole
 from haptisym.kernel.sets import ValueSet
-from haptisym.model.catalogue import DESCRIBED, Hand, how_to_give
-from haptisym.model.scene import Knob, Scene, clocks, first_harmonics, in_hands, unsearched_cycles
+from haptisym.model.catalogue import Hand, how_to_give
+from haptisym.model.scene import Knob, Scene, clocks, first_harmonics, in_hands
 from haptisym.model.scenefile import as_scene, read_scenes
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.evaluate.certificate import document, inverse, name_in_file, zeros
@@ -38,11 +38,9 @@ from haptisym.verbs.stability.held import (
     imposed,
     whole_box,
 )
+from haptisym.verbs.stability.limitcycles import LimitCycle, cycle_caveats, limit_cycles
 from haptisym.verbs.stability.limits import looked_at, open_beside, stable_values
 from haptisym.verbs.stability.margins import Margins, margins
-
-if TYPE_CHECKING:
-    from haptisym.verbs.stability.limitcycles import LimitCycle
 
 WALL = ("environment.k", "environment.b")
 """What is asked about a display with a clock, and what its plane shows."""
@@ -98,8 +96,9 @@ class Stability(Answer):
     every_passive_hand: EveryPassiveHand
     margins: tuple[Margins | None, ...] = ()
     digits: int = 15
-    limit_cycles: tuple[tuple[LimitCycle, ...], ...] = ()
-    """Of each hand; estimated by the describing function of the one element that is not linear."""
+    limit_cycles: tuple[tuple[LimitCycle, ...] | None, ...] = ()
+    """Of each hand, None where they are not known; estimated by the describing function of the one
+    element that is not linear."""
 
     def _line(self) -> str:
         said = {None: "undecided", True: "holds", False: "does not hold"}
@@ -150,13 +149,18 @@ class Stability(Answer):
             "every_passive_hand": self.every_passive_hand.row(self.digits),
             "sampled": None if self.sampled is None else self.sampled.row(self.digits),
             "certified": self.certified,
-            **({"caveats": caveats} if (caveats := self.caveats()) else {}),
+            **({"caveats": list(caveats)} if (caveats := self.caveats) else {}),
         }
 
-    def caveats(self) -> list[str]:
-        """What the describing functions in the scene leave out, and which limit cycles are not
-        searched."""
-        return first_harmonics(self.scene) + (unsearched_cycles(self.scene) if self.held else [])
+    @property
+    def caveats(self) -> tuple[str, ...]:
+        """Sentences on what the describing functions in the scene leave out, and on limit cycles
+        that are not known."""
+        cycles = zip((x.hand.name for x in self.held), self.limit_cycles, strict=True)
+        return (
+            *first_harmonics(self.scene, in_hand=bool(self.held)),
+            *cycle_caveats(self.scene, dict(cycles)),
+        )
 
     def _held(
         self, x: Held, sets: Mapping[str, ValueSet], box: HandsOfBox | None, margin: Margins | None
@@ -291,12 +295,7 @@ def stability(
             _critical(scene, x, asked_of, after=len(rows) - 1 - i) for i, x in enumerate(rows)
         )
         nearby = tuple(margins(scene, x.hand) if x.shakes is False else None for x in rows)
-        cycles: tuple[tuple[LimitCycle, ...], ...] = ((),) * len(rows)
-        if any(x.model in DESCRIBED for x in scene.effects) and not unsearched_cycles(scene):
-            # Brings NumPy, which a certified answer does not need.
-            from haptisym.verbs.stability.limitcycles import limit_cycles
-
-            cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
+        cycles = tuple(limit_cycles(scene, x) for x in scene.hands)
         return Stability(scene, under, rows, near, boxes, every, nearby, digits, cycles)
 
 

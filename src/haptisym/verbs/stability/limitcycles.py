@@ -9,25 +9,29 @@ the pole moves by ds = N'(A)/g'(s) dA: the cycle attracts where a larger amplitu
 left.
 
 Estimated: a describing function leaves out all harmonics, and floats are searched on a grid, so
-that no result means no more than that none was found. Begin with ``limit_cycles``.
+that no result means no more than that none was found. Begin with ``limit_cycles``;
+``cycle_caveats`` says of which hands they are not known.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from importlib.util import find_spec
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
 from sympy import Integer, Rational, lambdify
 
+from haptisym.kernel.arrays import has_arrays, np
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.rings import s
-from haptisym.model.catalogue import DESCRIBED, FRICTION, Effect, Hand
+from haptisym.model.catalogue import DESCRIBED, FRICTION, SAMPLED_LOOP, Effect, Hand
 from haptisym.model.quantities import Dimension
-from haptisym.model.scene import Scene, clocks, unsearched_cycles
-from haptisym.programs.values import Array
+from haptisym.model.scene import Scene, clocks
 from haptisym.verbs.stability.clockedloop import loop_of
+
+if TYPE_CHECKING:
+    from haptisym.programs.values import Array
 
 Asked: TypeAlias = Callable[[Any], Any]
 """The gain that the loop asks of its element for a pole at s, an array of complex numbers."""
@@ -69,9 +73,41 @@ def linear(scene: Scene) -> Scene:
     return replace(scene, effects=tuple(x for x in scene.effects if x.model not in DESCRIBED))
 
 
-def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
-    """The possible limit cycles in a hand, by ascending amplitude. None are returned, too, where
-    the question is not answered (``unsearched_cycles``), or the loop with a clock is undecided.
+def unsearched_cycles(scene: Scene) -> str:
+    """A sentence that says why possible limit cycles of a scene are not searched; empty where they
+    are, or no element is one that is not linear."""
+    elements = [x for x in scene.effects if x.model in DESCRIBED]
+    lead, way_out = (
+        "Limit cycles are not searched",
+        "use a release test: haptisym simulate --release",
+    )
+    if len(elements) > 1:
+        names = ", ".join(x.name for x in elements)
+        return f"{lead}: {names} are several elements; leave one in, or {way_out}."
+    if not elements:
+        return ""
+    reads_first = scene.effects[0].model == SAMPLED_LOOP and scene.effects[1:2] == (elements[0],)
+    if clocks(scene) and (not reads_first or elements[0].model == FRICTION):
+        return f"{lead}: {elements[0].name} is not what the clock reads; {way_out}."
+    if not (has_arrays() and find_spec("scipy")):
+        return f"{lead}: NumPy and SciPy are not installed."
+    return ""
+
+
+def cycle_caveats(
+    scene: Scene, found: Mapping[str, tuple[LimitCycle, ...] | None]
+) -> tuple[str, ...]:
+    """The sentences on the hands, by name, whose limit cycles are not known: why none are searched,
+    or that they are undecided."""
+    unknown = [name for name, cycles in found.items() if cycles is None]
+    if unknown and (why := unsearched_cycles(scene)):
+        return (why,)
+    return tuple(f"Limit cycles in {name} are undecided." for name in unknown)
+
+
+def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...] | None:
+    """The possible limit cycles in a hand, by ascending amplitude. None where they are not known:
+    not searched (``unsearched_cycles``), or the loop with a clock is undecided.
 
     >>> from haptisym import effects, environments
     >>> wall, friction = environments.mass_spring_damper(k=100), effects.coulomb_friction("1 N", "1 mm")
@@ -81,15 +117,17 @@ def limit_cycles(scene: Scene, hand: Hand) -> tuple[LimitCycle, ...]:
     '0.1822 14.0721 False'
     """
     elements = [x for x in scene.effects if x.model in DESCRIBED]
-    if not elements or unsearched_cycles(scene):
+    if not elements:
         return ()
+    if unsearched_cycles(scene):
+        return None
     [element] = elements
     place = scene.effects.index(element)
     has_clock = bool(clocks(scene))
     try:
         asked = _asked_by_clock(scene, hand) if has_clock else _asked(scene, hand, place)
     except UndecidedError:
-        return ()
+        return None
     gain, omegas, amplitudes = _gain(element), _frequencies(scene), _amplitudes(element)
     with np.errstate(all="ignore"):
         meetings = _meetings(asked, gain, omegas, amplitudes)
