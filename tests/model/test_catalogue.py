@@ -25,7 +25,7 @@ from sympy.physics.control import Feedback, Parallel, Series, StateSpace, Transf
 
 import haptisym as hs
 from haptisym import effects, environments, interop
-from haptisym.kernel.harmonics import Harmonic, explained
+from haptisym.kernel.harmonics import Harmonic, named_harmonics
 from haptisym.kernel.rings import X
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, METHODS
 from haptisym.model.distortion import distort
@@ -286,7 +286,7 @@ def test_a_describing_function_written_out_is_the_number_also_where_nothing_pass
     size = next(x for x in EFFECTS[model].slots if x != "amplitude")
     known = dict(zip(hs.symbols("size amplitude"), (Rational(ratio), Rational(1)), strict=True))
     entry = EFFECTS[model].build(**dict(zip((size, "amplitude"), known, strict=True))).matrix[0]
-    names, definitions = explained(entry.atoms(Harmonic), {"size", "amplitude"})
+    names, definitions = named_harmonics(entry.atoms(Harmonic), {"size", "amplitude"})
     for name, form in definitions:
         assert not form.atoms(Harmonic)
         known[name] = form.xreplace(known).doit()

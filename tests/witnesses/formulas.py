@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from sympy import Abs, Expr, Function, I, Integer, Pow, Rational, Symbol, pi
 
 import haptisym as hs
-from haptisym.kernel.harmonics import Harmonic, explained
+from haptisym.kernel.harmonics import Harmonic, named_harmonics
 from haptisym.kernel.rings import PolynomialRing, omega, s
 from haptisym.pages.scene import ClosedForms
 
@@ -49,7 +49,7 @@ def closed_forms(name: str) -> list[Expr]:
         groups += [f(x) for f in (forms.properties, forms.forces) for x in ("env", "perc")]
         found += [row.value for group in groups for row in group]
         found += [x for x in (d.changeover_environment, d.changeover_perceived) if x is not None]
-    names, _ = explained({x for form in found for x in form.atoms(Harmonic)}, ())
+    names, _ = named_harmonics({x for form in found for x in form.atoms(Harmonic)}, ())
     # The readers know no function of two arguments.
     return [x.xreplace(names) for x in found if not x.has(sp.atan2)]
 

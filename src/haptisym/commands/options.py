@@ -49,7 +49,8 @@ if TYPE_CHECKING:
 Ask: TypeAlias = Any
 """The values of a verb's options, by their names."""
 Rule: TypeAlias = tuple[str, str, str]
-"""Two options, and what is to be said of them."""
+"""Two options, and what is to be said of them. In a rule of ``needs`` the other one may be several
+of which any will do: ``--figure or --figures``."""
 
 
 # Options.
@@ -246,6 +247,7 @@ def verb(
         listed.append(_hidden(figure("the answer")))
     if names & {"figure", "figures"}:
         listed += _DRAWN
+        needs = [*needs, *((x.opts[0], "--figure or --figures", "figures") for x in _DRAWN)]
     return lambda question: Verb(question, listed, apart, needs, each=each)
 
 
@@ -293,13 +295,8 @@ class Verb(click.Command):
             if given(one) and given(other):
                 raise SceneError(f"{why}: leave out one of them")
         for one, other, about in self.needs:
-            if given(one) and not given(other):
+            if given(one) and not any(map(given, other.split(" or "))):
                 raise SceneError(f"{one} is about {about}: it needs {other}, or leave it out")
-        for one in ("--format", "--style"):
-            if given(one) and not (given("--figure") or given("--figures")):
-                raise SceneError(
-                    f"{one} is about figures: it needs --figure or --figures, or leave it out"
-                )
         _nothing_lost(ctx)
         # A verb without pages has their options too, as None: ``hand_over`` is the same for all.
         ask = SimpleNamespace(**{str(x.name): None for x in (*_PAGES, FORMULAS)} | ctx.params)

@@ -207,7 +207,7 @@ def computable(form: Expr) -> Expr:
     )
 
 
-def explained(
+def named_harmonics(
     found: Iterable[Expr], taken: Collection[str]
 ) -> tuple[dict[Expr, Symbol], list[tuple[Symbol, Expr]]]:
     """Return symbols for first harmonics, and the definitions of these symbols, with the ratio as a
@@ -215,7 +215,7 @@ def explained(
 
     >>> from sympy import symbols
     >>> q, A = symbols("q A", positive=True)
-    >>> explained([deadband(q / A)], {"q", "A"})[1]
+    >>> named_harmonics([deadband(q / A)], {"q", "A"})[1]
     [(u, Min(1, q/A)), (n_p, -2*(u*sqrt(1 - u**2) + asin(u))/pi + 1)]
     """
     names = set(taken)

@@ -95,7 +95,7 @@ def coefficients(polynomial: Polynomial, index: int) -> list[Polynomial]:
     >>> coefficients(pi_ * s_**2 + 3 * s_ - 1, 0), coefficients(pi_ * s_**2 + 3 * s_ - 1, 1)
     ([-1, 3, x1], [3*x0 - 1, x0^2])
     """
-    degree = int(polynomial.degrees()[index]) if polynomial else 0
+    degree = degree_in([polynomial], index)
     rows: list[dict[tuple[int, ...], object]] = [{} for _ in range(degree + 1)]
     for exponents, c in monomials(polynomial):
         others = [int(n) for n in exponents]

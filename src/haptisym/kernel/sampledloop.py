@@ -511,11 +511,14 @@ def about_axis(row: Sequence[Ball]) -> list[Ball]:
 def hurwitz(c: Sequence[Ball]) -> Ball:
     """The last but one of Hurwitz' determinants: 0 where two roots v add up to 0 (Orlando's
     formula), among them a pair on the axis."""
-    n = len(c) - 1
-    if n < 2:
-        return arb(1)
+    return matrix(hurwitz_rows(c)).det() if len(c) > 2 else arb(1)
+
+
+def hurwitz_rows(c: Sequence[Ball]) -> list[list[Ball]]:
+    """The rows of Hurwitz' matrix of order n - 1, of a polynomial of degree n with ascending
+    coefficients; none for n < 2."""
     padded = [*c[::-1], arb(0)]
-    return matrix([[padded[k] for k in row] for row in _hurwitz_places(n)]).det()
+    return [[padded[k] for k in row] for row in _hurwitz_places(len(c) - 1)]
 
 
 @lru_cache(maxsize=64)
@@ -674,6 +677,8 @@ def _ball(x: Expr, known: Mapping[Expr, Ball]) -> Ball:
 @lru_cache(maxsize=512)
 def _number_ball(x: Expr, bits: int) -> Ball | None:
     """A ball around a number at the working precision ``bits``; None of what holds symbols."""
+    # A key of the cache, no choice: ``_ball`` alone calls this, with the precision of FLINT, at
+    # which ``expression_ball`` computes.
     assert bits == flint.ctx.prec
     return None if x.free_symbols else expression_ball(x)
 

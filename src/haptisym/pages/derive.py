@@ -24,8 +24,7 @@ from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.regions import Cornered, Ellipse, Joint
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError
-from haptisym.kernel.harmonics import STEP, Harmonic
-from haptisym.kernel.harmonics import explained as names_of
+from haptisym.kernel.harmonics import STEP, Harmonic, named_harmonics
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import omega, s
 from haptisym.kernel.roots import Lattice, Signed
@@ -289,7 +288,7 @@ def explained(blocks: Iterable[Block]) -> tuple[Any, ...]:
         return blocks
     taken = {x.name for form in forms for x in form.free_symbols}
     taken |= {x.left.text for x in _equations(blocks) if isinstance(x.left, Name)}
-    symbols, definitions = names_of(harmonics, taken)
+    symbols, definitions = named_harmonics(harmonics, taken)
     waiting = [_defined(*pair) for pair in definitions]
 
     def renamed(line: doc.Line) -> Iterator[doc.Line]:
@@ -748,7 +747,7 @@ def _lines(d: Derivation) -> Iterator[str]:
     parameters = sorted(steps.free_symbols - {omega} | d.distortion.free_symbols, key=str)
     symbols = [omega, s, *parameters, *(x for x, _ in steps.definitions)]
     # First harmonics get names of their own, defined in functions that SymPy knows.
-    put, harmonics = names_of(d.chain.harmonics, [x.name for x in symbols])
+    put, harmonics = named_harmonics(d.chain.harmonics, [x.name for x in symbols])
     indices = sorted({x for _, value in harmonics for x in value.atoms(Symbol) if x == STEP})
     symbols += [*indices, *(x for x, _ in harmonics)]
     written = [value for _, value in (*harmonics, *steps.definitions)]

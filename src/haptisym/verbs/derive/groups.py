@@ -29,7 +29,7 @@ from haptisym.kernel.errors import SceneError
 from haptisym.kernel.rings import omega, s
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
-from haptisym.model.parameters import Parameter, in_place
+from haptisym.model.parameters import Parameter, free_name, in_place
 from haptisym.model.quantities import Dimension, MotionKind, dimension_exponents
 from haptisym.model.scene import Scene
 
@@ -61,7 +61,7 @@ _Size: TypeAlias = Mapping[str, Rational]
 
 @dataclass(frozen=True)
 class DimensionlessGroup:
-    """A dimensionless group: its ``symbol``, and its ``value`` in the scene's parameters."""
+    """A dimensionless group has a ``symbol``, and a ``value`` in the scene's parameters."""
 
     symbol: Symbol
     value: Expr
@@ -69,7 +69,8 @@ class DimensionlessGroup:
 
 @dataclass(frozen=True)
 class Groups:
-    """The dimensionless form of a scene.
+    """The dimensionless form of a scene has x for omega and a group for each parameter that is no
+    unit.
 
     ``frequency`` : x, omega in units of the scene's own frequency. ``groups`` : what everything
     else depends on. ``units`` : the base, parameters that became 1. ``stiffness`` : the unit of H,
@@ -86,23 +87,23 @@ class Groups:
 
     @cached_property
     def distortion(self) -> Distortion:
-        """The closed forms in x and the groups: ratios are those of the scene, dynamics are in
-        units of ``stiffness``."""
+        """Return the closed forms in x and the groups: ratios are those of the scene, dynamics are
+        in units of ``stiffness``."""
         return Distortion.of(self.chain.map(lambda entry: in_place(entry, self.values)))
 
     def forwards(self, form: Expr) -> Expr:
-        """A form of ``distortion``, which is written in omega, with x for it."""
+        """Return a form of ``distortion``, which is written in omega, with x for it."""
         return form.xreplace({omega: self.frequency.symbol})
 
     def back(self, form: Expr) -> Expr:
-        """A form in x and the groups, in the scene's own parameters again: exact."""
+        """Return a form in x and the groups in the scene's own parameters again: exact."""
         return form.xreplace(
             {group.symbol: group.value for group in (self.frequency, *self.groups)}
         )
 
 
 def groups(scene: Scene) -> Groups:
-    """The dimensionless form of a scene, found from the units of its parameters.
+    """Return the dimensionless form of a scene, found from the units of its parameters.
 
     Raises SceneError where the unit of a parameter is not known, as for a bare number in an
     expression, and where parameters that are not 0 have too few dimensions to make all units.
@@ -136,8 +137,7 @@ def groups(scene: Scene) -> Groups:
     if unit_of_stiffness is None:
         raise _without_unit("H", base)
     # x, unless a pure number of the scene has that name already.
-    names = {x.symbol.name for x in found}
-    letter = next(x for x in ("x", "Omega", "x_omega") if x not in names)
+    letter = free_name("x", {x.symbol.name for x in found})
     return Groups(
         DimensionlessGroup(Symbol(letter, positive=True), omega / unit_of_frequency),
         tuple(found),
@@ -149,15 +149,15 @@ def groups(scene: Scene) -> Groups:
 
 
 def _size(p: Parameter, motion: MotionKind | None) -> _Size:
-    """The dimensions of a parameter; a bare number in a formula counts as a pure number."""
+    """Return the dimensions of a parameter; a bare number in a formula counts as a pure number."""
     if p.dimension is Dimension.ANY:
         return {name: Rational(n.numerator, n.denominator) for name, n in p.exponents or ()}
     return _exponents(p.dimension, motion)
 
 
 def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
-    """The dimensions of a kind of quantity, which depend on whether the ``motion`` is a rotation;
-    none where they are not known."""
+    """Return the dimensions of a kind of quantity, which depend on whether the ``motion`` is a
+    rotation; none where they are not known."""
     return {
         name: Rational(n.numerator, n.denominator)
         for name, n in dimension_exponents(dimension, motion) or ()
@@ -165,8 +165,8 @@ def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
 
 
 def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
-    """SceneError unless other units of mass, length and time change the dynamics as they should:
-    exact.
+    """Raise SceneError unless other units of mass, length and time change the dynamics as they
+    should: exact.
 
     With every parameter times its unit, and s over the unit of time, H must be itself times the
     unit of stiffness K, and a chain matrix (A, B; C, D) must be (A, B K; C/K, D), up to a factor.
@@ -202,7 +202,7 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
 
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
-    """Whether two rows, the first not all 0, are the same up to a common factor: by cross
+    """Return whether two rows, the first not all 0, are the same up to a common factor: by cross
     products with an entry that is not 0."""
     ring = Ring.of([*row, *other])
     pairs = []
@@ -214,8 +214,8 @@ def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
 
 
 def _base(parameters: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> list[Symbol]:
-    """Parameters of independent dimensions, as many as there are: stiffness and mass first, the
-    environment's before others."""
+    """Return parameters of independent dimensions, as many as there are: stiffness and mass first,
+    the environment's before others."""
 
     def preference(p: Parameter) -> int:
         return _BASE.index(p.dimension) if p.dimension in _BASE else len(_BASE)
@@ -231,17 +231,19 @@ def _base(parameters: Sequence[Parameter], sizes: Mapping[Symbol, _Size]) -> lis
 
 
 def _rows(symbols: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Matrix:
-    """The matrix of dimensions, a parameter a row: its rank is the number of independent units."""
+    """Return the matrix of dimensions, a parameter a row: its rank is the number of independent
+    units."""
     return Matrix([_row(sizes[x]) for x in symbols])
 
 
 def _row(size: _Size) -> list[Any]:
-    """The exponents of mass, length and time, in this order."""
+    """Return the exponents of mass, length and time, in this order."""
     return [size.get(name, 0) for name in _DIMENSIONS]
 
 
 def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) -> Expr | None:
-    """The product of powers of the base parameters that has this size; None if there is none."""
+    """Return the product of powers of the base parameters that has this size; None if there is
+    none."""
     if not base:
         return None if _without_zeros(size) else Integer(1)
     # Powers n_i with sum of n_i times the row of base parameter i equal to the row of this size.
@@ -253,7 +255,8 @@ def _unit(size: _Size, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size]) ->
 
 
 def _without_unit(name: str, base: Sequence[Symbol]) -> SceneError:
-    """The error for a quantity without a group: its unit cannot be made of those of the base."""
+    """Return the error for a quantity without a group: its unit cannot be made of those of the
+    base."""
     units = f"that of {', '.join(map(str, base))}" if base else "none"
     return SceneError(
         f"dimensionless groups: the unit of {name} cannot be made of {units}, and what is 0 is no "
@@ -264,8 +267,8 @@ def _without_unit(name: str, base: Sequence[Symbol]) -> SceneError:
 def _named(
     others: Sequence[Parameter], base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
 ) -> list[tuple[DimensionlessGroup, int]]:
-    """The group of each parameter, and how many times it is the parameter in the units of the
-    base: 2 for a damping ratio b/(2 sqrt(k m)), else 1.
+    """Return the group of each parameter, and how many times it is the parameter in the units of
+    the base: 2 for a damping ratio b/(2 sqrt(k m)), else 1.
 
     A group has the letter of its kind, with an index where several have it, as rho_n; a pure number
     keeps its own name.
@@ -282,8 +285,9 @@ def _named(
             # A parameter's name stays that parameter's.
             if name in taken:
                 name = f"{letter}_{'env' if p.symbol in of_environment else key}"
-        while name != key and (name in taken or any(name == x.symbol.name for x, _ in named)):
-            name = f"{name}_{key}"
+        if name != key:
+            name = free_name(name, taken)
+        taken.add(name)
         factor = 2 if letter == "zeta" else 1
         symbol = Symbol(name, positive=True) if p.symbol.is_positive else Symbol(name, real=True)
         unit = _unit(sizes[p.symbol], base, sizes)
@@ -295,15 +299,15 @@ def _named(
 
 
 def _index(name: str) -> str:
-    """What distinguishes a parameter from others of its kind: n of omega_n, 2 of k2."""
+    """Return what distinguishes a parameter from others of its kind: n of omega_n, 2 of k2."""
     return re.sub(r"^(omega|tau|zeta|[a-zA-Z](?![a-zA-Z]))_?", "", name) or name
 
 
 def _letter(
     p: Parameter, base: Sequence[Symbol], sizes: Mapping[Symbol, _Size], scene: Scene
 ) -> str:
-    """The letter by which a group is known in the field; empty for a pure number, which keeps its
-    name."""
+    """Return the letter by which a group is known in the field; empty for a pure number, which
+    keeps its name."""
     size = _without_zeros(sizes[p.symbol])
     if not size:
         return ""
@@ -319,7 +323,7 @@ def _letter(
 
 
 def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
-    """The dimension with these exponents; ANY where none has them."""
+    """Return the dimension with these exponents; ANY where none has them."""
     exponents = _without_zeros(size)
     for dimension in _LETTERS:
         if dimension is not Dimension.ANY and _exponents(dimension, motion) == exponents:
@@ -328,5 +332,5 @@ def _kind(size: _Size, motion: MotionKind | None) -> Dimension:
 
 
 def _without_zeros(size: _Size) -> _Size:
-    """The exponents that are not 0."""
+    """Return the exponents that are not 0."""
     return {name: n for name, n in size.items() if n}

@@ -23,7 +23,7 @@ from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import Ball, expression_ball, fraction_ball
 from haptisym.kernel.roots import sign_of_number
-from haptisym.kernel.sampledloop import SampledLoop, is_clear
+from haptisym.kernel.sampledloop import SampledLoop, hurwitz_rows, is_clear
 from haptisym.model.catalogue import Hand
 from haptisym.model.scene import Scene
 from haptisym.verbs.stability.clockedloop import loop_of
@@ -146,15 +146,10 @@ def cell_halves(cell: Cell, sides: Sequence[int]) -> list[Cell]:
 def _is_hurwitz(row: Sequence[Ball]) -> bool:
     """Whether a polynomial with ascending coefficients, the first of them >= 0, is proven to have
     all roots in Re s < 0, or one at 0: by Hurwitz' determinants."""
-    down, n = list(row)[::-1], len(row) - 1
-    if not all(x > 0 for x in down[:-1]):
+    if not all(x > 0 for x in row[1:]):
         return False
-    # Hurwitz' matrix has the coefficient a_(2 j - i) of s^(n - 2 j + i) in row i, column j.
-    matrix: list[list[Ball]] = []
-    for i in range(1, n + 1):
-        indices = (2 * j - i for j in range(1, n + 1))
-        matrix.append([down[k] if 0 <= k <= n else arb(0) for k in indices])
     # All leading minors but the last one: it is that before it times the first coefficient, which
     # may be 0.
-    minors = (arb_mat([line[:k] for line in matrix[:k]]).det() for k in range(1, n))
+    rows = hurwitz_rows(row)
+    minors = (arb_mat([line[:k] for line in rows[:k]]).det() for k in range(1, len(row) - 1))
     return all(x > 0 for x in minors)
