@@ -314,9 +314,6 @@ def test_a_file_is_replaced_whole_or_stays_and_a_link_stays_one(tmp_path: Path) 
     )
 
 
-@pytest.mark.slow
-@pytest.mark.core
-@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
 def test_figures_are_written_in_the_format_and_the_style_that_are_asked_for(call: Call, tmp_path: Path) -> None:
     one, folder = tmp_path / "mine", tmp_path / "all"
     words = ["--figure", str(one), "--figures", str(folder), "--format", "svg", "--style", "paper"]
@@ -329,6 +326,9 @@ def test_figures_are_written_in_the_format_and_the_style_that_are_asked_for(call
     assert 'width="244.8pt"' in drawn  # 3.4 in
 
 
+@pytest.mark.slow
+@pytest.mark.core
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of POSIX")
 @pytest.mark.parametrize("name", ["latex a.tex", "report a.html", "certificate a.json", "response a.csv", "figures ."])
 def test_where_there_is_no_room_the_old_file_stays(
     call, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str

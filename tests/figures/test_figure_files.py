@@ -344,9 +344,7 @@ matplotlib.use("agg")
 import haptisym as hs
 from haptisym.figures.evaluation import ratios
 from haptisym.figures.layers import draw
-from matplotlib.colors import to_hex, to_rgba_array
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 e, before = hs.evaluate("fu2019"), dict(matplotlib.rcParams)
 draw(Figure().add_subplot(), ratios(e))
 assert "matplotlib.pyplot" not in sys.modules

@@ -494,6 +494,7 @@ def test_contenders_run_in_turn_and_their_repeats_tell_a_spread() -> None:
     turns = [(key, len([*row])) for key, row in groupby(calls)]
     assert [key for key, _ in turns] == ["a", "b"] * 6  # once to warm up
     assert {often for _, often in turns[:2]} == {1}
-    assert {often for _, often in turns[2:]} <= {1, 3}  # what is short, unless a machine with more to do made it long
+    # What is short runs three times in a row, unless a machine with more to do made its first run long: not both.
+    assert 3 in {often for _, often in turns[2:]} <= {1, 3}
     assert all(x.spread is not None and x.spread >= 0 for x in found.values())
     assert interleaved({"a": lambda: None}, 1000.0, rounds=3)["a"].spread is None

@@ -1,7 +1,7 @@
 """Figures in greys, for print without colours: each colour becomes the grey that is as light, and
-grounds that only their colours told apart get hatches.
+grounds that only their colours distinguish get hatches.
 
-Curves keep their strokes and marks, which tell them apart in grey.
+Curves keep their strokes and marks, which distinguish them in grey.
 """
 
 from __future__ import annotations

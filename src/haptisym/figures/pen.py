@@ -22,8 +22,8 @@ TEXT, SMALL = 8.0, 7.0
 
 @dataclass(frozen=True)
 class FigureStyle:
-    """How figures are set: the size of ticks, legends and notes, pt; whether in greys alone and
-    never wider than one column."""
+    """A style says how figures are set: the size of ticks, legends and notes, pt; whether in greys
+    alone and never wider than one column."""
 
     small: float = SMALL
     is_paper: bool = False

@@ -81,8 +81,8 @@ def distort(
     omega: Symbol = omega,
     laplace: Symbol | None = None,
 ) -> Distortion:
-    """The distortion of an environment by effects, nearest the environment first; none at all
-    without effects.
+    """Return the distortion of an environment by effects, nearest the environment first; without
+    effects there is none.
 
     ``rendered`` is what the controller renders where that is not the environment itself: H_perc is
     built on it, while dH and the ratios compare with ``environment``; where it has
@@ -126,7 +126,7 @@ def distort(
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
-    """The distortion as ``distort`` gives it, but in free air too, where H_env is zero and the
+    """Return the distortion as ``distort`` does, but in free air too, where H_env is zero and the
     ratios do not exist: for questions about H_perc alone."""
     chain = _chain_of(*(elements := _elements(environment, effects, rendered)))
     return Distortion(*chain.dynamics(free_air=True), chain, elements=elements)
@@ -136,7 +136,7 @@ Elements: TypeAlias = tuple[Environment, tuple[Effect, ...], Environment | None]
 
 
 def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elements:
-    """Environment, effects, and what is rendered where that is another one."""
+    """Return environment, effects, and what is rendered where that is another one."""
     given = given_environment("environment", environment)
     other = None if rendered is None else given_environment("rendered", rendered).tied_to(given)
     return given, tuple(with_controller(given_effects(effects), other or given)), other
@@ -145,7 +145,7 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
 def _chain_of(
     environment: Environment, effects: tuple[Effect, ...], rendered: Environment | None
 ) -> Chain:
-    """The chain of elements with their parameters' values."""
+    """Return the chain of elements with their parameters' values."""
     H = environment.H
     seen = (rendered or environment).seen_by(effects)
     return Chain(H, H if seen is environment else seen.H, tuple(e.matrix for e in effects))
@@ -153,8 +153,8 @@ def _chain_of(
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Distortion(Shown):
-    """The environment H_env, the perceived dynamics H_perc and their difference ``dH = H_perc -
-    H_env`` (eq. 9), exact.
+    """A distortion holds the environment H_env, the perceived dynamics H_perc and their difference
+    ``dH = H_perc - H_env`` (eq. 9), exact.
 
     Closed forms are SymPy expressions in ``s`` or ``omega`` (rad/s), factored, with common factors
     cancelled. Two that have the same H_env and H_perc are equal, whatever they are made of.
@@ -184,7 +184,8 @@ class Distortion(Shown):
 
     @classmethod
     def of(cls, chain: Chain, ring: Ring | None = None) -> Distortion:
-        """The closed forms of a chain, in a ring that holds it (the smallest one unless given).
+        """Return the closed forms of a chain, in a ring that holds it (the smallest one unless
+        given).
 
         Raises SceneError where H_env is zero everywhere or H_perc is not a dynamics.
         """
@@ -194,7 +195,8 @@ class Distortion(Shown):
 
     @cached_property
     def _known(self) -> tuple[object, ...]:
-        """What is equal where distortions are: in lowest terms, whatever ring they are in."""
+        """Return what is equal where distortions are: in lowest terms, whatever ring they are
+        in."""
         parts = (f.cleared() for f in (self.env, self.perc))
         forms = (f.ring.expression(p) for f in parts for p in (f.numerator, f.denominator))
         return (*forms, self.frequency, self.value)
@@ -212,38 +214,38 @@ class Distortion(Shown):
 
     @cached_property
     def difference(self) -> RationalFunction:
-        """dH, with common factors cancelled: the one place where they are."""
+        """Return dH with common factors cancelled: the one place where they are."""
         return (self.perc - self.env).reduced()
 
     @cached_property
     def env_response(self) -> Response:
-        """H_env on s = j omega."""
+        """Return H_env on s = j omega."""
         return on_axis(self.env)
 
     @cached_property
     def perc_response(self) -> Response:
-        """H_perc on s = j omega."""
+        """Return H_perc on s = j omega."""
         return on_axis(self.perc)
 
     @cached_property
     def difference_response(self) -> Response:
-        """dH on s = j omega."""
+        """Return dH on s = j omega."""
         return on_axis(self.difference)
 
     @cached_property
     def relative_response(self) -> Response:
-        """dH/H_env on s = j omega."""
+        """Return dH/H_env on s = j omega."""
         return on_axis((self.difference / self.env).reduced())
 
     @cached_property
     def squared_modulus(self) -> RealFunction:
-        """``|H_env(j omega)|^2``."""
+        """Return ``|H_env(j omega)|^2``."""
         return squared_modulus(self.env)
 
     @cached_property
     def squared_ratios(self) -> dict[Part, RealFunction]:
-        """r_r^2 and r_i^2, common factors cancelled: limits at zeros of H_env are values, damping-free
-        resonances cancel."""
+        """Return r_r^2 and r_i^2 with common factors cancelled: limits at zeros of H_env are
+        values, damping-free resonances cancel."""
         return {
             part: part_of(self.difference_response, part).square_over(self.squared_modulus)
             for part in Part
@@ -251,7 +253,7 @@ class Distortion(Shown):
 
     @property
     def free_symbols(self) -> frozenset[Symbol]:
-        """The parameters that are still symbols."""
+        """Return the parameters that are still symbols."""
         return frozenset(
             self.env.expression().free_symbols | self.perc.expression().free_symbols
         ) - {s}
@@ -259,63 +261,63 @@ class Distortion(Shown):
     # Closed forms for people.
 
     def _told(self, form: Expr) -> Expr:
-        """The form with omega replaced by what was given for it."""
+        """Return the form with omega replaced by what was given for it."""
         return form if self.here == omega else in_place(form, {omega: self.here})
 
     @property
     def here(self) -> Expr:
-        """What stands for omega in closed forms: a symbol, or a value."""
+        """Return what stands for omega in closed forms: a symbol, or a value."""
         return self.frequency if self.value is None else self.value
 
     @property
     def environment(self) -> Expr:
-        """H_env(s)."""
+        """Return H_env(s)."""
         return self.env.factored()
 
     @property
     def perceived(self) -> Expr:
-        """H_perc(s)."""
+        """Return H_perc(s)."""
         return self.perc.factored()
 
     @property
     def distortion(self) -> Expr:
-        """dH(s) = H_perc - H_env."""
+        """Return dH(s) = H_perc - H_env."""
         return self.difference.factored()
 
     @property
     def real(self) -> Expr:
-        """Re dH(j omega), N/m or N m/rad: the shortest form known, a reduced fraction or in magnitudes
-        and angles of the chain."""
+        """Return Re dH(j omega), N/m or N m/rad: the shortest form known, a reduced fraction or in
+        magnitudes and angles of the chain."""
         return self._told(self.form(Part.REAL)[0])
 
     @property
     def imag(self) -> Expr:
-        """Im dH(j omega), N/m or N m/rad."""
+        """Return Im dH(j omega), N/m or N m/rad."""
         return self._told(self.form(Part.IMAG)[0])
 
     @property
     def ratio_real(self) -> Expr:
-        """r_r = ``|Re dH|/|H_env|``."""
+        """Return r_r = ``|Re dH|/|H_env|``."""
         return self._told(self._ratio(Part.REAL))
 
     @property
     def ratio_imag(self) -> Expr:
-        """r_i = ``|Im dH|/|H_env|``."""
+        """Return r_i = ``|Im dH|/|H_env|``."""
         return self._told(self._ratio(Part.IMAG))
 
     @property
     def relative_real(self) -> Expr:
-        """Re(dH/H_env), which is not r_r."""
+        """Return Re(dH/H_env), which is not r_r."""
         return self._told(self.relative_form(Part.REAL)[0])
 
     @property
     def relative_imag(self) -> Expr:
-        """Im(dH/H_env), which is not r_i."""
+        """Return Im(dH/H_env), which is not r_i."""
         return self._told(self.relative_form(Part.IMAG)[0])
 
     def form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether that is in
-        lowest terms."""
+        """Return Re or Im dH in ``kernel.rings.omega``, as short as is known; and whether all
+        common factors are cancelled."""
         if self.with_one_delay is not self:
             return self.with_one_delay.form(part)
 
@@ -328,7 +330,7 @@ class Distortion(Shown):
         return shortest(self.difference, lowest, others, in_series=self.chain.in_series)
 
     def _ratio(self, part: Part) -> Expr:
-        """|Re dH|/|H_env| or |Im dH|/|H_env| in ``kernel.rings.omega``."""
+        """Return |Re dH|/|H_env| or |Im dH|/|H_env| in ``kernel.rings.omega``."""
         form, is_lowest = self.form(part)
         # SymPy's Abs looks at every factor, which takes long for a form that is not in lowest
         # terms.
@@ -336,8 +338,8 @@ class Distortion(Shown):
         return size / sqrt(self.squared_modulus.factored())
 
     def relative_form(self, part: Part) -> tuple[Expr, bool]:
-        """Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether all
-        common factors are cancelled."""
+        """Return Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether
+        all common factors are cancelled."""
         if self.with_one_delay is not self:
             return self.with_one_delay.relative_form(part)
         change = (self.difference / self.env).reduced()
@@ -353,8 +355,8 @@ class Distortion(Shown):
         )
 
     def steps(self, *of: str) -> Steps:
-        """Some closed forms in short named steps, ``definitions`` and ``results``: Re dH and Im dH
-        if none is named.
+        """Return some closed forms in short named steps, ``definitions`` and ``results``: Re dH and
+        Im dH if none is named.
 
         ``of`` : "real", "imag", "ratio_real", "ratio_imag", "relative_real", "relative_imag". They
         grow by some twenty operations with each effect, and are what code should compute.
@@ -388,17 +390,17 @@ class Distortion(Shown):
 
     @property
     def modulus(self) -> Expr:
-        """``|H_env(j omega)|``."""
+        """Return ``|H_env(j omega)|``."""
         return self._told(sqrt(self.squared_modulus.factored()))
 
     @cached_property
     def environment_properties(self) -> Properties:
-        """Stiffness, mass, damping and force phasors of the environment."""
+        """Return stiffness, mass, damping and force phasors of the environment."""
         return properties(self.env_response, self.here, unused(X, self.chain.parameters))
 
     @cached_property
     def perceived_properties(self) -> Properties:
-        """Stiffness, mass, damping and force phasors of what is felt."""
+        """Return stiffness, mass, damping and force phasors of what is felt."""
         return properties(self.perc_response, self.here, unused(X, self.chain.parameters))
 
     def compile(
@@ -407,8 +409,8 @@ class Distortion(Shown):
         of: Sequence[str] | None = None,
         engine: Backend | str = Backend.NUMPY,
     ) -> Compiled:
-        """A NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the parameters that
-        are still symbols (SI).
+        """Return a NumPy function ``f(omega, m=..., ...)`` of frequencies (rad/s) and the
+        parameters that are still symbols (SI).
 
         It returns a named tuple of arrays (``real``, ``imag``, ``ratio_real``, ``ratio_imag``, ...)
         of the broadcast shape of its arguments, constants included. At a zero of H_env the ratios
@@ -436,14 +438,14 @@ class Distortion(Shown):
 
     @cached_property
     def needed_chain(self) -> Chain:
-        """The chain with numbers for parameters that cancel: those of effects that undo each other
-        may be any number."""
+        """Return the chain with numbers for parameters that cancel: those of effects that undo each
+        other may be any number."""
         # H_perc does not depend on these parameters, so that any values will do.
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
         return self.chain.put({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
     def at(self, values: Mapping[Symbol | str, Number]) -> Distortion:
-        """The distortion with values for some parameters, by symbol or name; the others stay
+        """Return the distortion with values for some parameters, by symbol or name; the others stay
         symbols.
 
         A value is a number, read exactly (a float as its decimal), a string with or without a unit,
@@ -480,7 +482,7 @@ class Distortion(Shown):
         return replace(found, frequency=self.frequency, value=here)
 
     def subs(self, *given: Any) -> Distortion:
-        """The same as ``at``, written as in SymPy: ``subs(k, 100)``, ``subs({k: 100})`` or
+        """Return the same as ``at``, written as in SymPy: ``subs(k, 100)``, ``subs({k: 100})`` or
         ``subs([(k, 100), (T, 0.02)])``; all at once.
 
         >>> from sympy.abc import k, s, T
@@ -494,8 +496,8 @@ class Distortion(Shown):
         return self.at(values)
 
     def functions(self, names: Sequence[str]) -> dict[str, RealFunction]:
-        """The real functions behind the fields of ``numeric.Values``, reduced; of the
-        ratios their squares."""
+        """Return the real functions behind the fields of ``programs.values.Values``, reduced; of
+        the ratios their squares."""
         responses = {
             "relative": "relative_response",
             "environment": "env_response",
@@ -513,14 +515,15 @@ class Distortion(Shown):
         return functions
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
-        """The JNDs of stiffness, damping and mass for a threshold c."""
+        """Return the JNDs of stiffness, damping and mass for a threshold c."""
         least, w = c * self.modulus, self.here
         return ParameterJND(least, least / w, least / w**2)
 
     def crossings(
         self, part: Part | str, c: Any = None, *, band: tuple[Any, Any] | None = None
     ) -> tuple[Solution, ...] | tuple[RealNumber, ...]:
-        """All frequencies at which a ratio equals a threshold c: the positive zeros of r^2 - c^2.
+        """Return all frequencies at which a ratio equals a threshold c: the positive zeros of r^2 -
+        c^2.
 
         ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0; a symbol c (c_ where that
         is a parameter) unless given. With symbols each is a
@@ -554,8 +557,8 @@ class Distortion(Shown):
         return zeros(excess(self.squared_ratios[part_named(part)], level), band)
 
     def _threshold(self, c: Any) -> Expr:
-        """Read a threshold, a symbol unless given; SceneError where a symbol in it is a frequency,
-        a parameter or s."""
+        """Read a threshold, a symbol unless given; raise SceneError where a symbol in it is a
+        frequency, a parameter or s."""
         if c is None:
             return unused(symbol_c, [*self.chain.parameters, self.frequency])
         taken = {x.name: "a parameter" for x in self.free_symbols}
@@ -564,7 +567,7 @@ class Distortion(Shown):
 
     @cached_property
     def with_one_delay(self) -> Distortion:
-        """The distortion with one delay in place of several that only act together, as in
+        """Return the distortion with one delay in place of several that only act together, as in
         exp(-s tau_1) exp(-s tau_2); the same object where they act apart."""
         ring = ring_of(self.env)
         first, last = ring.size, ring.size + len(ring.lags)
@@ -586,7 +589,7 @@ class Distortion(Shown):
         )
 
         def same(p: Polynomial) -> Polynomial:
-            """The polynomial in the ring with the unit delay in place of the others."""
+            """Return the polynomial in the ring with the unit delay in place of the others."""
             terms = ((tuple(map(int, e)), x) for e, x in monomials(p))
             return other.context.from_dict(
                 {(*e[:first], multiples[e[first:last]], *e[last:]): x for e, x in terms}
@@ -598,14 +601,15 @@ class Distortion(Shown):
         return replace(self, env=env, perc=perc)
 
     def _in_own_frequency(self, solutions: Iterable[Solution]) -> tuple[Solution, ...]:
-        """The solutions with their equations in the symbol that was given for the frequency."""
+        """Return the solutions with their equations in the symbol that was given for the
+        frequency."""
         own = {omega: self.frequency}
         return tuple(replace(x, equation=x.equation.xreplace(own)) for x in solutions)
 
     @property
     def changeovers(self) -> Changeovers:
-        """All frequencies at which Re H_env and Re H_perc change their sign: formulas, or certified
-        numbers, as of ``crossings``."""
+        """Return all frequencies at which Re H_env and Re H_perc change their sign: formulas, or
+        proven numbers, as ``crossings`` does."""
         if not self.free_symbols:
             return Changeovers(
                 *(sign_changes(x.real) for x in (self.env_response, self.perc_response))
@@ -615,7 +619,8 @@ class Distortion(Shown):
         )
 
     def _sign_changes(self, system: str) -> tuple[Solution, ...]:
-        """Formulas of all zeros and poles of odd order of Re H; ``system`` : "env" or "perc"."""
+        """Return formulas of all zeros and poles of odd order of Re H; ``system`` : "env" or
+        "perc"."""
         reduced = self.with_one_delay
         H = getattr(reduced, system)
         real = on_axis(H).real
@@ -628,8 +633,8 @@ class Distortion(Shown):
         return tuple(x for x in (*solve(real), *poles) if x.order % 2)
 
     def changeover(self, system: str, values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-        """The lowest frequency at which Re H of "env" or "perc" changes its sign, as a formula;
-        None where it is not known.
+        """Return the lowest frequency at which Re H of "env" or "perc" changes its sign, as a
+        formula; None where it is not known.
 
         ``values`` : of all parameters; the formula is then the one that is in force for them.
         """
@@ -639,8 +644,8 @@ class Distortion(Shown):
         return lowest(self._sign_changes(system), values)
 
     def threshold_polynomial(self, part: Part | str, c: Any = None) -> Poly | Expr:
-        """The polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with delays
-        an expression in omega.
+        """Return the polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with
+        delays an expression in omega.
 
         >>> from haptisym import effects, environments
         >>> distort(environments.mass_spring_damper(k=1), effects.first_order_lag(1)).threshold_polynomial("imag").all_coeffs()
@@ -652,15 +657,15 @@ class Distortion(Shown):
         return polynomial if isinstance(polynomial, Poly) else polynomial.xreplace(own)
 
     def bandwidth(self, c: Any, *, band: tuple[Any, Any] | None = None) -> RealNumber | Expr:
-        """The end of the interval from 0 (or the band's low end) on which neither ratio exceeds c;
-        0 for none, oo for all.
+        """Return the end of the interval from 0 (or the band's low end) on which neither ratio
+        exceeds c; 0 for none, oo for all.
 
         Certified. SceneError where the ratios depend on symbols.
         """
         return bandwidth(self.squared_ratios, self._threshold(c), band)
 
     def asymptote(self, at: Any = 0) -> Asymptote:
-        """The leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
+        """Return the leading terms of dH, Re dH and Im dH ``at`` 0 or oo.
 
         >>> from haptisym import effects, environments
         >>> from haptisym.kernel.rings import symbols
@@ -671,8 +676,8 @@ class Distortion(Shown):
 
     @property
     def low_frequency(self) -> LowFrequency:
-        """Stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness + damping s +
-        mass s^2 + ..., exactly.
+        """Return stiffness, damping and mass that a slow hand feels: H_perc(s) = stiffness +
+        damping s + mass s^2 + ..., exactly.
 
         SceneError where H_perc is infinite at s = 0, or not rational in s but for delays.
 
@@ -687,8 +692,8 @@ class Distortion(Shown):
     def lambdify(
         self, quantity: str = "ratio_real", modules: Any = "numpy", *, steps: bool = False
     ) -> Callable[..., Any]:
-        """A plain function of omega and the parameters by name, as of ``sympy.lambdify``: for
-        NumPy, mpmath, JAX or math.
+        """Return a plain function of omega and the parameters by name, as ``sympy.lambdify`` does:
+        for NumPy, mpmath, JAX or math.
 
         ``quantity`` : any closed form here, by name. A parameter with the name of a function is
         followed by _ (``sqrt_``). With ``steps`` it computes the quantity by ``steps(quantity)``,
@@ -744,8 +749,8 @@ class Distortion(Shown):
 
     @property
     def changeover_environment(self) -> Expr | None:
-        """The lowest frequency at which Re H_env changes sign, in square roots; None where it has
-        no such form.
+        """Return the lowest frequency at which Re H_env changes sign, in square roots; None where
+        it has no such form.
 
         With symbols it is given where one formula is the lowest for all values of them, and holds
         while it is real (``changeovers`` has all, with conditions).
@@ -759,8 +764,8 @@ class Distortion(Shown):
 
     @property
     def changeover_perceived(self) -> Expr | None:
-        """The lowest frequency at which Re H_perc changes sign, in square roots; None where it has
-        no such form."""
+        """Return the lowest frequency at which Re H_perc changes sign, in square roots; None where
+        it has no such form."""
         return self.changeover("perc")
 
 
@@ -775,8 +780,8 @@ def solve_for(
 def solve_for(
     d: Distortion, what: str, parameter: Symbol | str, c: Any = None
 ) -> CrossingSolutions | Changeovers:
-    """The values of a parameter at which omega is a frequency of a distortion: the designer's way
-    round.
+    """Return the values of a parameter at which omega is a frequency of a distortion: the
+    designer's way round.
 
     ``what`` : "crossing", where r_r or r_i equals the threshold ``c`` (a symbol unless given), or
     "changeover", where Re H_env or Re H_perc changes its sign. ``parameter`` : by symbol or name.
@@ -836,8 +841,8 @@ _QUANTITIES = (
 
 
 def _allowed(x: Symbol, value: Expr) -> Expr:
-    """A value for a symbol; SceneError where it has a sign that the symbol is declared not to
-    have."""
+    """Return a value for a symbol; raise SceneError where it has a sign that the symbol is declared
+    not to have."""
     if (x.is_nonnegative and value.is_negative) or (x.is_nonpositive and value.is_positive):
         raise SceneError(
             f"{quoted(value)} must be {'>=' if x.is_nonnegative else '<='} 0: the symbol is "
@@ -847,13 +852,13 @@ def _allowed(x: Symbol, value: Expr) -> Expr:
 
 
 def part_of(response: Response, part: Part) -> RealFunction:
-    """The real or the imaginary part of a response."""
+    """Return the real or the imaginary part of a response."""
     return response.real if part is Part.REAL else response.imag
 
 
 def _shorter(dynamics: RationalFunction, part: Part) -> Expr:
-    """Re or Im of a dynamics with common factors cancelled: in factors, over sums of two squares,
-    or in products of its parts, where that is shorter."""
+    """Return Re or Im of a dynamics with common factors cancelled: in factors, over sums of two
+    squares, or in products of its parts, where that is shorter."""
     real = part is Part.REAL
     factored = part_of(on_axis(dynamics), part).factored()
     reduced = min(factored, over_squares(dynamics, real=real), key=count_ops)
@@ -863,8 +868,8 @@ def _shorter(dynamics: RationalFunction, part: Part) -> Expr:
 
 
 def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:
-    """|f| of a form of Re or Im of a dynamics: bars below the line only where the sign changes
-    there.
+    """Return the magnitude of a form of Re or Im of a dynamics, with bars below the line only where
+    the sign changes there.
 
     ``evaluate`` : whether SymPy may look at what stands above, which takes long for a long form.
 
@@ -884,8 +889,8 @@ def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) 
 
 
 def _is_definite(dynamics: RationalFunction) -> bool:
-    """Whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in lowest
-    terms, can change its sign; False where one might.
+    """Return whether no factor of |denominator|^2 on s = j omega, as it stands below Re or Im in
+    lowest terms, can change its sign; False where one might.
 
     The square itself is nowhere negative; so a factor of odd multiplicity in it keeps its sign. Of
     an even one, part may have been cancelled.

@@ -41,7 +41,8 @@ _MOST_DIVISIONS = 20
 
 @dataclass(frozen=True)
 class Expansion:
-    """dH = terms[0] + terms[1] + ... + remainder, for fast devices.
+    """An expansion writes a distortion as dH = terms[0] + terms[1] + ... + remainder, for fast
+    devices.
 
     ``terms`` : in the scene's symbols, of ascending order in the devices' time constants; the
     first, of order 0, is what devices without any delay would do. ``fast`` : the parameters in
@@ -53,13 +54,13 @@ class Expansion:
     fast: tuple[Symbol, ...]
 
     def part(self, part: Part) -> Expr:
-        """Re or Im of the terms together, a closed form in omega."""
+        """Return Re or Im of the terms together, a closed form in omega."""
         return Add(*(part_of(on_axis(term), part).factored() for term in self.terms))
 
     @cached_property
     def bounds(self) -> Mapping[Part, RealNumber | None]:
-        """The largest error that the terms make in r_r and r_i on the scene's band: certified; None
-        where it is infinite.
+        """Return the largest error that the terms make in r_r and in r_i on the scene's band:
+        proven; None where it is infinite.
 
         Empty where a parameter has no number.
         """
@@ -81,7 +82,7 @@ class Expansion:
 
 
 def expansion(scene: Scene, order: int = 1) -> Expansion:
-    """The distortion of a scene to some order in the time constants of its effects.
+    """Return the distortion of a scene to some order in the time constants of its effects.
 
     Raises SceneError where no effect has a time constant, or where the distortion of infinitely
     fast devices is infinite.
@@ -116,8 +117,8 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
 
 
 def _divisions(entry: Expr, epsilon: Symbol) -> int:
-    """How often an entry divides by epsilon where it is not in lowest terms: the lowest power in
-    its denominator."""
+    """Return how often an entry divides by epsilon where it is not in lowest terms: the lowest
+    power in its denominator."""
     denominator = together(entry).as_numer_denom()[1]
     if not denominator.has(epsilon):
         return 0
@@ -126,8 +127,8 @@ def _divisions(entry: Expr, epsilon: Symbol) -> int:
 
 
 def _truncated(entry: Expr, epsilon: Symbol, depth: int) -> Expr:
-    """The entry with a Taylor polynomial of degree ``depth`` for each exp, cosh and sinh that holds
-    epsilon."""
+    """Return the entry with a Taylor polynomial of degree ``depth`` for each exp, cosh and sinh
+    that holds epsilon."""
     # With polynomials in place of exponentials the entries are rational in epsilon, and the ring
     # has no functions of it; terms of an order above ``depth`` do not reach the order that is
     # wanted.
@@ -166,7 +167,8 @@ def _series(f: RationalFunction, epsilon: Symbol, order: int) -> Iterator[Ration
 def _by_powers(
     polynomial: Polynomial, ring: PolynomialRing, variable: Symbol
 ) -> dict[int, RationalFunction]:
-    """The coefficients of a polynomial by the powers of one variable, without those that are 0."""
+    """Return the coefficients of a polynomial by the powers of one variable, without those that are
+    0."""
     if variable not in ring.meanings:  # nothing depends on it
         return {0: ring.function(polynomial)}
     rows = coefficients(polynomial, ring.meanings.index(variable))
