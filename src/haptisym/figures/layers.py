@@ -14,6 +14,7 @@ one function that lists layers.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -727,6 +728,8 @@ _NAME = "_name "
 """The mark of names at curves, before the ids of these."""
 _PLACES = 12
 """Places of a curve at which its name is tried."""
+_BROAD = 32
+"""Letters of a name in each of its two lines, about half of what a column has room for."""
 
 
 def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> None:
@@ -758,9 +761,10 @@ def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> N
         places.sort(reverse=True)
         tried = [places[i] for i in np.linspace(0, len(places) - 1, _PLACES).round().astype(int)]
         others = [room.curve(x) for other in wanted if other[1] != mark for x in lines_of(other[1])]
-        which, offset = room.along(tried, text, small(ax), others)
+        short = textwrap.fill(text, _BROAD, max_lines=2, placeholder="…")
+        which, offset = room.along(tried, short, small(ax), others)
         made = ax.annotate(
-            text,
+            short,
             xy=tried[which],
             xytext=offset,
             textcoords="offset points",
@@ -1009,7 +1013,8 @@ class Room:
 
         ``others`` : points of curves that the name is not of.
         """
-        wide, high = _WIDE * size * _letters(text), _HIGH * size
+        lines = text.split("\n")
+        wide, high = _WIDE * size * max(map(_letters, lines)), _HIGH * size * len(lines)
         tried: list[tuple[float, int, int, Span, Box]] = []
         for which, point in enumerate(places):
             a, b = self.at(*point)
