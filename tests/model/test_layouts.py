@@ -81,7 +81,16 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
     "decibels": ("a.csv", table("Frequency (Hz),Magnitude (dB),Phase [deg]\n", decibels), "", "10 lines; Hz, dB, deg"),
     "falling": ("a.csv", table("Frequency (Hz);Magnitude (dB re 1 N/m);Phase [deg]\n", decibels, ";", falling=True), "",
                 "10 lines; Hz, dB re 1 N/m, deg; sorted"),
-    "commas": ("a.csv", table("frequency_hz;magnitude;phase_deg\n", polar, ";", commas=True), "", "10 lines; Hz, SI, deg; decimal commas"),
+    "dB behind the unit": ("a.csv", table("Frequency (Hz),Magnitude (N/m) in dB,Phase (deg)\n", decibels), "", "10 lines; Hz, dB re 1 N/m, deg"),
+    "dB inside": ("a.csv", table("Frequency (Hz),|H| (N/mm dB),Phase (deg)\n", lambda f, h: decibels(f, h / 1000)), "",
+                  "10 lines; Hz, dB re 1 N/mm, deg"),
+    "dB before the unit": ("a.csv", table("Frequency (Hz);Magnitude in dB (N/m);Phase (deg)\n", decibels, ";", commas=True),
+                           'unit = { magnitude = "dB" }', "10 lines; Hz, dB re 1 N/m, deg; decimal commas"),
+    "dB alone": ("a.csv", table("Frequency (Hz),Magnitude dB,Phase (deg)\n", decibels), "", "10 lines; Hz, dB, deg"),
+    "one column named": ("a.csv", table("Frequency (Hz),Gain of the stick [dB re 1 N/m],Phase (deg)\n", decibels),
+                         "columns = { magnitude = 2 }", "10 lines; dB re 1 N/m, Hz, deg"),
+    "commas": ("a.csv", table("frequency_hz;magnitude;phase_deg\n", polar, ";", commas=True), "",
+               "10 lines; Hz, magnitude: N/m or N·m/rad (no unit in the file), deg; decimal commas"),
     "commas, tabs": ("a.txt", table("Freq [Hz]\tMag [N/m]\tPhase [deg]\n", polar, "\t", commas=True), "", "10 lines; Hz, N/m, deg; decimal commas"),
     "blanks": ("a.txt", table("% from the analyser\nFrequency (Hz)   Real   Imag\n", plain, "   "), "", "10 lines; Hz, SI"),
     "blanks, commas": ("a.dat", table("* bench\n* Frequency(Hz) Real Imag\n", plain, " ", commas=True), "", "10 lines; Hz, SI; decimal commas"),
@@ -94,7 +103,8 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
                  'columns = { frequency = 1, magnitude = 2, phase = 3 }\nunit = { frequency = "Hz", magnitude = "dB", phase = "deg" }',
                  "10 lines; Hz, dB, deg"),
     "complex": ("a.csv", table("F,FRF\n", cell), 'unit = { frequency = "Hz" }', "10 lines; Hz, SI"),
-    "MATLAB's bode": ("a.csv", table("wout,mag,phase_deg\n", lambda f, h: (2 * math.pi * f, *polar(f, h)[1:])), "", "10 lines; rad/s, SI, deg"),
+    "MATLAB's bode": ("a.csv", table("wout,mag,phase_deg\n", lambda f, h: (2 * math.pi * f, *polar(f, h)[1:])), "",
+                      "10 lines; rad/s, magnitude: N/m or N·m/rad (no unit in the file), deg"),
     "WaveForms": ("a.csv", table("#Digilent WaveForms\nFrequency (Hz),Channel 1 Magnitude (dB),Channel 2 Magnitude (dB),Channel 2 Phase (*)\n",
                                  lambda f, h: (f, 0, *decibels(f, h)[1:])), "columns = { magnitude = 3, phase = 4 }",
                   "10 lines; dB, deg, Hz; not used: Channel 1 Magnitude (dB)"),
@@ -115,7 +125,7 @@ LAYOUTS: dict[str, tuple[str, str, str, str]] = {
     "complex, i": ("a.csv", table("f [Hz];H [N/m]\n", lambda f, h: (f, f"({h.real!r} {h.imag:+.17g}*j)"), ";", commas=True), "",
                    "10 lines; Hz, N/m; decimal commas"),
     "frd": ("a.frd", table("* Freq(Hz) SPL(dB) Phase(degrees)\n", decibels, " "), "", "10 lines; Hz, dB, deg"),
-    "zma": ("a.zma", table("", polar, "\t"), "", "10 lines; Hz, SI, deg"),
+    "zma": ("a.zma", table("", polar, "\t"), "", "10 lines; Hz, magnitude: N/m or N·m/rad (no unit in the file), deg"),
     "impedance": ("a.csv", table("Frequency (Hz),real [N*s/m],imag [N*s/m]\n", derived(1, 1)), 'quantity = "impedance"',
                   "10 lines; Hz, N*s/m; impedance"),
     "apparent mass": ("a.csv", table("Frequency (Hz),real [g],imag [g]\n", lambda f, h: (f, *(1000 * x for x in derived(2, 1)(f, h)[1:]))),
@@ -363,8 +373,12 @@ def test_discs_of_another_quantity_hold_what_its_own_discs_hold(tmp_path: Path, 
         ("w,H\n0,3j\n", {"quantity": "mobility"}, "no line above 0"),
         ("f,H,Phase [deg]\n1,2,3\n", {"unit": {"H": "N/m"}}, "unit: H: the columns in use are frequency, phase, magnitude"),
         ("phase_deg [rad],f,mag\n1,2,3\n", {}, 'phase_deg: the unit must be deg, not "rad"'),
+        ("f,Size of H,Phase [deg],Coherence\n1,2,3,1\n", {}, 'no column of magnitude: give the response in columns real, imag or magnitude, phase_deg, or complex as H, or name it, as columns = { magnitude = "Size of H" }: there'),
+        ("f [Hz],Size of H,Turn,Coherence\n1,2,3,1\n", {}, 'as columns = { magnitude = "Size of H", phase = "Turn" }'),
+        ("f [Hz],Coherence\n1,1\n", {}, "or complex as H: there are f [Hz], Coherence"),
+        ("f [Hz],Gain (N/m),Phase (deg)\n1,2,3\n", {"unit": {"magnitude": "dB"}}, 'unit: magnitude: the file has "N/m"'),
     ],
-    ids=range(28),
+    ids=range(32),
 )  # fmt: skip
 def test_nothing_is_guessed_where_several_meanings_are_usual(
     tmp_path: Path, text: str, keys: dict[str, Any], told: str
@@ -413,6 +427,31 @@ def test_of_two_joints_the_scene_names_one(tmp_path: Path) -> None:
     one = hs.estimated(second, force, 50)
     assert pytest.approx(one.H, rel=1e-9) == found.H
     assert "not used: position[0]" in found.understood
+
+
+def test_a_question_proposes_what_answers_it_where_it_is_asked(call, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    """The options that the errors propose are typed one after the other, until the file is read as by hand."""
+    path, scene = tmp_path / "a.csv", tmp_path / "scene.toml"
+    text = table("Frequency,Gain of it,Phase,Coherence\n", lambda f, h: (*decibels(f, h), 1 - 1e-6))
+    path.write_text(text, encoding="utf-8")
+    words: list[str] = []
+    for option in (
+        ["--columns", "magnitude=Gain of it"],
+        ["--unit", "frequency=Hz"],
+        ["--unit", "phase=deg"],
+        ["--averages", "10"],
+        ["--environment", "mass-spring-damper"],
+    ):
+        status, _, err = call("identify", str(path), *words)
+        typed = f'{option[0]} "{option[1]}"' if " " in option[1] else " ".join(option)
+        assert (status, typed in err, " = " in err) == (2, True, False), err
+        words += option
+    status, out, _ = call("identify", str(path), *words, "--unit", "magnitude=dB")
+    assert (status, "10 lines; dB, Hz, deg" in out) == (0, True)
+    scene.write_text(SCENE.format("a.csv", ""), encoding="utf-8")
+    for verb in ("identify", "evaluate"):
+        status, _, err = call(verb, str(scene))
+        assert (status, 'columns = { magnitude = "Gain of it" }' in err, "--" in err) == (2, True, False)
 
 
 NAMED = "--columns frequency=F --columns magnitude=Gain --columns phase=4 --unit frequency=Hz --unit magnitude=dB --unit phase=deg"

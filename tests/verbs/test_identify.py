@@ -252,7 +252,7 @@ def test_what_should_be_felt_is_known_of_a_measured_scene_and_kept(tmp_path: Pat
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        ([], "name a model to fit, or give degrees"),
+        ([], "name a model to fit, as --environment mass-spring-damper, or give degrees"),
         (["--environment", "kelvin-voigt:k=1 kg,b"], "not a stiffness"),
         (["--environment", "kelvin-voigt", "--effect", "delay", "--effect", "delay"], "do not identify"),
         (["--degrees", "1", "0", "--band", "50 rad/s", "60 rad/s"], "bench.csv has no frequency point"),
@@ -388,7 +388,7 @@ def test_a_model_has_the_parameters_that_are_named_and_those_that_it_needs(
         ("kelvin-voigt:k,k", [], None, "kelvin-voigt: k is there twice"), ("prony:k=0,b=1", [], None, "k: give the number of entries, as k=2"), ("prony:k=100,b=1", [], None, "give the number of entries"),
         ("kelvin-voigt", ["pade-delay"], None, "order: cannot be fitted: give it, as order=1"),
         ("kelvin-voigt", ["sampled-loop"], None, ""), ("kelvin-voigt:k=1,b=2", [], None, "no parameter is free: leave out the value"),
-        (None, [], None, "environment: name a model to fit, or give degrees"), ("kelvin-voigt", [], (1, 1), "degrees: a fraction replaces the model"),
+        (None, [], None, "name a model to fit, as environment = "), ("kelvin-voigt", [], (1, 1), "degrees: a fraction replaces the model"),
         (None, [], (13, 0), "degrees: 13 and 0 must be whole numbers from 0 to 12"), (None, [], (0, -1), "degrees: 0 and -1 must"), (None, [], (True, 1), "must be whole"),
         (None, [], (12, 3), ""), (None, [], (12, 4), "17 parameters are free: at most 16"), (None, ["delay"], (12, 3), "17 parameters"), (None, ["delay"], (1, 1), ""),
         (None, ["shunt"], (1, 1), "degrees: a fraction is fitted with a delay only"), ("kelvin-voigt", ["shunt:Z"], None, 'unknown parameter "Z": valid are m, b, k'),

@@ -291,6 +291,13 @@ class Verb(click.Command):
     def invoke(self, ctx: click.Context) -> None:
         """Ask, and hand the answer over; what contradicts itself, is ignored or would be lost is
         refused before."""
+        try:
+            self._invoke(ctx)
+        except SceneError as error:
+            # What the error of a scene file proposes stays a line of that file.
+            raise error.typed([y for x in self.params for y in x.opts]) from None
+
+    def _invoke(self, ctx: click.Context) -> None:
         for one, other, why in self.apart:
             if given(one) and given(other):
                 raise SceneError(f"{why}: leave out one of them")

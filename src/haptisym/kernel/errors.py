@@ -3,11 +3,56 @@ instead."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 T = TypeVar("T")
+
+
+class Setting(NamedTuple):
+    """What an error proposes to state: a key with its value, or with a value for each role.
+
+    It is a line of a scene file, unless the question came from a command line.
+
+    >>> str(Setting("averages", 10)), Setting("averages", 10).option
+    ('averages = 10', '--averages 10')
+    >>> str(Setting("unit", {"phase": "deg"})), Setting("unit", {"phase": "deg"}).option
+    ('unit = { phase = "deg" }', '--unit phase=deg')
+    """
+
+    key: str
+    value: Any
+
+    def __str__(self) -> str:
+        if not isinstance(self.value, dict):
+            return f"{self.key} = {_literal(self.value)}"
+        inside = ", ".join(f"{role} = {_literal(x)}" for role, x in self.value.items())
+        return f"{self.key} = {{ {inside} }}"
+
+    @property
+    def option(self) -> str:
+        """The option of the command line that states the same, once for each role."""
+        values = [self.value]
+        if isinstance(self.value, dict):
+            values = [f"{role}={x}" for role, x in self.value.items()]
+        return " ".join(f"--{self.key} {_word(str(x))}" for x in values)
+
+
+def _literal(value: Any) -> str:
+    """A value of a scene file."""
+    return _in_quotes(value) if isinstance(value, str) else str(value)
+
+
+def _word(text: str) -> str:
+    """A word of a command line, in quotes where it needs them."""
+    is_plain = all(x.isalnum() or x in "-_./:=%+" for x in text)
+    return text if is_plain else _in_quotes(text)
+
+
+def _in_quotes(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
 
 
 class HaptisymError(ValueError):
@@ -16,11 +61,30 @@ class HaptisymError(ValueError):
 
 
 class SceneError(HaptisymError):
-    """A scene, a model or one of its parameters breaks a rule."""
+    """A scene, a model or one of its parameters breaks a rule.
+
+    Its arguments are the parts of the message: texts, and any ``Setting`` that it proposes.
+    """
+
+    def __str__(self) -> str:
+        return "".join(map(str, self.args))
 
     def within(self, place: str) -> SceneError:
         """The same error with its place: ``place: message``."""
-        return type(self)(f"{place}: {self}")
+        return type(self)(f"{place}: ", *self.args)
+
+    def typed(self, options: Collection[str]) -> SceneError:
+        """The same error for a command line that has these options: with them for settings."""
+        return type(self)(
+            *(
+                x.option if isinstance(x, Setting) and f"--{x.key}" in options else x
+                for x in self.args
+            )
+        )
+
+    def written(self) -> SceneError:
+        """The same error for a scene file, where settings are lines of that file."""
+        return type(self)(str(self))
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, meant, quoted
+from haptisym.kernel.errors import SceneError, Setting, meant, quoted
 from haptisym.model.quantities import Dimension, MotionKind, quantity, read_unit
 
 
@@ -104,15 +104,14 @@ RECORD = {
 # column, which is frequency in a response and time in a record.
 _PLURAL = {"frequency": "frequencies", "time": "times"}
 _ROLES = (*RESPONSE, *RECORD)
-# Where a scene states one of a group, no other of it is looked for by name.
-_TOGETHER = [{"H", "real", "imag", "magnitude", "phase"}, {"coherence", "radius"}]
+# Where a scene states a column of one form, those of the other forms are not looked for by name.
+_FORMS = [[{"H"}, {"real", "imag"}, {"magnitude", "phase"}], [{"coherence"}, {"radius"}]]
 # Units that may end a column's name, as in phase_deg.
 _SUFFIXES = {
     "hz": "Hz",
     "khz": "kHz",
     "deg": "deg",
     "rad": "rad",
-    "db": "dB",
     "n": "N",
     "s": "s",
     "ms": "ms",
@@ -146,8 +145,30 @@ class ColumnHeader(NamedTuple):
         return re.sub(r"[\s_-]+", "_", last.lstrip("%#_ ").lower()).strip("_")
 
 
+# dB as a word of a header, and what 0 dB is where that follows: "dB re 1 N/m".
+_DECIBEL = re.compile(
+    r"(?:\bin\s+)?(?:(?<![^\W_])(?i:db)|(?<=[a-z])dB)(?![^\W_])(?:\s*re\b([^\])]*))?"
+)
+
+
 def column_of(cell: str) -> ColumnHeader:
-    """Name and unit of a header; SceneError where two units contradict each other."""
+    """Name and unit of a header, in dB where that stands anywhere in it; SceneError where two units
+    contradict each other.
+
+    >>> column_of("Gain (N/m) in dB")[1:], column_of("Gain [dB re 1 N/m]")[1:], column_of("mag_dB")[1:]
+    (('Gain', 'dB re 1 N/m'), ('Gain', 'dB re 1 N/m'), ('mag', 'dB'))
+    """
+    found = _DECIBEL.search(cell)
+    if found is None:
+        return _linear(cell)
+    rest = _linear(re.sub(r"\(\s*\)|\[\s*\]", "", _DECIBEL.sub("", cell)).strip())
+    reference = re.sub(r"^1\s*(?=[^\d.])", "", (found[1] or rest.unit).strip(" ,;:/([)]"))
+    name = rest.name.strip(" ,;:-_") or cell
+    return ColumnHeader(cell, name, f"dB re 1 {reference}" if reference else "dB")
+
+
+def _linear(cell: str) -> ColumnHeader:
+    """Name and unit of a header, dB aside; SceneError where two units contradict each other."""
     # A number in brackets is an index of an array, and V(out) a voltage: no unit.
     match = not re.match(r"[VI]\(", cell) and re.fullmatch(
         r"(.*\S)\s*[\[(]((?:[^\[\]()]|\([^()]*\))*)[\])]", cell
@@ -181,12 +202,12 @@ def assigned(
     roles = {role: _place(columns, role, x) for role, x in layout.columns.items() if role in names}
     if misplaced := [x for x in layout.columns if x not in names]:
         raise SceneError(f"columns: {misplaced[0]}: here it is one of {', '.join(names)}")
-    stated = set().union(*(group for group in _TOGETHER if group & set(roles)))
+    others = {role for forms in _FORMS for role in _others(forms, set(roles))}
     role_of = {word: role for role, words in names.items() for word in words.split()}
     for i, x in enumerate(columns):
         role = role_of.get(x.bare)
         # What the scene states goes before names.
-        if i in roles.values() or role in layout.columns or role in stated:
+        if i in roles.values() or role in layout.columns or role in others:
             continue
         # An unknown column is left out, unless it looks like a misspelt role: "freqency" left out
         # would end in a message about a missing column. Short words resemble too much.
@@ -198,18 +219,24 @@ def assigned(
                 or not (hint := meant(x.bare, [y for y in role_of if len(y) > 3]))
             ):
                 continue
-            way = f"columns = {{ {next(iter(names))} = 1 }}"
             raise SceneError(
-                f"unknown column {quoted(x.text)}: {hint}else name the columns, as {way}"
+                f"unknown column {quoted(x.text)}: {hint}else name the columns, as ",
+                Setting("columns", {next(iter(names)): 1}),
             )
         if role in roles:
             both = f"{quoted(columns[roles[role]].text)} and {quoted(x.text)}"
-            way = f"columns = {{ {role} = {quoted(x.text)} }}"
             raise SceneError(
-                f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write {way}"
+                f"two columns of {_PLURAL.get(role, role)}, {both}: leave out one, or write ",
+                Setting("columns", {role: x.text}),
             )
         roles[role] = i
     return roles
+
+
+def _others(forms: Sequence[set[str]], stated: set[str]) -> set[str]:
+    """The roles of the forms of which none is stated, where another form is."""
+    apart = [form for form in forms if not form & stated]
+    return set().union(*apart) if len(apart) < len(forms) else set()
 
 
 def _place(columns: Sequence[ColumnHeader], role: str, wanted: str | int) -> int:
@@ -245,8 +272,11 @@ def _unit(role: str, column: ColumnHeader, layout: Layout) -> str:
     stated = layout.unit.get(role, "")
     if not (own and stated) or own.lower() == stated.lower():
         return own or stated
-    # Two spellings of one unit agree. A header that is not understood leaves the word to the scene;
-    # one that is understood and has another scale contradicts it.
+    # "dB" alone leaves to the header what 0 dB is. Else two spellings of one unit agree. A header
+    # that is not understood leaves the word to the scene; one that is understood and has another
+    # scale contradicts it.
+    if stated.lower() == "db" and own.lower().startswith("db "):
+        return own
     wanted = _scale(role, stated, column, layout)
     with suppress(SceneError):
         if _scale(role, own, column, layout)._replace(unit=wanted.unit) != wanted:
@@ -305,7 +335,9 @@ def _scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> Scale:
     if role == "phase":
         if not unit:
             raise SceneError(
-                f'{column.text}: the phase has no unit: add unit = {{ phase = "deg" }}, or "rad"'
+                f"{column.text}: the phase has no unit: add ",
+                Setting("unit", {"phase": "deg"}),
+                ", or rad",
             )
         return Scale(
             _listed(column.text, unit, _DEGREES | _RAD),
@@ -338,8 +370,9 @@ def _frequency_scale(unit: str, column: ColumnHeader) -> Scale:
     # LabVIEW writes spectra over Hz, and LTspice names them "Freq."
     if not unit and column.bare not in ("hz", "x_value") and column.text != "Freq.":
         raise SceneError(
-            f'{column.text}: the frequency has no unit: add unit = {{ frequency = "Hz" }}, '
-            f'or "rad/s"'
+            f"{column.text}: the frequency has no unit: add ",
+            Setting("unit", {"frequency": "Hz"}),
+            ", or rad/s",
         )
     known = _HERTZ | _RADIANS
     if unit and unit.lower() not in known:
@@ -362,7 +395,9 @@ def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> S
         and by_name != "stiffness"
     ):
         raise SceneError(
-            f'{column.text}: add quantity = "{by_name}", or "stiffness" if it is force per position'
+            f"{column.text}: add ",
+            Setting("quantity", by_name),
+            ", or stiffness if it is force per position",
         )
     # "dB", "dB re 1 N/m", "dB (N/m)": the unit behind dB is what 0 dB is.
     decibel = re.fullmatch(r"(?i:db)\s*(?:\(|\[|(?i:re)\b)?\s*1?\s*(.*?)[\])]?", unit)
@@ -370,7 +405,10 @@ def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> S
         raise SceneError(f"{column.text}: {quoted(unit)}: only a magnitude is in dB")
     linear_unit = decibel[1] if decibel else unit
     if not linear_unit:
-        return Scale(1.0, "dB" if decibel else "SI", decibel=bool(decibel))
+        # A magnitude may be in dB as well: what it is taken for is said in full.
+        si = "N/m or N·m/rad" if (order, power) == (0, 1) else "SI"
+        bare = f"magnitude: {si} (no unit in the file)" if role == "magnitude" else "SI"
+        return Scale(1.0, "dB" if decibel else bare, decibel=bool(decibel))
     try:
         if (order, power) == (0, 1):
             read = quantity(f"1 {linear_unit}", Dimension.STIFFNESS)
@@ -378,14 +416,14 @@ def _size_scale(role: str, unit: str, column: ColumnHeader, layout: Layout) -> S
         value, powers = read_unit(linear_unit, linear_unit, "", partial(_measures, order, power))
     except SceneError as error:
         raise SceneError(
-            f"{column.text}: {str(error).rstrip('.')}{_otherwise(linear_unit)}"
+            f"{column.text}: {str(error).rstrip('.')}", *_otherwise(linear_unit)
         ) from None
     # About an axis N m per rad: force over motion has the length squared, along a line none.
     length = power * powers.get("length", 0)
     if not _measures(order, power, powers):
         raise SceneError(
-            f"{column.text}: {quoted(linear_unit)} is no unit of "
-            f"{layout.quantity}{_otherwise(linear_unit, layout.quantity)}"
+            f"{column.text}: {quoted(linear_unit)} is no unit of {layout.quantity}",
+            *_otherwise(linear_unit, layout.quantity),
         )
     return Scale(
         float(value), unit, MotionKind.ROTATION if length else MotionKind.TRANSLATION, bool(decibel)
@@ -400,14 +438,14 @@ def _measures(order: int, power: int, powers: Mapping[str, Fraction]) -> bool:
     return (mass, time) == (1, order - 2) and length in (0, 2)
 
 
-def _otherwise(unit: str, own: str | None = "stiffness") -> str:
+def _otherwise(unit: str, own: str | None = "stiffness") -> tuple[str | Setting, ...]:
     """A hint at the quantity that has this unit, except ``own``; empty where none has."""
     for name, (order, power) in QUANTITIES.items():
         fits = partial(_measures, order, power)
         with suppress(SceneError):
             if name != own and fits(read_unit(unit, unit, "", fits)[1]):
-                return f'; this is {name.replace("-", " ")}: add quantity = "{name}"'
-    return ""
+                return f"; this is {name.replace('-', ' ')}: add ", Setting("quantity", name)
+    return ()
 
 
 _DIMENSIONS = {
@@ -431,7 +469,7 @@ def _record_scale(role: str, unit: str) -> Scale:
 
 def is_unit(cell: str) -> bool:
     """Whether a cell can stand in a row of units: a unit, or nothing."""
-    if cell.lower() in ("", "-", "db", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD):
+    if cell.lower() in ("", "-", *_HERTZ, *_RADIANS, *_DEGREES, *_RAD) or _DECIBEL.match(cell):
         return True
     with suppress(SceneError):
         read_unit(cell, cell, "")

@@ -37,7 +37,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.errors import SceneError, Setting, quoted
 from haptisym.kernel.objects import Shown, counted
 from haptisym.model.files import write_whole
 from haptisym.model.quantities import Dimension, MotionKind, Number, number
@@ -254,7 +254,9 @@ def check_certainty(
     if averages is None:
         if coherence:
             raise SceneError(
-                "averages is missing: with coherence write the number of averages, as averages = 10"
+                "averages is missing: coherence needs the number of spectra that were averaged (the "
+                "analyser has it; of a record, its length over that of a segment): add ",
+                Setting("averages", 10),
             )
         return
     if not coherence:

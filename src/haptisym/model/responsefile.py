@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from haptisym.kernel.errors import SceneError, meant, quoted, within
+from haptisym.kernel.errors import SceneError, Setting, meant, within
 from haptisym.kernel.objects import counted
 from haptisym.model.columns import (
     QUANTITIES,
@@ -127,12 +127,17 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
     if "frequency" not in roles:
         if any(known_role(x.text) == "time" for x in columns):
             raise SceneError(
-                'column "time": for records in time add an estimator, as estimator = "H1" and '
-                'segment = "4 s" in [perceived], or '
-                '--estimator H1 --segment "4 s"; valid are H1, H2, joint'
+                'column "time": for records in time add an estimator, as ',
+                Setting("estimator", "H1"),
+                " with ",
+                Setting("segment", "4 s"),
+                "; valid are H1, H2, joint",
             )
-        ways = "give one, omega (rad/s) or frequency_hz, or name it, as columns = { frequency = 1 }"
-        raise SceneError(f"no column of frequencies: {ways}: there are {listed}")
+        raise SceneError(
+            "no column of frequencies: give one, omega (rad/s) or frequency_hz, or name it, as ",
+            Setting("columns", {"frequency": 1}),
+            f": there are {listed}",
+        )
     # "FRF" beside a phase is a magnitude.
     if "H" in roles and "phase" in roles and "magnitude" not in roles:
         roles["magnitude"] = roles.pop("H")
@@ -140,12 +145,29 @@ def _response_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str
     if len(forms) != 1 or not forms[0] <= set(roles):
         lacking = ", ".join(sorted(forms[0] - set(roles))) if len(forms) == 1 else "the response"
         what = "the response is there twice" if len(forms) > 1 else f"no column of {lacking}"
-        ways = (
-            "give the response in columns real, imag or magnitude, phase_deg, or complex as H, or "
-            f"name it, as columns = {{ H = {quoted(columns[-1].text)} }}"
+        raise SceneError(
+            f"{what}: give the response in columns real, imag or magnitude, phase_deg, or complex "
+            "as H",
+            *_named(columns, roles, forms),
+            f": there are {listed}",
         )
-        raise SceneError(f"{what}: {ways}: there are {listed}")
     return roles
+
+
+def _named(
+    columns: Sequence[ColumnHeader], roles: Mapping[str, int], forms: Sequence[set[str]]
+) -> tuple[str | Setting, ...]:
+    """A proposal to name the columns that lack; of the others none that has a role already."""
+    spare = [x.text for i, x in enumerate(columns) if i not in roles.values()]
+    wanted = ["H"] if len(spare) == 1 else ["magnitude", "phase"]
+    if len(forms) == 1:
+        wanted = [x for x in RESPONSE if x in forms[0] - set(roles)]
+    if len(forms) > 1 or len(spare) < len(wanted):
+        return ()
+    named = dict(zip(wanted, spare, strict=False))
+    return (" or name the columns, as " if len(named) > 1 else ", or name it, as "), Setting(
+        "columns", named
+    )
 
 
 def _measurement(
@@ -203,14 +225,16 @@ def _response(given: Given) -> Any:
             most = (size / scale.factor).max()
             raise SceneError(
                 f"magnitude: {most:.6g} dB would be 1e{most / 20:.0f} of the unit: if it is not in "
-                f'dB, add unit = {{ magnitude = "N/m" }}'
+                "dB, add ",
+                Setting("unit", {"magnitude": "N/m"}),
             )
         size = scale.factor * 10 ** (size / scale.factor / 20)
     elif (size < 0).any():
         first = int(np.argmax(size < 0))
-        way = 'if it is in dB, add unit = { magnitude = "dB" }'
         raise SceneError(
-            f"{given.place(first)}: magnitude: {size[first]:.6g} must be 0 or above; {way}"
+            f"{given.place(first)}: magnitude: {size[first]:.6g} must be 0 or above; if it is in "
+            "dB, add ",
+            Setting("unit", {"magnitude": "dB"}),
         )
     return size * np.exp(1j * rows["phase"])
 
@@ -253,10 +277,11 @@ def _record_roles(columns: Sequence[ColumnHeader], layout: Layout) -> dict[str, 
     roles = assigned(columns, RECORD, layout)
     listed = ", ".join(x.text for x in columns[:20])
     if missing := [x for x in ("time", "position", "force") if x not in roles]:
-        way = f"or name it, as columns = {{ {missing[0]} = 1 }}"
         raise SceneError(
-            f"no column {missing[0]}: records in time have time, position and force; {way}: there "
-            f"are {listed}"
+            f"no column {missing[0]}: records in time have time, position and force; or name it, "
+            "as ",
+            Setting("columns", {missing[0]: 1}),
+            f": there are {listed}",
         )
     return roles
 
@@ -435,7 +460,7 @@ def _estimated(
 ) -> Measurement:
     """The response of records in time, with what a scene states of them."""
     if not isinstance(records.get("estimator"), str):
-        raise SceneError('estimator is missing: add estimator = "H1", "H2" or "joint"')
+        raise SceneError("estimator is missing: add ", Setting("estimator", "H1"), ", H2 or joint")
     if averages is not None:
         raise SceneError("averages: leave it out, as it follows from the segments")
     if layout.quantity not in (None, "stiffness"):

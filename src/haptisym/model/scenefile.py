@@ -753,13 +753,15 @@ def parse_scenes(text: str, name: str = "scene") -> SceneFamily:
 
 
 def _parsed(name: str, read: Callable[[], _T]) -> _T:
-    """What ``read`` returns, with errors naming the file; the closed forms of scenes are made at
-    once."""
-    with within(name):
+    """What ``read`` returns, with errors naming the file, to which what they propose is added; the
+    closed forms of scenes are made at once."""
+    try:
         scenes = read()
         # What is wrong with the dynamics as a whole is wrong with this file: it must show here.
         for scene in () if isinstance(scenes, MeasuredScene) else scenes.scenes.values():
             _ = scene.closed
+    except SceneError as error:
+        raise error.within(name).written() from None
     return scenes
 
 

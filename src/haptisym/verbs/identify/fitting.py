@@ -50,7 +50,7 @@ from flint import fmpz_mpoly_ctx, fmpz_mpoly_vec, fmpz_poly
 from sympy import Symbol
 
 from haptisym.kernel.budget import tick
-from haptisym.kernel.errors import SceneError, meant, within
+from haptisym.kernel.errors import SceneError, Setting, meant, within
 from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import Polynomial, PolynomialRing
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, Effect, Environment, Model
@@ -231,8 +231,12 @@ def wanted(
             )
         environment_table = _fraction(degrees, "environment", numbered)
     elif environment is None:
-        models = ", ".join(x for x in ENVIRONMENTS if x != "expression")
-        raise SceneError(f"environment: name a model to fit, or give degrees; models are {models}")
+        models = [x for x in ENVIRONMENTS if x != "expression"]
+        raise SceneError(
+            "name a model to fit, as ",
+            Setting("environment", models[0]),
+            f", or give degrees; models are {', '.join(models)}",
+        )
     else:
         environment_table = _model(environment, ENVIRONMENTS, "environment", numbered)
     effect_tables = []
