@@ -109,6 +109,55 @@ def test_exact_lines_are_judged_as_the_proven_crossings_say() -> None:
     assert not e.certified
 
 
+STICK = hs.Scene(
+    hs.environments.mass_spring_damper("1.9 kg", "28 N*s/m", "950 N/m"),
+    [hs.effects.delay("6 ms"), hs.effects.second_order_lowpass("25 Hz", "0.7")],
+    ("0.2 Hz", "40 Hz"),
+)
+
+
+@pytest.mark.parametrize(("scene", "part"), [(FU, "real"), (STICK, "imaginary")])
+@pytest.mark.parametrize("radius", [0, 0.01])
+def test_the_bandwidth_of_points_encloses_the_proven_one_and_what_is_felt_first_is_the_same(
+    scene: hs.Scene, part: str, radius: float
+) -> None:
+    proven = hs.evaluate(scene)
+    width = float(proven.bandwidth)
+    exact = hs.sampled(scene, np.geomspace(0.2, 2, 40) * width)
+    sizes = radius * np.abs([complex(scene.environment.H.subs(hs.s, 1j * w)) for w in exact.omega])
+    slope = float(np.abs(np.diff(exact.H) / np.diff(exact.omega)).max()) * 1.2
+    first = min(proven.felt, key=lambda x: float(x.band.low.omega)).words
+    high_ends = []
+    for stated in (None, f"{slope} N*s/m"):
+        felt = hs.measured(exact.omega, exact.H, radius=sizes, slope=stated)
+        e = hs.evaluate(hs.MeasuredScene(scene.environment, felt, scene.band, title="The stick"))
+        low, high = e.reach
+        assert low < width < high
+        assert f"limited by the {part} part Felt as {first} at" in " ".join(str(e).split())
+        high_ends.append(high)
+    # Between two points the slope may show that something exceeds.
+    assert high_ends[1] <= high_ends[0]
+
+
+def test_the_bandwidth_of_points_that_are_unresolved_is_open_at_one_end_or_both() -> None:
+    spring = hs.environments.mass_spring_damper(k=100)
+    below, open_, exceeds = 100, 110, 130
+    for H, reach, words in (
+        (
+            [below, open_, exceeds],
+            (1, 3),
+            "between 1 rad/s (0.1592 Hz) and 3 rad/s (0.4775 Hz), limited by the real part",
+        ),
+        ([open_, exceeds, below], (None, 2), "less than 2 rad/s (0.3183 Hz)"),
+        ([below, open_, below], (1, None), "at least 1 rad/s (0.1592 Hz)"),
+        ([open_, below, below], (None, None), "unresolved"),
+        ([below, below, below], (3, None), "the whole band, up to 3 rad/s (0.4775 Hz)"),
+    ):
+        e = hs.evaluate(hs.MeasuredScene(spring, hs.measured([1, 2, 3], H, radius=[2, 2, 2])))
+        assert e.reach == reach
+        assert f"Bandwidth {words}" in " ".join(str(e).split())
+
+
 @given(st.integers(0, 10_000), st.booleans())
 def test_a_verdict_and_a_percept_hold_for_every_truth_within_the_discs(seed: int, env_is_measured: bool) -> None:  # noqa: FBT001
     rng = np.random.default_rng(seed)

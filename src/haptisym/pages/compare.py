@@ -14,6 +14,7 @@ from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, Way
 from haptisym.kernel.roots import ordered
 from haptisym.model.scene import Scene
 from haptisym.pages import words as w
+from haptisym.pages.measured import bandwidth as measured_bandwidth
 from haptisym.verbs.compare.entry import ComparedDisplay, Comparison, SceneDifference
 from haptisym.writing import document as doc
 from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
@@ -75,11 +76,7 @@ def _width_alone(x: ComparedDisplay) -> Phrase:
         if x.bandwidth is None:
             return "none"
         return ("the whole band, up to " if x.is_whole_band else ""), w.both(x.bandwidth)
-    if x.reach.most is None:
-        return "nothing noticed at any measured frequency"
-    if float(x.reach.least) < 0:
-        return "less than ", w.both(x.reach.most), " (measured)"
-    return "between ", w.cell(x.reach.least), " and ", w.both(x.reach.most), " (measured)"
+    return measured_bandwidth(x.answer), " (measured)"
 
 
 def _prescribed(x: ComparedDisplay) -> Phrase:
@@ -141,11 +138,11 @@ def _against_first(found: Comparison, place: int) -> Phrase:
     change = found.later(place)
     if change is not None:
         return (f"{other.name} is noticed ", _later(change, first), as_what, ".")
-    if other.is_whole_band and not first.is_whole_band:
+    if other.is_whole_band and first.reach.most is not None:
         return f"On its whole band {other.name} is not noticed; {first.name} is."
-    if first.is_whole_band and not other.is_whole_band:
+    if first.is_whole_band and other.reach.most is not None:
         return (f"{other.name} is noticed, {first.name} is not on its whole band", as_what, ".")
-    if first.is_whole_band:
+    if first.is_whole_band and other.is_whole_band:
         return f"Neither {first.name} nor {other.name} is noticed on its whole band."
     return (f"{other.name}: ", _width_alone(other), "; ", _width(first), as_what, ".")
 

@@ -15,12 +15,12 @@ from haptisym.kernel.objects import counted
 from haptisym.kernel.rings import s
 from haptisym.model.jnd import Part
 from haptisym.model.measured import Measurement, Welch, coherence_for
-from haptisym.model.quantities import unit_text
+from haptisym.model.quantities import RADIANS, unit_text
 from haptisym.pages import words as w
 from haptisym.verbs.measured.entry import Between, MeasuredEvaluation, Remedy, Stretches
 from haptisym.verbs.measured.judging import CODES, certainty, limits_of
 from haptisym.writing import document as doc
-from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong, listed
+from haptisym.writing.document import FREQUENCY_UNIT, Block, Document, Phrase, Strong
 
 _UNLIKELY = 0.01
 """A chance below which a display is called not linear."""
@@ -296,27 +296,40 @@ def page(e: MeasuredEvaluation) -> Document:
 
 
 def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
-    """Yield where discs first exceed, and as what the change is felt."""
-    joint = [(f"the {shape(e)}", e.joint.verdict)] if e.joint else []
-    verdicts = joint or [(f"the {w.PART_NAMES[part]} part", e.verdict[part]) for part in Part]
-    # argmax of a mask is its first point that exceeds.
-    first = [(int(np.argmax(codes == 1)), name) for name, codes in verdicts if (codes == 1).any()]
-    if first:
-        at, name = min(first)
-        yield "Noticed", (Strong("first at "), w.both(float(e.lines.omega[at])), f", by {name}")
-    else:
-        open_ = any((codes == 0).any() for _, codes in verdicts)
-        yield (
-            "Noticed",
-            "resolved at no point; some are unresolved" if open_ else "at no measured point",
-        )
-    felt: dict[Phrase, Phrase] = {}
-    for ends_, _, part, words in _felt(e):
-        # Rows come by part and frequency: the first place of each percept stays.
-        felt.setdefault((words, f" ({part})"), ends_)
-    few = [(words, " at ", at, "\xa0", FREQUENCY_UNIT) for words, at in islice(felt.items(), 2)]
-    yield "Felt as", listed(few) if few else "not resolved"
+    """Yield between which points the bandwidth is, and as what the change is felt."""
+    names = " or the ".join(w.PART_NAMES[x] for x in e.limited_by)
+    by = f", limited by the {names} part" if names else ""
+    yield "Bandwidth", (Strong((bandwidth(e),)), by)
+    yield "Felt as", _felt_first(e)
     yield "Stability", "not tested: it needs a model (haptisym identify fits one)"
+
+
+def bandwidth(e: MeasuredEvaluation) -> Phrase:
+    """Return between which frequencies the bandwidth is, the whole band, or that it is
+    unresolved."""
+    least, most = e.reach
+    if most is None:
+        if least is None:
+            return "unresolved"
+        return "the whole band, up to " if e.is_below_throughout else "at least ", w.both(least)
+    if least is None:
+        return "less than ", w.both(most)
+    low = w.both(least) if e.scene.frequency == RADIANS else w.cell(least)
+    return "between ", low, " and ", w.both(most)
+
+
+def _felt_first(e: MeasuredEvaluation) -> Phrase:
+    """Return how each part is felt where it is first noticed, the lowest frequency first."""
+    first: dict[Part | None, tuple[int, int, str]] = {}
+    for at, last, part, words in _felt_runs(e):
+        first.setdefault(part, (at, last, words))
+    if not first:
+        return "nothing noticed" if e.is_below_throughout else "unresolved"
+    in_order = sorted(first.values(), key=itemgetter(0))
+    each = (
+        (words, " at ", ends(e, at, last), "\xa0", FREQUENCY_UNIT) for at, last, words in in_order
+    )
+    return tuple(y for x in each for y in (", ", x))[1:]
 
 
 def _share(x: float, digits: int = 4) -> str:
@@ -512,6 +525,13 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
 
 def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
     """Neighbouring points that are felt in the same way, as one row."""
+    for first, last, part, words in _felt_runs(e):
+        yield ends(e, first, last), str(last - first + 1), part.value if part else "both", words
+
+
+def _felt_runs(e: MeasuredEvaluation) -> Iterator[tuple[int, int, Part | None, str]]:
+    """Yield the first and the last of neighbouring points that are felt in the same way, the part
+    and the words for it, by part and frequency."""
     for part in (*Part, None) if e.joint else Part:
         named, noticed = e.named(part), e.noticed(part)
         # Percepts have numbers from 0 on; -1 is noticed without a property, -2 not noticed: equal
@@ -520,12 +540,7 @@ def _felt(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, ...]]:
         for first, last in runs(label):
             if noticed[first]:
                 words = _felt_words(e, part, first) if named[first] else NOT_NAMED
-                yield (
-                    ends(e, first, last),
-                    str(last - first + 1),
-                    part.value if part else "both",
-                    words,
-                )
+                yield first, last, part, words
 
 
 def _felt_words(e: MeasuredEvaluation, part: Part | None, line: int) -> str:

@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import flint
-import numpy as np
 from sympy import Expr, Integer, Rational
 
 from haptisym.judge.answers import Answer, NoScene
@@ -35,7 +34,6 @@ from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, whole
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, chart, ordered
 from haptisym.model.catalogue import Hand
 from haptisym.model.distortion import Distortion
-from haptisym.model.jnd import Part
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name
 from haptisym.model.quantities import Number
@@ -107,6 +105,8 @@ class ComparedDisplay(Shown):
     @property
     def is_whole_band(self) -> bool:
         """Whether nothing is noticed on the whole band, or at any measured frequency."""
+        if isinstance(self.answer, MeasuredEvaluation):
+            return self.answer.is_below_throughout
         return self.reach.most is None
 
     @cached_property
@@ -117,13 +117,10 @@ class ComparedDisplay(Shown):
             if width is None:
                 return Reach(NOWHERE, NOWHERE)
             return Reach(width, None if width is self.answer.chart.points[-1].omega else width)
-        codes = _worst_codes(self.answer)
-        omega = self.answer.lines.omega
-        # Below the first point that is not shown to be below its threshold nothing is noticed.
-        sure = int(np.argmax(codes != -1)) if (codes != -1).any() else len(codes)
-        least = _double(omega[sure - 1]) if sure else NOWHERE
-        exceeding = np.flatnonzero(codes == 1)
-        return Reach(least, _double(omega[exceeding[0]]) if len(exceeding) else None)
+        least, most = self.answer.reach
+        return Reach(
+            NOWHERE if least is None else _double(least), None if most is None else _double(most)
+        )
 
     @property
     def limited_by(self) -> tuple[Criterion, ...]:
@@ -201,15 +198,6 @@ class ComparedDisplay(Shown):
 
 def _double(x: float) -> ExactNumber:
     return ExactNumber(Rational(float(x)))
-
-
-def _worst_codes(answer: MeasuredEvaluation) -> Any:
-    """Of each measured frequency 1 where something is noticed, -1 where nothing is, and 0 where
-    that is unresolved."""
-    if answer.joint is not None:
-        return answer.joint.verdict
-    # One part that exceeds is enough to notice; nothing is noticed where both are below.
-    return np.maximum(*(answer.verdict[part] for part in Part))
 
 
 def _equal_bandwidths(one: Evaluation, other: Evaluation) -> bool:

@@ -622,6 +622,55 @@ class MeasuredEvaluation(Answer):
         return between(self.scene, self.lines)
 
     @property
+    def _points(self) -> list[Stretches]:
+        """The verdicts that decide the bandwidth at the points: of each part, or of both."""
+        codes = [self.joint.verdict] if self.joint else [self.verdict[part] for part in Part]
+        return [Stretches(self.lines.omega, self.lines.omega, x) for x in codes]
+
+    @property
+    def _intervals(self) -> list[Stretches]:
+        """The same between the points; none without a bound on the slope."""
+        told = {} if self.between is None else self.between.told
+        parts: Sequence[Part | None] = [None] if self.joint else [*Part]
+        return [told[part] for part in parts if part in told and len(told[part])]
+
+    @cached_property
+    def reach(self) -> tuple[float | None, float | None]:
+        """Return bounds of the bandwidth, rad/s: up to the first everything is below its threshold,
+        at the second something exceeds it. None where not even the first point is below, and where
+        nothing exceeds."""
+        least = []
+        # With a bound on the slope what lies between the points must be below, too.
+        for x in self._intervals or self._points:
+            open_ = np.flatnonzero(x.code != -1)
+            end = int(open_[0]) if len(open_) else len(x)
+            least.append(float(x.high[end - 1]) if end else -1.0)
+        exceeding = [x.low[x.code == 1] for x in (*self._points, *self._intervals)]
+        most = min((float(x[0]) for x in exceeding if len(x)), default=None)
+        return (min(least) if min(least) >= 0 else None), most
+
+    @property
+    def is_below_throughout(self) -> bool:
+        """Whether nothing is noticed at any point, and nothing is unresolved."""
+        return all((x.code == -1).all() for x in (*self._points, *self._intervals))
+
+    @property
+    def limited_by(self) -> tuple[Part, ...]:
+        """The parts, one of which ends the bandwidth: up to where something exceeds they are not
+        below their thresholds at all points, or exceed them between two. None where nothing does,
+        or both are judged together."""
+        _, most = self.reach
+        if most is None or self.joint:
+            return ()
+        at_points, between_ = self._points, self._intervals or self._points
+        judged = zip(Part, at_points, between_, strict=True)
+        return tuple(
+            part
+            for part, x, y in judged
+            if (x.code[x.low <= most] != -1).any() or (y.code[y.low <= most] == 1).any()
+        )
+
+    @property
     def certified(self) -> bool:
         """False: what is measured is not proven."""
         return False
