@@ -48,6 +48,7 @@ from haptisym.effects import compliance, first_order_lag, second_order_lowpass, 
 from haptisym.environments import kelvin_voigt, mass_spring_damper
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
 from haptisym.kernel.reals import (
+    ALIKE_BITS,
     ExactNumber,
     Negative,
     RealNumber,
@@ -57,13 +58,14 @@ from haptisym.kernel.reals import (
     dyadic,
     expression_ball,
     is_in_pi,
+    ordered,
     outward,
     rational_between,
     rounded,
     short,
 )
 from haptisym.kernel.rings import Polynomial, PolynomialRing, degree_in, omega, s
-from haptisym.kernel.roots import ALIKE_BITS, ascending, chart, each_once, ordered, sign_of_number
+from haptisym.kernel.roots import ascending, chart, each_once, sign_of_number
 from haptisym.kernel.zerotest import is_zero_number as is_zero_turn
 from haptisym.kernel.zerotest import vanishes
 

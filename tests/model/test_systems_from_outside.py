@@ -22,6 +22,7 @@ from sympy import (
     I,
     Integer,
     Matrix,
+    N,
     Poly,
     Rational,
     Symbol,
@@ -30,6 +31,7 @@ from sympy import (
     cbrt,
     cos,
     exp,
+    lambdify,
     log,
     nan,
     oo,
@@ -37,6 +39,7 @@ from sympy import (
     sin,
     sqrt,
     symbols,
+    sympify,
 )
 from sympy.physics.control import (
     Feedback,
@@ -781,6 +784,28 @@ def test_answers_are_formulas_to_a_notebook() -> None:
         assert hs.latex(x), name
         assert pickle.loads(pickle.dumps(x)) == x, name
     assert hs.latex(solution) == r"\omega = \frac{\sqrt{\frac{c}{1 - c}}}{T},\quad 1 - c \ge 0"
+
+
+def test_a_certified_number_keeps_all_its_digits_in_sympy_and_mpmath() -> None:
+    """The ratio's own equation solved with 60 digits, and 50 asin(1/10), which are known without haptisym."""
+    [lagged] = hs.distort(100, 1 / (1 + s / 50) ** 3).crossings("real", 0.1)
+    [late] = hs.distort(100, exp(-s / 50)).crossings("imag", 0.1, band=(0, 100))
+    with mpmath.workdps(60):
+        known = mpmath.findroot(lambda x: 1 - mpmath.re(1 / mpmath.mpc(1, x / 50) ** 3) - mpmath.mpf(1) / 10, 6.6)
+        assert abs(mpmath.mpf(lagged) - known) < mpmath.mpf(10) ** -57
+        assert abs(lambdify(w, w * lagged, "mpmath")(1) - known) < mpmath.mpf(10) ** -57
+        assert f"{lagged:.40f}" == mpmath.nstr(known, 41, strip_zeros=False)
+    for x, exact in ((lagged, Float(known, 60)), (late, 50 * asin(Rational(1, 10)))):
+        assert abs(N(2 * x + w - w - 2 * exact, 5)) < 1e-57
+        again = pickle.loads(pickle.dumps(x * w))
+        assert again == w * x
+        assert abs(N(again.subs(w, 1) - exact, 5)) < 1e-57
+    assert sorted([lagged, late, 6, Rational(53, 10)]) == [late, Rational(53, 10), 6, lagged]
+    assert late < 50 * asin(Rational(1, 9)) < lagged <= lagged < float("inf")
+    put_in = hs.distort(100, 1 / (1 + s / 50) ** 3).at({"omega": lagged})
+    assert abs(N(put_in.ratio_real - Rational(1, 10), 5)) < 1e-40
+    # A root that is rational, 20 c/(1 - c) in squares with c = 1/5, is that number.
+    assert sympify(hs.distort(100, 20 / (s + 20)).crossings("real", 0.2)[0]) is Integer(10)
 
 
 def test_a_distortion_goes_back_to_sympy() -> None:

@@ -29,10 +29,10 @@ from sympy import Expr, Integer
 from haptisym.judge.peaks import LargestOf, LargestValue, supremum
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, ordered
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import is_stable
-from haptisym.kernel.roots import chart, ordered, sign_of_number
+from haptisym.kernel.roots import chart, sign_of_number
 from haptisym.model.catalogue import (
     BACK,
     CLOCKS,

@@ -18,7 +18,7 @@ from typing import Any
 
 import flint
 from flint import acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz, fmpz_poly
-from sympy import Expr, pi
+from sympy import Expr, Rational, pi
 
 from haptisym.kernel.budget import Waiting, tick
 from haptisym.kernel.delayterms import WaveSum
@@ -188,6 +188,13 @@ class Root(RealNumber):
 
     factor: PolynomialFactor
     index: int
+
+    def _sympy_(self) -> Expr:
+        low, *others = (c for (c, *_) in self.factor.coefficients)
+        # The root of a linear factor is exact by itself, or a square root.
+        if len(others) == 1 and self.factor.is_rational:
+            return Rational(-low, others[0]) ** Rational(1, self.factor.step)
+        return super()._sympy_()
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):

@@ -15,13 +15,29 @@ from enum import Enum
 from fractions import Fraction
 from functools import reduce
 from math import ceil, floor, isfinite, isnan
-from operator import add, index, mul
+from operator import abs as size
+from operator import add, ge, gt, index, le, lt, mul, neg, sub, truediv
 from types import MappingProxyType
 from typing import Any, SupportsIndex, TypeAlias, TypeVar
 
 import flint
 from flint import arb, fmpq
-from sympy import Expr, Integer, Pow, Rational, cos, log, pi, sin, sinc, tan
+from sympy import (
+    Expr,
+    Float,
+    Integer,
+    NumberSymbol,
+    Pow,
+    Rational,
+    cos,
+    log,
+    pi,
+    sin,
+    sinc,
+    sqrt,
+    sympify,
+    tan,
+)
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.errors import SceneError, UndecidedError
@@ -124,18 +140,88 @@ def at_rising_precision(
 
 
 Ball: TypeAlias = Any  # flint.arb, which ships no types
+ALIKE_BITS = 600
+"""Bits to which two numbers must agree to count as equal in ``ordered``."""
+ORDER_BITS = (128, ALIKE_BITS)  # most numbers are distinguished by the first
 _FEW_BITS = 128  # in ``_is_between``, which may miss a number that lies very near to an end
+
+
+def ordered(x: RealNumber, y: RealNumber) -> int:
+    """1 where y is larger than x, -1 where it is smaller, 0 where ``ALIKE_BITS`` do not distinguish
+    them."""
+    if x is y:
+        return 0
+    # Rough balls first, which cost nothing, then finer ones.
+    for bits in (0, *ORDER_BITS):
+        with flint.ctx.workprec(bits or ORDER_BITS[0]):
+            change = y.ball(bits) - x.ball(bits) if bits else y.rough() - x.rough()
+            if not change.contains(0):
+                return int(change > 0) - int(change < 0)
+    return 0
+
+
+def _in_sympy(operation: Callable[..., Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """An operation on numbers as SymPy has it: a method, and the one for the other order."""
+    return (
+        lambda x, *others: operation(sympify(x), *others),
+        lambda x, other: operation(other, sympify(x)),
+    )
+
+
+def _compared(operation: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """A comparison of numbers: by ``ordered``, with rational ones too, else as SymPy has it."""
+
+    def method(x: RealNumber, other: Any) -> Any:
+        is_finite = not isinstance(other, float) or isfinite(other)
+        if isinstance(other, int | float | Fraction | Rational) and is_finite:
+            other = ExactNumber(Rational(other))
+        if isinstance(other, RealNumber):
+            return operation(0, ordered(x, other))
+        return operation(sympify(x), other)
+
+    return method
 
 
 class RealNumber(Viewed, ABC):
     """A real number that can be enclosed to any precision.
 
     ``float(x)`` is the nearest double, ``x.digits(n)`` has n correct digits, ``x.enclosure(n)`` is
-    a proven interval.
+    a proven interval, ``f"{x:.3f}"`` is correctly rounded. Numbers compare by ``<``, where 600 bits
+    that agree count as equal. SymPy takes them into expressions, exactly, and so do ``x + 1`` and
+    ``2*x``: ``N(2*x, 50)`` has 50 correct digits.
+
+    >>> from sympy import N
+    >>> x = SquareRoot(ExactNumber(Integer(2)))
+    >>> f"{x:.3f}", x < 1.5, N(x + 1, 30)
+    ('1.414', True, 2.41421356237309504880168872421)
     """
 
     __slots__ = ()
     __reduce__ = copied
+    __add__, __radd__ = _in_sympy(add)
+    __sub__, __rsub__ = _in_sympy(sub)
+    __mul__, __rmul__ = _in_sympy(mul)
+    __truediv__, __rtruediv__ = _in_sympy(truediv)
+    __pow__, __rpow__ = _in_sympy(pow)
+    __neg__, __abs__ = _in_sympy(neg)[0], _in_sympy(size)[0]
+    __lt__, __le__, __gt__, __ge__ = map(_compared, (lt, le, gt, ge))
+
+    def _sympy_(self) -> Expr:
+        """The number in expressions of SymPy: exact, evaluated to any number of digits."""
+        return Proven(self)
+
+    def _mpmath_(self, bits: int, rounding: str) -> Float:
+        """The number for mpmath, rounded to the nearest."""
+        return Float._new(self.settled(lambda x: rational(x)._as_mpf_val(bits), bits + 16), bits)
+
+    def __format__(self, how: str) -> str:
+        """The number in a format of floats (and its digits, of ``Decimal``), correctly rounded."""
+        if not how[-1:].isalpha() and how[-1:] != "%" and "." not in how:
+            return format(str(self), how)
+        # Floats are shown with six decimals unless asked otherwise.
+        how = how if "." in how else f"{how[:-1]}.6{how[-1]}"
+        count = 400 + int(how.partition(".")[2].rstrip("eEfFgGn%") or 0)
+        return self.settled(lambda x: format(_decimal(x, Context(prec=count)), how))
 
     @abstractmethod
     def ball(self, bits: int) -> Ball:
@@ -178,14 +264,24 @@ class RealNumber(Viewed, ABC):
             ends = float(ball.lower()), float(ball.upper())
         if ends[0] == ends[1] and isfinite(ends[0]):
             return ends[0]
-        # Fractions round correctly everywhere, also near the ends of the range of doubles. Beyond
-        # 2000 bits it is a tie between two doubles, both of which are nearest.
-        bits = 240
+        # Fractions round correctly everywhere, also near the ends of the range of doubles.
+        return self.settled(float, 240)
+
+    def settled(self, shown: Callable[[Fraction], T], bits: int = 80) -> T:
+        """What a rounding ``shown`` makes of the number: of both ends of an enclosure, as tight as
+        it takes, from ``bits`` on; UndecidedError where no more is known of it."""
+        # Where so many bits more do not decide, the number is a tie, half way between two results.
+        most = 4 * bits + 1600
         while True:
             low, high = self.bounds(bits)
-            if float(low) == float(high) or bits > 2000:
-                return float(low)
-            bits *= 4
+            found = shown(low)
+            if found == shown(high):
+                return found
+            if bits > most and (high - low) * 2 ** (bits // 2) < abs(low):
+                return found
+            if bits > most:
+                raise UndecidedError(f"a number of which {self} is known, to more digits")
+            bits += 64 + bits // 2
 
     def digits(self, count: int = 15) -> str:
         """The number rounded to ``count`` significant decimal digits, each of them proven.
@@ -193,15 +289,8 @@ class RealNumber(Viewed, ABC):
         >>> ExactNumber(pi).digits(20), ExactNumber(Rational(1, 4)).digits(3)
         ('3.1415926535897932385', '0.250')
         """
-        bits = bits_for(count := whole("digits", count))
-        while True:
-            low, high = self.bounds(bits)
-            # Where so many digits more do not decide, the number is a tie: half way between two
-            # texts.
-            text = rounded(low, low if bits > 4 * (count + 200) else high, count)
-            if text is not None:
-                return text
-            bits += 64 + bits // 2
+        count = whole("digits", count)
+        return self.settled(lambda x: rounded(x, x, count) or "", bits_for(count))
 
     def enclosure(self, count: int = 15) -> tuple[str, str]:
         """Decimal lower and upper bounds, ``count`` digits or more equal; proven, rounded outward.
@@ -212,11 +301,64 @@ class RealNumber(Viewed, ABC):
         return outward(*self.bounds(bits_for(count + 3)), count + 3)
 
 
+class Proven(NumberSymbol):  # type: ignore[misc]
+    """A number as SymPy has it: a constant, as pi is, with as many proven digits as are asked for.
+
+    >>> Proven(SquareRoot(ExactNumber(Integer(2)))).evalf(30)
+    1.41421356237309504880168872421
+    """
+
+    __slots__ = ("number",)
+    is_real = True
+
+    def __new__(cls, number: RealNumber) -> Proven:
+        found: Proven = super().__new__(cls)
+        found.number = number
+        return found
+
+    def __getnewargs__(self) -> tuple[RealNumber]:
+        return (self.number,)
+
+    def _hashable_content(self) -> tuple[RealNumber]:
+        return (self.number,)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Proven) and self.number == other.number
+
+    __hash__ = NumberSymbol.__hash__
+
+    def _eval_is_positive(self) -> bool | None:
+        return True if self.number.rough() > 0 else None
+
+    def _as_mpf_val(self, bits: int) -> Any:
+        return self.number._mpmath_(bits, "n")._mpf_
+
+    def approximation_interval(self, _: type) -> tuple[Integer, Integer]:
+        """The whole numbers between which SymPy is to find it."""
+        low = self.number.settled(floor)
+        return Integer(low), Integer(low + 1)
+
+    def __int__(self) -> int:
+        return int(self.number.settled(int))
+
+    def _sympystr(self, _: object) -> str:
+        return repr(self.number)
+
+    _latex = _sympyrepr = _sympystr
+
+    def _mpmathcode(self, printer: Any) -> str:
+        # A function of mpmath is called at any precision: so many digits that none asks for more.
+        return f"{printer._module_format('mpmath.mpf')}('{self.number.digits(300)}')"
+
+
 @dataclass(frozen=True, slots=True, repr=False)
 class ExactNumber(RealNumber):
     """A number given in closed form: rational, or rational in pi."""
 
     value: Expr
+
+    def _sympy_(self) -> Expr:
+        return self.value
 
     def __repr__(self) -> str:
         return str(self.value) if len(str(self.value)) <= 20 else self.digits()
@@ -238,6 +380,9 @@ class SquareRoot(RealNumber):
     """
 
     square: RealNumber
+
+    def _sympy_(self) -> Expr:
+        return sqrt(sympify(self.square))
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
@@ -274,6 +419,8 @@ def expression_ball(value: Expr, known: Mapping[Expr, Ball] = MappingProxyType({
         return known[value]
     if value is pi:
         return arb.pi()
+    if isinstance(value, Proven):
+        return value.number.ball(flint.ctx.prec)
     if value.is_Add or value.is_Mul:
         return reduce(add if value.is_Add else mul, (expression_ball(x, known) for x in value.args))
     # A whole power is a product, and allows a negative base; any other one needs a logarithm, which
@@ -387,6 +534,9 @@ class Scaled(RealNumber):
     unit: Expr
     """The size of the unit, in SI units."""
 
+    def _sympy_(self) -> Expr:
+        return sympify(self.number) / self.unit
+
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
             return self.number.ball(bits) / expression_ball(self.unit)
@@ -432,6 +582,9 @@ class Negative(RealNumber):
     """
 
     number: RealNumber
+
+    def _sympy_(self) -> Expr:
+        return -sympify(self.number)
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):

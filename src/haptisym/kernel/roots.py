@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import flint
 from flint import arb
-from sympy import Expr, Rational
+from sympy import Expr, Rational, sympify
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
@@ -33,6 +33,7 @@ from haptisym.kernel.factors import AnalyticFactor, PolynomialFactor
 from haptisym.kernel.objects import Viewed
 from haptisym.kernel.reals import (
     MOST_BITS,
+    ORDER_BITS,
     SURE_BITS,
     Ball,
     ExactNumber,
@@ -40,34 +41,17 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
     is_in_pi,
+    ordered,
 )
 from haptisym.kernel.rings import PolynomialRing, omega
 from haptisym.kernel.zeros import Factor, Undecided, Zero, sign_of
 
 T = TypeVar("T")
 
-ALIKE_BITS = 600
-"""Bits to which two numbers must agree to count as equal in ``ordered``."""
-_BITS = (128, ALIKE_BITS)  # most numbers are distinguished by the first
-
-
-def ordered(x: RealNumber, y: RealNumber) -> int:
-    """1 where y is larger than x, -1 where it is smaller, 0 where ``ALIKE_BITS`` do not distinguish
-    them."""
-    if x is y:
-        return 0
-    # Rough balls first, which cost nothing, then finer ones.
-    for bits in (0, *_BITS):
-        with flint.ctx.workprec(bits or _BITS[0]):
-            change = y.ball(bits) - x.ball(bits) if bits else y.rough() - x.rough()
-            if not change.contains(0):
-                return int(change > 0) - int(change < 0)
-    return 0
-
 
 def is_told(x: RealNumber) -> bool:
     """Whether a number is enclosed in a finite ball at the precisions that ``ordered`` uses."""
-    return any(x.ball(bits).is_finite() for bits in _BITS)
+    return any(x.ball(bits).is_finite() for bits in ORDER_BITS)
 
 
 def ascending(items: Iterable[T], number: Callable[[T], RealNumber]) -> list[T]:
@@ -295,6 +279,9 @@ class Point(Viewed):
 
     def __float__(self) -> float:
         return float(self.omega)
+
+    def _sympy_(self) -> Expr:
+        return sympify(self.omega)
 
     @property
     def at(self) -> Signs:

@@ -74,10 +74,11 @@ from haptisym.kernel.reals import (
     Sliver,
     bounds,
     dyadic,
+    ordered,
     rational,
     rational_between,
 )
-from haptisym.kernel.roots import ascending, is_told, ordered
+from haptisym.kernel.roots import ascending, is_told
 
 # Reasons of undecided verdicts.
 STOPPED = "stopped at the limit"

@@ -152,7 +152,7 @@ class Zero(RealNumber):
     ``derivative`` : 0 for a zero of f itself, 1 for one of its slope. ``index`` : the number of
     zeros of f below it in the interval of the search. Two zeros are equal where factor, index and
     derivative are, whatever the enclosures: so ``==`` is for zeros of one search alone. Those of
-    two searches are compared by their balls (``kernel.roots.ordered``), and enclosures are cached
+    two searches are compared by their balls (``kernel.reals.ordered``), and enclosures are cached
     with their ends.
     """
 

@@ -472,7 +472,7 @@ class Distortion(Shown):
                     f"unknown parameter {quoted(name)}: {meant(name, by_name)}valid are {valid}"
                 )
             with within(name):
-                is_text = x == omega and not isinstance(given, Expr)
+                is_text = x == omega and not isinstance(given, Expr | RealNumber)
                 known[x] = _allowed(
                     x, quantity(given, Dimension.FREQUENCY).value if is_text else constant(given)
                 )

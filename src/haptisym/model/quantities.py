@@ -52,11 +52,13 @@ from sympy import (
     preorder_traversal,
     sin,
     sinh,
+    sympify,
     together,
     zoo,
 )
 
 from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
+from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import omega, s
 
 T = TypeVar("T")
@@ -748,8 +750,8 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     """
     if isinstance(given, str):
         return _from_text(given, dimension)
-    if isinstance(given, Expr):
-        return Quantity(_exact_expression(given))
+    if isinstance(given, Expr | RealNumber):
+        return Quantity(_exact_expression(sympify(given)))
     if isinstance(given, Fraction):
         return Quantity(Rational(given.numerator, given.denominator))
     if isinstance(given, Real | Decimal) and not isinstance(given, bool):
@@ -1051,6 +1053,8 @@ def constant(given: Number) -> Expr:
     >>> constant("2 ms"), constant(2 * Symbol("b", positive=True)**0.5)
     (1/500, 2*sqrt(b))
     """
+    if isinstance(given, RealNumber):
+        given = sympify(given)
     if not isinstance(given, Expr):
         return quantity(given, Dimension.ANY).value
     refuse_unreal(given.free_symbols)

@@ -10,8 +10,7 @@ from sympy import Integer
 
 from haptisym.judge.evaluation import Evaluation
 from haptisym.judge.percepts import NOT_NAMED
-from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, Way
-from haptisym.kernel.roots import ordered
+from haptisym.kernel.reals import ExactNumber, Negative, RealNumber, Way, ordered
 from haptisym.model.scene import Scene
 from haptisym.pages import words as w
 from haptisym.pages.measured import bandwidth as measured_bandwidth

@@ -64,7 +64,7 @@ from sympy.functions import exp
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.harmonics import Harmonic
-from haptisym.kernel.reals import ExactNumber
+from haptisym.kernel.reals import ExactNumber, Proven
 from haptisym.kernel.rings import X, finite, omega, s
 from haptisym.writing.boxes import (
     Absolute,
@@ -570,6 +570,9 @@ class _Layout:
             return decimal(Decimal(str(expr)).normalize())
         return number(expr) if isinstance(expr, Rational) else named(str(expr))
 
+    def _proven(self, expr: Proven) -> Box:
+        return decimal(Decimal(expr.number.digits()).normalize())
+
     def _sum(self, expr: Add) -> Box:
         return _summed([self._signed(term) for term in self._written(expr)])
 
@@ -623,6 +626,7 @@ class _Layout:
     _makers: tuple[tuple[type, Callable[[_Layout, Basic], Box]], ...] = (
         (Symbol, _symbol),
         (Number, _number),
+        (Proven, _proven),
         (Mul, _product),
         (Pow, _power),
         (Add, _sum),

@@ -30,8 +30,8 @@ from haptisym.judge.percepts import felt_words
 from haptisym.kernel.budget import SECONDS, limited, share
 from haptisym.kernel.errors import SceneError, UndecidedError, several, within
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, whole
-from haptisym.kernel.roots import Chart, Interval, Key, Signed, chart, ordered
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, ordered, whole
+from haptisym.kernel.roots import Chart, Interval, Key, Signed, chart
 from haptisym.model.catalogue import Hand
 from haptisym.model.distortion import Distortion
 from haptisym.model.measuredscene import MeasuredScene

@@ -65,11 +65,12 @@ from haptisym.kernel.reals import (
     at_rising_precision,
     expression_ball,
     fraction_ball,
+    ordered,
     rational,
     rational_between,
 )
 from haptisym.kernel.rings import Polynomial, monomials, omega
-from haptisym.kernel.roots import Chart, Interval, Signed, chart, each_once, ordered
+from haptisym.kernel.roots import Chart, Interval, Signed, chart, each_once
 from haptisym.kernel.sets import (
     STOPPED,
     Bisected,

@@ -36,9 +36,9 @@ from haptisym.kernel.reals import (
     bounds,
     expression_ball,
     fraction_ball,
+    ordered,
     rational,
 )
-from haptisym.kernel.roots import ordered
 from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.stability.characteristic import Pair
 from haptisym.verbs.stability.opened import Opened, Passage, Span

@@ -33,9 +33,16 @@ from sympy import Expr, Integer, Rational, exp, pi
 from haptisym.judge.bindings import STEADY, Binding, Kind
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import LimitError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber, Way, expression_ball, in_unit, printed
+from haptisym.kernel.reals import (
+    ExactNumber,
+    RealNumber,
+    Way,
+    expression_ball,
+    in_unit,
+    ordered,
+    printed,
+)
 from haptisym.kernel.rings import s
-from haptisym.kernel.roots import ordered
 from haptisym.kernel.sets import (
     STOPPED,
     Cell,

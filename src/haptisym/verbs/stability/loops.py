@@ -39,10 +39,17 @@ from sympy import Add, Expr, Integer, Rational, Symbol
 from haptisym.judge.passivity import is_stable_by_parts
 from haptisym.kernel.dynamics import Ring
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, expression_ball, rational_between
+from haptisym.kernel.reals import (
+    Ball,
+    ExactNumber,
+    RealNumber,
+    expression_ball,
+    ordered,
+    rational_between,
+)
 from haptisym.kernel.rings import Polynomial, RationalFunction, coefficients, monomials
 from haptisym.kernel.rootcount import Roots, Row, terms_of
-from haptisym.kernel.roots import ordered, sign_of_number
+from haptisym.kernel.roots import sign_of_number
 from haptisym.kernel.sets import CriticalValue
 from haptisym.model.catalogue import Hand
 from haptisym.model.existence import real_roots
@@ -311,7 +318,7 @@ def minus(f: RationalFunction, number: Expr) -> RationalFunction:
 
 def is_between(x: RealNumber, low: RealNumber | None, high: RealNumber | None) -> bool:
     """Whether x lies strictly between two numbers, None being no bound on that side. Numbers that
-    ``kernel.roots.ordered`` does not distinguish count as equal."""
+    ``kernel.reals.ordered`` does not distinguish count as equal."""
     # ``ordered`` is 1 where its second argument is the larger one.
     is_above = low is None or ordered(low, x) > 0
     return is_above and (high is None or ordered(x, high) > 0)

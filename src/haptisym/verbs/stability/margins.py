@@ -29,9 +29,9 @@ from haptisym.kernel.asymptoticsign import Sense, sign_without_zeros
 from haptisym.kernel.dynamics import RealFunction, on_axis, squared_modulus
 from haptisym.kernel.errors import LimitError, UndecidedError
 from haptisym.kernel.objects import Shown
-from haptisym.kernel.reals import Ball, ExactNumber, RealNumber
+from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, ordered
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import chart, ordered
+from haptisym.kernel.roots import chart
 from haptisym.kernel.sets import (
     STOPPED,
     CriticalValue,

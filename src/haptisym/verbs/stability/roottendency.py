@@ -30,9 +30,8 @@ from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import UndecidedError
-from haptisym.kernel.reals import ExactNumber, RealNumber
+from haptisym.kernel.reals import ALIKE_BITS, ExactNumber, RealNumber, ordered
 from haptisym.kernel.rings import RationalFunction
-from haptisym.kernel.roots import ALIKE_BITS, ordered
 from haptisym.verbs.stability.characteristic import Characteristic
 from haptisym.verbs.stability.crossingcurve import CrossingCurve, curve_of
 from haptisym.verbs.stability.delayswitches import Switches
