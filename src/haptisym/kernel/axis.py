@@ -57,7 +57,8 @@ class Axis(PolynomialRing):
     omega^alpha.
 
     ``symbols``, ``lags``, ``orders``: those of the dynamics, and ``j`` whether the imaginary unit
-    is among their numbers.
+    is among their numbers. ``turned``, ``fixed``: further angles and functions that do not depend
+    on omega.
     """
 
     def __init__(
@@ -67,16 +68,18 @@ class Axis(PolynomialRing):
         orders: Sequence[Expr],
         *,
         j: bool = False,
+        turned: Sequence[Expr] = (),
+        fixed: Sequence[Expr] = (),
     ) -> None:
         of_delays = [Angle(lag) for lag in lags]
-        of_powers = [Angle(pi * x / 2, constant=True) for x in orders]
-        self.angles = (*of_delays, *of_powers)
+        constant = [Angle(x, constant=True) for x in (*(pi * y / 2 for y in orders), *turned)]
+        self.angles = (*of_delays, *constant)
         self.lags = tuple(lags)
         self.orders = tuple(orders)
         # A name, not tan(...) itself, which SymPy would evaluate at a known angle.
         tangents = [Symbol(f"tan({angle.value}/2)") for angle in self.angles]
         powers = [omega**order for order in orders]
-        super().__init__(omega, symbols, [*tangents, *powers])
+        super().__init__(omega, symbols, [*tangents, *powers, *fixed])
         self.delays = len(lags)
         self.complex = j
 

@@ -17,31 +17,36 @@ A zero omega of F(omega, p) = 0 moves with a parameter by d omega/dp = -(dF/dp)/
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
 from sympy import (
     Add,
+    Dummy,
     Expr,
     Integer,
     Mul,
+    Poly,
     Rational,
     S,
     Symbol,
     acos,
     asin,
     atan,
+    atan2,
     cos,
     factor,
     factor_terms,
+    gcd,
     pi,
     sqrt,
 )
 
 from haptisym.kernel.axis import Axis
-from haptisym.kernel.dynamics import RealFunction, Ring
+from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, coefficients, monomials, omega
@@ -132,16 +137,22 @@ def exchanged(function: RealFunction, free: Expr, place: Symbol) -> RealFunction
     """The function of the parameter ``free``, which takes the place of omega, which is called
     ``place``; None where it is no such function."""
     axis = function.axis
-    # A phase is omega times its rate. As omega and the parameter change places it must still be
-    # one: the rate must be proportional to the parameter.
-    rates = [(angle.rate / free).cancel() * place for angle in axis.angles]
+    inside = free.free_symbols
+    # A phase is omega times its rate. As omega and the parameter change place it must still be
+    # one, so that its rate is proportional to the parameter, or be constant.
+    turning = [x for x in axis.angles if x.rate.has(*inside)]
+    resting = [x for x in axis.angles if x not in turning]
+    rates = [(x.rate / free).cancel() * place for x in turning]
     others = [x for x in axis.symbols if x != free]
-    if axis.orders or any(x.has(*free.free_symbols) for x in (*rates, *others)):
+    if any(x.has(*inside) for x in (*rates, *others, *axis.orders)):
         return None
-    target = Ring([*others, place], rates).axis
+    values = [x.value.xreplace({omega: place}) for x in resting]
+    powers = [place**order for order in axis.orders]
+    target = Axis([*others, place], rates, (), turned=values, fixed=powers)
     names = {omega: place, free: omega}
     where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
-    where += [target.size + i for i in range(len(axis.angles))]
+    where += [target.size + [*turning, *resting].index(x) for x in axis.angles]
+    where += range(target.size + len(target.angles), len(target.meanings))
     terms = {}
     for exponents, value in monomials(function.function.numerator):
         own = [0] * len(target.meanings)
@@ -188,8 +199,17 @@ def _solved(polynomial: Polynomial, order: int, axis: Axis, *, readable: bool) -
     else:
         zeros = _angles(polynomial, axis, turning[0]) if turning else _frequencies(polynomial, axis)
     if zeros is None:
-        return [] if readable else [Solution(None, _equation(polynomial, axis), order=order)]
+        row = axis.univariate(polynomial)
+        if readable or (row is not None and not _has_positive_root(row)):
+            return []
+        return [Solution(None, _equation(polynomial, axis), order=order)]
     return _told(zeros, _equation(polynomial, axis), order)
+
+
+def _has_positive_root(row: Sequence[fmpq]) -> bool:
+    """Whether a polynomial with these coefficients, ascending, has one: by Sturm's theorem."""
+    falling = [Rational(int(x.p), int(x.q)) for x in reversed(row)]
+    return bool(Poly(falling, omega).count_roots(0, None) - (falling[-1] == 0))
 
 
 class _Zero(NamedTuple):
@@ -220,9 +240,26 @@ def left_to_ask(conditions: Iterable[Expr]) -> tuple[Expr, ...] | None:
     ((x + 1, y), None)
     """
     asked = dict.fromkeys(conditions)
-    if any(x.is_negative for x in asked):
+    if any(as_real(x).is_negative for x in asked):
         return None
-    return tuple(x for x in asked if not x.is_nonnegative)
+    return tuple(x for x in asked if not as_real(x).is_nonnegative)
+
+
+def as_real(x: Expr) -> Expr:
+    """The expression with real symbols in place of those without assumptions: all parameters are
+    real, and so of one that is declared nothing else a square is known not to be negative.
+
+    >>> from sympy.abc import T
+    >>> (-(T**2)).is_nonpositive, as_real(-(T**2)).is_nonpositive
+    (None, True)
+    """
+    return x.xreplace({y: _real(y) for y in x.free_symbols if y.is_real is None})
+
+
+@lru_cache(maxsize=256)
+def _real(x: Symbol) -> Symbol:
+    """A real symbol in place of one that is declared nothing."""
+    return Dummy(x.name, real=True)
 
 
 _Found: TypeAlias = list[_Zero] | None
@@ -232,7 +269,9 @@ _Found: TypeAlias = list[_Zero] | None
 def _each(roots: list[_Root] | None, change: Callable[[Expr], Expr]) -> _Found:
     """The zeros at the roots that are not negative, each root mapped to its frequency by
     ``change``."""
-    return None if roots is None else [_Zero(change(x.value), x.needs()) for x in roots]
+    # A root that is positive for no real values, as -T^2 (c + 1) for no T, is no frequency.
+    kept = [x for x in roots or () if not as_real(x.sign).is_nonpositive]
+    return None if roots is None else [_Zero(change(x.value), x.needs()) for x in kept]
 
 
 def _frequencies(polynomial: Polynomial, axis: Axis) -> _Found:
@@ -278,17 +317,20 @@ def _inverted(x: Expr) -> Expr:
 def _angles(polynomial: Polynomial, axis: Axis, index: int) -> _Found:
     """Zeros of a polynomial in t = tan(omega tau/2) alone: cos = (1 - t^2)/(1 + t^2), sin = 2 t/(1
     + t^2)."""
-    rate = axis.angles[index].rate
-    row = _plain_row(polynomial, axis, axis.size + index)
+    rate, turn = axis.angles[index].rate, 2 * pi
+    row = _row(polynomial, axis, index)
     # Even in t, it holds t^2 = (1 - cos)/(1 + cos) alone; c (1 + t^2) + b t is c + (b/2) sin over
-    # cos^2(omega tau/2). These two give shorter formulas than the arctangent.
+    # cos^2(omega tau/2), and c (1 - t^2) + b t is c cos + (b/2) sin over it. These three give
+    # shorter formulas than the arctangent.
     if not any(row[1::2]):
         angles = _by_cosine(_roots(row[::2]))
     elif len(row) == 3 and row[0] == row[2]:
         angles = _by_sine(_quotient(-2 * row[0], row[1]))
+    elif len(row) == 3 and (row[0] + row[2]).expand() == 0:
+        angles, turn = _across(2 * row[0], row[1]), pi
     else:
         angles = _by_tangent(_roots(row))
-    return angles and [_Zero(x.omega / rate, (*x.needs, rate), 2 * pi / rate) for x in angles]
+    return angles and [_Zero(x.omega / rate, (*x.needs, rate), turn / rate) for x in angles]
 
 
 def _by_cosine(squares: list[_Root] | None) -> _Found:
@@ -312,6 +354,18 @@ def _by_sine(sine: Expr) -> list[_Zero]:
     ]
 
 
+def _across(x: Expr, y: Expr) -> list[_Zero]:
+    """Angles from 0 to pi at which x cos + y sin = 0: a quarter turn from that of x + j y, which
+    is no quotient, so that x may be 0."""
+    x, y = (_in_factors(z / gcd(x, y)) for z in (x, y))
+    zeros = []
+    for side in (1, -1):
+        # Of the two directions that with the upper half of the plane, in its right or left half.
+        angle, upper, right = atan2(side * y, side * x), _of_sign(side * y), _of_sign(side * x)
+        zeros += [_Zero(pi / 2 + angle, (upper, right)), _Zero(angle - pi / 2, (upper, -right))]
+    return zeros
+
+
 def _by_tangent(tangents: list[_Root] | None) -> _Found:
     """Angles from 0 to 2 pi, from their half's tangent, which is negative in the second half of the
     turn."""
@@ -322,9 +376,24 @@ def _by_tangent(tangents: list[_Root] | None) -> _Found:
     return zeros + [_Zero(2 * atan(x.value) + 2 * pi, x.needs(-1)) for x in tangents]
 
 
-def _plain_row(polynomial: Polynomial, ring: PolynomialRing, index: int) -> list[Expr]:
-    """Coefficients in one variable of the ring, ascending, as expressions in the others."""
-    return [ring.expression(row) for row in coefficients(polynomial, index)]
+def _row(polynomial: Polynomial, axis: Axis, index: int) -> list[Expr]:
+    """Coefficients in the tangent of one half angle, ascending, all times the same in cosines and
+    sines of the angles that are constant."""
+    below = _circles(polynomial, axis, [i for i, x in enumerate(axis.angles) if x.constant])
+    rows = coefficients(polynomial, axis.size + index)
+    return [RealFunction(axis.function(row, below)).expression() for row in rows]
+
+
+def _circles(polynomial: Polynomial, axis: Axis, angles: Iterable[int]) -> Polynomial:
+    """What makes a polynomial in tangents of half angles one in cosines and sines if it is divided
+    by it."""
+    # A polynomial of even degree n in tan(a/2), over (1 + tan^2)^(n/2), is one in cos a and sin a;
+    # an odd degree counts as the next even one.
+    below = axis.constant(1)
+    for i in angles:
+        degree = int(polynomial.degrees()[axis.size + i])
+        below *= (axis.context.gens()[axis.size + i] ** 2 + 1) ** ((degree + 1) // 2)
+    return below
 
 
 class _Root(NamedTuple):
@@ -382,9 +451,9 @@ def _unsized(x: Expr) -> Expr:
     result = Integer(1)
     for part in Mul.make_args(x):
         base, power = part.as_base_exp()
-        if part.is_nonnegative and not part.is_zero:
+        if as_real(part).is_nonnegative and not part.is_zero:
             continue
-        if part.is_negative:
+        if as_real(part).is_negative:
             result = -result
         elif power.is_odd:
             result = result * base
@@ -413,11 +482,7 @@ def _in_factors(x: Expr) -> Expr:
 def _equation(polynomial: Polynomial, axis: Axis) -> Expr:
     """The factor as a person would write it: divided by what makes tangents of half angles cosines
     and sines."""
-    # A polynomial of even degree n in tan(a/2), over (1 + tan^2)^(n/2), is one in cos a and sin a;
-    # an odd degree counts as the next even one.
-    below = axis.constant(1)
-    for i, t in enumerate(axis.context.gens()[axis.size : axis.size + len(axis.angles)], axis.size):
-        below *= (t**2 + 1) ** ((int(polynomial.degrees()[i]) + 1) // 2)
+    below = _circles(polynomial, axis, range(len(axis.angles)))
     return RealFunction(axis.function(polynomial, below)).factored()
 
 
