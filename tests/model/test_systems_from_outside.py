@@ -734,6 +734,7 @@ def test_a_spring_pot_is_crossed_at_a_formula(order: Expr, by: Expr) -> None:
         (hs.distort(k, LAG), T, {}), (LAGGED, b, {k: 100, T: Rational(1, 10)}), (LAGGED, "k", {b: 3, T: Rational(1, 10)}),
         (hs.distort(k, exp(-s * tau)), tau, {}), (hs.distort(m * s**2 + 2 * z * sqrt(k * m) * s + k, LAG), z, {k: 100, m: 2, T: Rational(1, 30)}),
         (hs.distort(k, rendered=k + sqrt(b) * s), b, {k: 100}), (LAGGED, c, {k: 100, b: 3, T: Rational(1, 50)}),
+        (hs.distort(k, exp(-s * tau), hs.effects.shunt(m=m)), m, {k: 100, tau: Rational(1, 20)}),
     ],
 )  # fmt: skip
 def test_a_crossing_is_solved_for_a_parameter(d: hs.Distortion, parameter: Any, values: Any) -> None:
@@ -766,6 +767,64 @@ def test_changeovers_are_solved_for_a_parameter_and_a_frequency_may_be_a_number(
     for wrong in ((d, "crossings", m), (d, "crossing", "mm"), (d, "changeover", c), (d, "crossing", m, -1)):
         with pytest.raises(hs.SceneError):
             hs.solve_for(*wrong)
+
+
+@pytest.mark.parametrize("parameter", [k, b, m, tau])
+def test_a_changeover_behind_a_delay_is_solved_for_a_parameter(parameter: Symbol) -> None:
+    """Put in again, Re of (k + b s + m s^2) exp(-s tau) at s = 5j changes its sign, on either side of w^2 = k/m; a
+    delay's values, the least of them positive, come again with every half turn."""
+    felt = (k + b * s + m * s**2) * exp(-s * tau)
+    told, turn = hs.solve_for(hs.distort(k + b * s + m * s**2, exp(-s * tau)), "changeover", parameter), pi / 5
+    for stiffness in (20, 50, 80):
+        known = {k: Integer(stiffness), b: Integer(3), m: Integer(2), tau: Rational(2, 5), omega: Integer(5)}
+        del known[parameter]
+        found = [x for x in (y.put(known) for y in told.perceived) if x is not None and not x.conditions]
+        assert found or parameter != tau
+        for x in found:
+            assert (x.period, x.omega >= 0) == (turn if parameter == tau else 0, True)
+            assert parameter != tau or x.omega <= turn
+            value = felt.subs({parameter: x.omega, **known}).subs(s, 5 * I)
+            assert abs(complex(value.evalf(30)).real) < 1e-12
+    assert hs.solve_for(hs.distort(k + m * s**2, exp(-s * tau)), "changeover", k).environment[0].omega == m * omega**2
+
+
+def test_where_all_symbols_cancel_an_equation_without_a_formula_is_answered_in_numbers() -> None:
+    """A factor with a positive root in proven numbers, none for one without: as on a grid of complex numbers."""
+    d = hs.distort(k, 1 / (1 + s) ** 3)
+    at = np.geomspace(1e-3, 1e3, 200_001)
+    change = 1 / (1 + 1j * at) ** 3 - 1
+    for part, values in (("real", change.real), ("imag", change.imag)):
+        seen = at[np.flatnonzero(np.diff(np.sign(abs(values) - 0.1)))]
+        assert [float(x) for x in d.crossings(part, 0.1)] == pytest.approx(seen, rel=1e-4)
+
+    assert [x.omega for x in hs.distort(k, 1 / (1 + s)).crossings("real", 0.1)] == [Rational(1, 3)]
+
+
+def test_a_formula_that_is_real_for_no_real_values_is_not_told() -> None:
+    lag, level = Symbol("T"), Symbol("c")
+    [found] = hs.distort(Symbol("k"), 1 / (1 + lag * s)).crossings("real", level)
+    assert found.put({lag: Rational(-1, 2), level: Rational(1, 2)}).omega == 2
+    assert set(found.conditions) == {1 - level, level}
+
+
+@pytest.mark.parametrize("more", [(), (LAG,), (1 / (z + 2 * b * s + s**2),), (hs.effects.compliance(k=b),)])
+def test_a_factor_that_is_real_on_the_axis_cancels_in_the_ratios(more: tuple[Any, ...]) -> None:
+    """k + m s^2 and a delay: ratios, on the page of LaTeX too, are those of complex numbers without |k - m w^2| above and
+    below the line; beside a mass, where dH does not vanish with H_env, it stays below."""
+    felt = k + m * s**2
+    d = hs.distort(felt, exp(-s * tau), *more)
+    drawn = Random(str(more))
+    values = {x: Rational(drawn.uniform(0.2, 3)) for x in (*d.free_symbols, omega)}
+    size = abs(complex(felt.subs({s: I * omega}).subs(values).evalf(30)))
+    change = complex(d.distortion.subs({s: I * omega}).subs(values).evalf(30))
+    for name, part in (("ratio_real", change.real), ("ratio_imag", change.imag)):
+        form = getattr(d, name)
+        assert float(form.subs(values)) == pytest.approx(abs(part) / size, rel=1e-12)
+        assert form.as_numer_denom()[1].has(Abs(k - m * omega**2)) is False, form
+    [row] = [x for x in hs.latex(d).splitlines() if x.strip().startswith(r"r_i(")]
+    assert r"\left| k - m" not in row
+    assert hs.distort(felt, hs.effects.shunt(m=z)).ratio_real == z * omega**2 / Abs(k - m * omega**2)
+    assert hs.distort(felt, exp(-s * tau)).subs({k: 4, m: 1, tau: 0.1, omega: 2}).ratio_imag == sin(Rational(1, 5))
 
 
 def test_answers_are_formulas_to_a_notebook() -> None:

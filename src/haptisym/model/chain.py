@@ -34,7 +34,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -66,7 +66,7 @@ from haptisym.kernel.errors import SceneError, quoted, within
 from haptisym.kernel.harmonics import Harmonic
 from haptisym.kernel.objects import viewed
 from haptisym.kernel.reals import RealNumber
-from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, omega, s
+from haptisym.kernel.rings import Polynomial, RationalFunction, X, cleared, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
 from haptisym.kernel.roots import Chart, chart, sign_of_number
 from haptisym.kernel.solutions import Solution, solve
@@ -291,6 +291,13 @@ class Chain:
         Z = self.ring.function(_axis_zeros(self.ring, H_env.numerator))
         if Z.numerator.is_constant():
             return self, False
+        # All factors of Z but s itself are even in s, so that any term has the parity of Z. An odd
+        # Z is imaginary on the axis.
+        is_odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
+        return self.over(Z), is_odd
+
+    def over(self, Z: RationalFunction) -> Chain:
+        """The chain with all dynamics divided by Z, in lowest terms."""
 
         def times(x: Expr, power: int) -> Expr:
             """A dynamics times that power of Z, in lowest terms."""
@@ -299,11 +306,7 @@ class Chain:
         matrices = []
         for a, b, c, d in self.matrices:
             matrices.append((a, times(b, -1), times(c, 1), d))
-        # All factors of Z but s itself are even in s, so that any term has the parity of Z. An odd
-        # Z is imaginary on the axis.
-        is_odd = int(Z.numerator.monoms()[0][0]) % 2 == 1
-        environment, rendered = times(self.environment, -1), times(self.rendered, -1)
-        return Chain(environment, rendered, tuple(matrices)), is_odd
+        return Chain(times(self.environment, -1), times(self.rendered, -1), tuple(matrices))
 
     def put(self, values: Mapping[Symbol, Expr]) -> Chain:
         """The same chain with values for some of its symbols."""
@@ -364,6 +367,27 @@ def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
         if degrees[0] and len(parities) == 1 and not any(degrees[ring.size :]):
             zeros_on_axis = zeros_on_axis * factor**multiplicity
     return zeros_on_axis
+
+
+def real_factor(ring: Ring, polynomial: Polynomial) -> Polynomial:
+    """The largest factor of a polynomial, not 0, that is real on s = j omega, as k + m s^2: it is
+    even in s, without delays and powers s^alpha.
+
+    >>> ring = Ring.of([Symbol("k"), exp(-s)])
+    >>> ring.expression(real_factor(ring, ring.convert((Symbol("k") + s**2) * (1 + s * exp(-s))).numerator))
+    k + s**2
+    """
+    # It divides the even and the odd part of the coefficient of each product of delays and powers.
+    parts: dict[tuple[int, ...], dict[tuple[int, ...], Any]] = {}
+    for exponents, value in monomials(polynomial):
+        powers = tuple(map(int, exponents))
+        own, others = powers[: ring.size], powers[ring.size :]
+        rest = own + (0,) * len(others)
+        parts.setdefault((own[0] % 2, *others), {})[rest] = value
+    first, *more = (ring.context.from_dict(x) for x in parts.values())
+    common = reduce(lambda x, y: x.gcd(y), more, first)
+    power = int(common.deflation_index()[1][0])
+    return common / ring.variable ** (power % 2)
 
 
 def _moebius(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:

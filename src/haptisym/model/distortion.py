@@ -54,6 +54,7 @@ from haptisym.model.chain import (
     lowest,
     part_named,
     properties,
+    real_factor,
     shortest,
     sign_changes,
     threshold,
@@ -331,11 +332,28 @@ class Distortion(Shown):
 
     def _ratio(self, part: Part) -> Expr:
         """Return |Re dH|/|H_env| or |Im dH|/|H_env| in ``kernel.rings.omega``."""
+        if self.over_real_factor is not self:
+            return self.over_real_factor._ratio(part)
         form, is_lowest = self.form(part)
         # SymPy's Abs looks at every factor, which takes long for a form that is not in lowest
         # terms.
         size = magnitude(form, self.difference) if is_lowest else Abs(form, evaluate=False)
         return size / sqrt(self.squared_modulus.factored())
+
+    @cached_property
+    def over_real_factor(self) -> Distortion:
+        """Return the distortion with all dynamics divided by what dH and H_env share that is real
+        on s = j omega, as k + m s^2, which leaves the ratios as they are; the same object where
+        there is none."""
+        ring = ring_of(self.env)
+        if self.difference.is_zero:
+            return self
+        shared = real_factor(ring, self.env.numerator).gcd(self.difference.numerator)
+        if not int(shared.degrees()[0]):
+            return self
+        Z = ring.function(shared)
+        env, perc = ((f / Z).reduced() for f in (self.env, self.perc))
+        return replace(self, env=env, perc=perc, chain=self.chain.over(Z))
 
     def relative_form(self, part: Part) -> tuple[Expr, bool]:
         """Return Re or Im of dH/H_env in ``kernel.rings.omega``, as short as is known; and whether
@@ -526,12 +544,11 @@ class Distortion(Shown):
         c^2.
 
         ``part`` : "real" or "imag". ``c`` : a symbol, or a fraction > 0; a symbol c (c_ where that
-        is a parameter) unless given. With symbols each is a
-        ``Solution``: a closed form
-        ``omega`` with the ``conditions`` under which it is in force, or None and the ``equation``
-        where none is readable; a delay's come again with ``period``. With numbers alone they are
-        certified frequencies (``float(x)``, ``x.digits(50)``), on a ``band`` if one is given, as a
-        display with a delay needs.
+        is a parameter) unless given. With symbols each is a ``Solution``: a closed form ``omega``
+        with the ``conditions`` under which it is in force, or None and the ``equation`` where none
+        is readable; a delay's come again with ``period``. With numbers alone, and where all symbols
+        cancel from such an equation, they are certified frequencies (``float(x)``,
+        ``x.digits(50)``), on a ``band`` if one is given, as a display with a delay needs.
 
         >>> from haptisym import effects, environments
         >>> from haptisym.kernel.rings import symbols
@@ -553,7 +570,11 @@ class Distortion(Shown):
                 f"{named} with at()"
             )
         if band is None and level.free_symbols | self.free_symbols:
-            return self._in_own_frequency(crossings(squared, level, self.chain.stand_in))
+            found = crossings(squared, level, self.chain.stand_in)
+            # Where all symbols cancel an equation without a formula has proven numbers for it.
+            turning = any(not x.constant for x in squared.axis.angles)
+            if free or turning or all(x.omega is not None for x in found):
+                return self._in_own_frequency(found)
         return zeros(excess(self.squared_ratios[part_named(part)], level), band)
 
     def _threshold(self, c: Any) -> Expr:

@@ -168,6 +168,8 @@ class ClosedForms:
 
     def _ratio(self, part: Part) -> Expr:
         """Return r_r or r_i: the magnitude of a part of dH over |H_env|."""
+        if (shorter := self.distortion.over_real_factor) is not self.distortion:
+            return replace(self, distortion=shorter)._ratio(part)
         form, difference = self._change(part), self.distortion.difference
         # Not in lowest terms: SymPy is kept from multiplying out what stands in the absolute value.
         if not self.distortion.form(part)[1]:
