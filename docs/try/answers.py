@@ -23,6 +23,7 @@ ON_PAGE = {
     r"<p>Next: .*?</p>": "",
     r"none given: --hand NAME; the package ships": "none given: choose one below, or write [hand] in the scene; there are",
     r"; see <code>haptisym tolerances</code>": "; its ranges are for the command line",
+    r"; for all values in the region: <code>haptisym tolerances</code>": "; its ranges are for the command line",
     r"see <code>haptisym derive</code>": "see the formulas that are derived below",
     r"haptisym stability decides (that|that loop) in a hand": r"the question about a hand, below, decides \1",
     r"a hand closes the loop \(haptisym stability\)": "a hand closes the loop (the question about a hand, below)",

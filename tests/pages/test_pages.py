@@ -62,6 +62,17 @@ def lagged(jnd: object = "0.1") -> hs.Scene:
     return hs.Scene(SPRING, (LAG,), (0, 15), jnd)
 
 
+RESPONSES = [
+    hs.measured([1, 2, 3, 4], H, radius=[2] * 4)
+    for H in ([100, 109, 130 + 20j, 90], [101, 102 + 9j, 104 + 9j, 90 - 20j])
+]
+
+
+def measured() -> MeasuredScene:
+    """A spring of which a device was measured at four frequencies."""
+    return MeasuredScene(SPRING, RESPONSES[0])
+
+
 PAGES: dict[str, Callable[[], Any]] = {
     "evaluate": lambda: hs.evaluate("fu2019"),
     "evaluate-delay": lambda: hs.evaluate("delayed-spring"),
@@ -82,6 +93,7 @@ PAGES: dict[str, Callable[[], Any]] = {
     ),
     "sensitivity": lambda: hs.sensitivity("fu2019"),
     "compare": lambda: hs.compare("fu2019", "helicopter-cyclic", hand="postural-arm"),
+    "compare-measured": lambda: hs.compare(measured(), MeasuredScene(SPRING, RESPONSES[1])),
     "tolerances": lambda: hs.tolerances(DAMPED, samples=0),
     "stability": lambda: hs.stability("delayed-spring", ["light-touch", "postural-arm"]),
     "stability-clock": lambda: hs.stability("virtual-wall", "light-touch"),
@@ -97,9 +109,7 @@ PAGES: dict[str, Callable[[], Any]] = {
         Answers("stiffness", tuple(LevelAnswers(4.4 + 0.3 * i, k, 40) for i, k in enumerate(YES))), reference=5, lapse=0.02
     ),
     "published": hs.published,
-    "measured": lambda: hs.evaluate(
-        MeasuredScene(SPRING, hs.measured([1, 2, 3, 4], [100, 109, 130 + 20j, 90], radius=[2] * 4))
-    ),
+    "measured": lambda: hs.evaluate(measured()),
     "identify": lambda: hs.identify(
         hs.measured([1, 2, 3, 4], [100 + 3j, 100 + 6.5j, 100.5 + 9j, 99 + 12j], radius=[1] * 4), "kelvin-voigt"
     ),
@@ -168,6 +178,17 @@ def test_a_page_is_the_one_that_was_read_and_accepted(name: str) -> None:
 @pytest.mark.parametrize("name", TEX)
 def test_a_document_of_latex_is_the_one_that_was_read_and_accepted(name: str) -> None:
     golden(f"{name}.page.tex", latex(answer(name).document()))
+
+
+COMMAND = re.compile(r"(?<!by )haptisym\\? [a-z]+|(?<![-{}\w])-(?:\{\})?-[a-z]+")
+
+
+@pytest.mark.few(4)
+@pytest.mark.parametrize("name", CASES)
+def test_a_document_has_no_command_to_type(name: str) -> None:
+    """Its reader may have no haptisym; the page of a terminal has the commands."""
+    # The source of a scene may be a command: it is what the scene's author wrote.
+    assert not COMMAND.findall(latex(answer(name).document()).partition("Source: ")[0])
 
 
 @pytest.mark.slow
@@ -303,7 +324,7 @@ def test_the_first_lines_and_the_tables_of_a_shipped_scene_hold_numbers_of_its_d
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
     "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
-    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"}, "compare": {"scenes", "differences"},
+    "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"}, "compare": {"scenes", "differences"}, "compare-measured": {"scenes"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""
 
@@ -353,6 +374,12 @@ def test_of_a_fitted_scene_each_answer_says_that_its_numbers_were_estimated_and_
     assert "85 % region of the fit" in told
     assert not re.search(r"\b(certain|guaranteed)\b", told.replace("NOT guaranteed", ""), re.IGNORECASE)
     assert found.to_dict()["confidence"] == 0.85
+
+
+def test_a_document_of_a_fitted_scene_has_no_digits_beyond_those_of_its_page() -> None:
+    """The enclosure of a crossing has digits that are proven, but of a number that is an estimate."""
+    exact, of_fit = (latex(hs.evaluate(x).document()) for x in (lagged(), FITTED))
+    assert ("enclosure of" in exact, "enclosure of" in of_fit) == (True, False)
 
 
 def test_ranges_of_two_estimates_are_right_together_as_often_as_where_they_are_never_wrong_together() -> None:

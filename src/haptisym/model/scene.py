@@ -641,9 +641,10 @@ class Scene(Shown):
     ) -> list[str]:
         """The notes to print with an answer: what is estimated, what is nominal, and which of the
         ``varied`` parameters (None: all) exist twice."""
-        return [
-            x for x in (self.estimated, self.nominal_but(besides), self.untied_note(varied)) if x
-        ]
+        nominal = self.nominal_but(besides)
+        # One sentence for a fitted scene, whose ranges are many and stand in its file.
+        ranges = self.estimated(is_nominal=bool(nominal)) if self.level is not None else nominal
+        return [x for x in (ranges, self.untied_note(varied)) if x]
 
     def aside_keys(
         self, besides: Collection[str] = (), varied: Collection[str] | None = ()
@@ -679,17 +680,21 @@ class Scene(Shown):
         return Max(0, 1 - sum(doubts)) if doubts else None
 
     @property
-    def estimated(self) -> str:
-        """A note on what estimated ranges mean for every answer; empty where nothing was
-        estimated."""
-        if self.level is None:
-            return ""
-        region = f"the {float(100 * self.level):g} % region of the fit"
-        return (
-            f"The numbers of this scene were estimated; its ranges are {region}. What is "
-            f"said for all values is said for all "
-            f"values in {region}, of the fitted model: of the device it is an estimate."
-        )
+    def region_of_fit(self) -> str:
+        """What the ranges of a fitted scene are: ``95 % region of the fit``; empty for one that was
+        not fitted."""
+        return "" if self.level is None else f"{float(100 * self.level):g} % region of the fit"
+
+    def estimated(self, *, is_nominal: bool) -> str:
+        """A note that the numbers of a scene were estimated; ``is_nominal`` : that the answer is
+        about one value of each, with the command that is about all."""
+        numbers = f"The numbers of this scene are estimates ({self.region_of_fit})"
+        if not is_nominal:
+            return f"{numbers}."
+        command = "for all values in the region: `haptisym tolerances`"
+        if not self.threshold.is_box:
+            command = "`haptisym evaluate` prints which bandwidths the JND gives"
+        return f"{numbers}, here at their nominal values; {command}."
 
     @property
     def motion(self) -> MotionKind | None:

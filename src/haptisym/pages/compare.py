@@ -23,6 +23,7 @@ _VERDICTS: dict[bool | None, Phrase] = {
     False: (Strong("unstable"), ""),
     None: (Strong("undecided"), ""),
 }
+_PASSIVE = {True: "passive", False: "not passive", None: "passivity undecided"}
 
 
 def page(found: Comparison) -> Document:
@@ -43,8 +44,8 @@ def page(found: Comparison) -> Document:
 def _answer(found: Comparison) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield the three lines of the answer, device by device."""
     yield "Bandwidth", _ranked(found)
-    yield "Felt as", _in_turn((x.name, ": ", x.felt_as or "nothing noticed") for x in found)
-    yield "Stability", _in_turn(map(_prescribed, found))
+    yield "Felt as", _in_turn((x.name, ": ", x.felt_as or _unnamed(x)) for x in found)
+    yield "Stability", _in_turn((x.name, ": ", _stability(x)) for x in found)
 
 
 def _in_turn(phrases: Iterable[Phrase]) -> Phrase:
@@ -78,13 +79,25 @@ def _width_alone(x: ComparedDisplay) -> Phrase:
     return measured_bandwidth(x.answer), " (measured)"
 
 
-def _prescribed(x: ComparedDisplay) -> Phrase:
-    """Return whether a device is stable under prescribed motion, and passive."""
+def _unnamed(x: ComparedDisplay) -> str:
+    """Return what is said in place of a percept: that there is none, or that discs show none."""
+    measured = not isinstance(x.answer, Evaluation)
+    return "unresolved" if measured and not x.is_whole_band else "nothing noticed"
+
+
+def _stability(x: ComparedDisplay) -> Phrase:
+    """Return in which of the hands a device is stable, or else whether under prescribed motion; and
+    whether it is passive."""
     if not isinstance(x.answer, Evaluation):
-        return x.name, ": measured, not asked"
-    passive = {True: "passive", False: "not passive", None: "passivity undecided"}[x.is_passive]
-    model = w.of_linear_model(x.answer.scene)
-    return x.name, ": ", _VERDICTS[x.answer.stable], " under prescribed motion, ", passive, model
+        return "not tested (measured)"
+    verdicts: dict[bool | None, list[str]] = {}
+    for held in x.held:
+        verdicts.setdefault(held.stable, []).append(held.hand.name)
+    shown: list[Phrase] = [(_VERDICTS[y], " in ", listed(z)) for y, z in verdicts.items()]
+    if not shown:
+        shown = [(_VERDICTS[x.answer.stable], " under prescribed motion")]
+    model = w.of_linear_model(x.answer.scene, in_hand=bool(verdicts))
+    return listed(shown), ", ", _PASSIVE[x.is_passive], model
 
 
 def _differences(found: Comparison) -> Iterator[Block]:
@@ -167,10 +180,6 @@ def _instead(first: ComparedDisplay, other: ComparedDisplay) -> str:
 
 def _side_by_side(found: Comparison) -> Iterator[Block]:
     """Yield a row for each device, one for each hand, and the figure."""
-
-    def limit(x: ComparedDisplay) -> str:
-        return ", ".join(y.name for y in x.limited_by) or "-"
-
     yield w.table(
         found,
         (
@@ -180,42 +189,75 @@ def _side_by_side(found: Comparison) -> Iterator[Block]:
         ),
         w.Field("device", lambda x: x.name),
         w.number(("bandwidth (", FREQUENCY_UNIT, ")"), _cell),
-        w.Field("limited by", limit),
-        w.Field("first felt as", lambda x: x.felt_as or "-"),
+        w.Field("limited by", _limit),
+        w.Field("first felt as", lambda x: x.felt_as or _unnamed(x)),
     )
     hands = found[0].held or next((x.held for x in found if x.held), ())
     if hands:
+        # None in place of a hand's number: the row of prescribed motion.
         yield w.table(
-            range(len(hands)),
-            "Each hand: whether a device is stable in it.",
-            w.Field("hand", lambda i: hands[i].hand.name),
-            *(w.Field(x.name, partial(_held, x)) for x in found),
+            [*range(len(hands)), None],
+            "Whether a device is stable in each hand, and under prescribed motion.",
+            w.Field("hand", lambda i: "prescribed motion" if i is None else hands[i].hand.name),
+            *(w.Field(x.name, partial(_coupled, x)) for x in found),
         )
     words = "The ratios of all devices with their thresholds; a name stands at each curve."
     yield doc.Figure("compare", words, found.figure)
 
 
+def _limit(x: ComparedDisplay) -> str:
+    """Return what limits a bandwidth; of a measured device the parts of which one does."""
+    if isinstance(x.answer, Evaluation):
+        return ", ".join(y.name for y in x.limited_by) or "-"
+    return " or ".join(part.value for part in x.answer.limited_by) or "-"
+
+
 def _cell(x: ComparedDisplay) -> Phrase:
-    """Return the bandwidth as a cell."""
-    if x.bandwidth is None:
-        return "none" if isinstance(x.answer, Evaluation) else "measured"
-    return "whole band" if x.is_whole_band else w.cell(x.bandwidth)
+    """Return the bandwidth as a cell; of a measured device between which points it lies."""
+    if isinstance(x.answer, Evaluation):
+        if x.bandwidth is None:
+            return "none"
+        return "whole band" if x.is_whole_band else w.cell(x.bandwidth)
+    least, most = x.reach
+    if most is None:
+        return "-" if float(least) < 0 else ("≥ ", w.cell(least))
+    return ("< " if float(least) < 0 else (w.cell(least), " to ")), w.cell(most)
 
 
-def _held(x: ComparedDisplay, place: int) -> Phrase:
-    return _VERDICTS[x.held[place].stable] if x.held else "-"
+def _coupled(x: ComparedDisplay, hand: int | None) -> Phrase:
+    """Return whether a device is stable in a hand by its number, or under prescribed motion."""
+    if not isinstance(x.answer, Evaluation):
+        return "-"
+    return _VERDICTS[x.answer.stable if hand is None else x.held[hand].stable]
 
 
 def _notes(found: Comparison) -> Iterator[Phrase]:
     """Yield what is proven, and the remarks of single scenes, with their names."""
+    scenes = [x.scene for x in found if isinstance(x.scene, Scene)]
+    fitted = " for the fitted models" if any(x.level is not None for x in scenes) else ""
     if found.certified:
-        yield "Proven: every bandwidth, their order, and all digits printed."
+        yield f"Proven{fitted}: every bandwidth, their order, and all digits printed."
     elif found.settled and found.order is not None:
         yield "Proven of the formulas alone: measured devices are compared at their points."
+    measured = {x.name for x in found if not isinstance(x.answer, Evaluation)}
     for pair in found.undecided:
         yield w.undecided(("which bandwidth is larger, that of ", " or of ".join(pair)))
+    if any(measured.intersection(pair) for pair in found.undecided):
+        yield _WAY_OUT
+    whose: dict[str, list[str]] = {}
     for x in found:
-        yield from (doc.coded(f"{x.name}: {note}") for note in x.answer.asides())
+        for note in x.answer.asides():
+            whose.setdefault(note, []).append(x.name)
+    for note, names in whose.items():
+        yield f"{', '.join(names)}: ", doc.coded(note)
     for x in found:
         if isinstance(x.scene, Scene):
             yield from ((f"{x.name}: ", words) for words in w.model_words(x.scene))
+
+
+_WAY_OUT: Phrase = (
+    "More averages make measured intervals shorter; fitted models are put in order exactly",
+    doc.Brief((": ", doc.Code("haptisym identify FILE"))),
+    ".",
+)
+"""What would decide an order that measurements leave undecided."""

@@ -193,7 +193,7 @@ def when_of_region(d: Derivation) -> doc.Section:
         out.notes.append(
             ("Too long to be expanded here: ", listed(long), "; fewer symbols make them shorter.")
         )
-    out.notes.append("Its crossings, as numbers: `haptisym evaluate`.")
+    out.notes.append(doc.Brief(("Its crossings, as numbers: ", doc.Code("haptisym evaluate"), ".")))
     return out.section("When it is noticed")
 
 
@@ -469,11 +469,14 @@ def step_lines(steps: Steps) -> Iterator[doc.Line]:
         yield _named(name, shown.results[result])
 
 
+_OF = doc.Brief("; --of prints it"), "."
+
+
 def _written_out(d: Derivation) -> doc.Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > MOST_STEPS:
-        note = f"Closed forms of this chain are long. --of prints one of: {', '.join(QUANTITIES)}."
-        return _section("Expanded", notes=[note])
+        option = doc.Brief(f" --of prints one of: {', '.join(QUANTITIES)}.")
+        return _section("Expanded", notes=[("Closed forms of this chain are long.", option)])
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
     return _section("Expanded, common factors cancelled", (_named(name, d[name]) for name in short))
@@ -490,20 +493,18 @@ def _when(d: Derivation) -> doc.Section:
         letter = _RATIOS[part][-1]
         terms = len(d.excess(part).function.numerator)
         if terms > MOST_TERMS:
-            out.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", _OF))
             continue
         written = d.excess(part).written
         terms = sum(len(factor) for factor, _ in written.ring.factors(written.numerator)[1])
         # Each term takes an operation at least: so it is known to be too long before SymPy puts it
         # together, which takes seconds.
         if terms > LONGEST:
-            out.notes.append((named(f"p_{letter}"), f" has {terms} terms; --of prints it."))
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", _OF))
         elif (operations := count_ops(polynomial := d[f"p_{letter}"])) <= LONGEST:
             out.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            out.notes.append(
-                (named(f"p_{letter}"), f" takes {operations} operations; --of prints it.")
-            )
+            out.notes.append((named(f"p_{letter}"), f" takes {operations} operations", _OF))
         out.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
     return out.section(title)
 

@@ -78,7 +78,6 @@ def page(e: Evaluation) -> Document:
         ),
         doc.Section("Explorer", (doc.Live(full.explorer),), "explorer"),
         *w.caveats(e.caveats),
-        w.CERTIFICATE,
         doc.Section(
             "Derivation", (doc.Versions((), full.derivation),), "derivation", appendix=True
         ),
@@ -369,7 +368,9 @@ def crossings(e: Evaluation) -> Block:
         # Where a tangency is undecided, that nothing crosses is proven elsewhere alone.
         decided = ", up to what is undecided" if e.undecided else ""
         return doc.Paragraph(f"{nothing_meets(joint(e.criteria))} on the band{decided}.")
-    enclosure = ("enclosure of ", w.IN_UNIT)
+    # Of a fitted model the digits of an enclosure would be those of an estimate.
+    fitted = e.scene.level is not None
+    enclosure = w.Field(("enclosure of ", w.IN_UNIT), lambda c: _enclosure(c.omega, e), full=True)
     numbers = [w.Field("no.", lambda c: str(e.crossings.index(c) + 1))] if _is_numbered(e) else []
     return w.table(
         e.crossings,
@@ -379,7 +380,7 @@ def crossings(e: Evaluation) -> Block:
         w.hertz(lambda c: w.cell(c.omega)),
         w.Field("ratio", event),
         w.Field("distortion", sense),
-        w.Field(enclosure, lambda c: _enclosure(c.omega, e), full=True),
+        *([] if fitted else [enclosure]),
     )
 
 

@@ -266,18 +266,21 @@ def _remarks(a: Identification) -> Iterator[Phrase]:
         yield phrased(words, step, period)
     yield from _unidentified(a)
     if a.has_ranges:
-        yield (
-            "The scene file (",
-            doc.Code("--scene FILE"),
-            ") has the joint ranges, for ",
-            doc.Code("haptisym tolerances"),
-            ".",
+        yield doc.Brief(
+            (
+                "The scene file (",
+                doc.Code("--scene FILE"),
+                ") has the joint ranges, for ",
+                doc.Code("haptisym tolerances"),
+                ".",
+            )
         )
     else:
+        option = doc.Brief((" (", doc.Code("--scene FILE"), ")"))
         yield (
-            "The scene file (",
-            doc.Code("--scene FILE"),
-            ") has values and no ranges: here a range would mean nothing.",
+            "The scene file",
+            option,
+            " has values and no ranges: here a range would mean nothing.",
         )
 
 

@@ -133,8 +133,9 @@ def cut(e: MeasuredEvaluation) -> Iterator[Block]:
         yield doc.Notes(
             (
                 (
-                    f"The first {MOST_ROWS} of {groups} groups of points with equal verdicts; "
-                    f"--json has every point."
+                    f"The first {MOST_ROWS} of {groups} groups of points with equal verdicts",
+                    doc.Brief("; --json has every point"),
+                    ".",
                 ),
             )
         )
@@ -210,8 +211,9 @@ def _blocks(e: MeasuredEvaluation, found: Between | None) -> Iterator[Block]:
         yield doc.Notes(
             (
                 (
-                    f"The {_LONGEST} longest resolved intervals of each part, of {count} in all; "
-                    f"--json has every one."
+                    f"The {_LONGEST} longest resolved intervals of each part, of {count} in all",
+                    doc.Brief("; --json has every one"),
+                    ".",
                 ),
             )
         )
@@ -301,7 +303,7 @@ def _answer(e: MeasuredEvaluation) -> Iterator[tuple[Phrase, Phrase]]:
     by = f", limited by the {names} part" if names else ""
     yield "Bandwidth", (Strong((bandwidth(e),)), by)
     yield "Felt as", _felt_first(e)
-    yield "Stability", "not tested: it needs a model (haptisym identify fits one)"
+    yield "Stability", ("not tested: it needs a model", doc.Brief(" (haptisym identify fits one)"))
 
 
 def bandwidth(e: MeasuredEvaluation) -> Phrase:
@@ -501,9 +503,10 @@ def _step_2(e: MeasuredEvaluation) -> Iterator[Block]:
     if rows:
         caption = "What is felt at the points that exceed, where their discs show it."
         yield w.table(rows[:MOST_ROWS], caption, *_each(w.IN_UNIT, "points", "part", "felt as"))
-    more = (
-        f"The first {MOST_ROWS} groups of points that are felt in the same way; --json has every "
-        f"point."
+    more: Phrase = (
+        f"The first {MOST_ROWS} groups of points that are felt in the same way",
+        doc.Brief("; --json has every point"),
+        ".",
     )
     active = "Active: Im H_perc < 0, where no property applies to the imaginary part."
     yield from w.noted(

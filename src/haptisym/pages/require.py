@@ -60,13 +60,7 @@ def page(r: Requirement) -> Document:
         else "Grey: "
     )
     caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
-    blocks = (
-        *_nearest(r),
-        *_ends(r),
-        *_formulas(r),
-        doc.Figure("requirement", caption, r.figure),
-        w.CERTIFICATE,
-    )
+    blocks = (*_nearest(r), *_ends(r), *_formulas(r), doc.Figure("requirement", caption, r.figure))
     return w.page_about(
         r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides()
     )
@@ -249,7 +243,7 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
         return
     # An end that is a Sliver is known by an enclosure, not as a closed number.
     exact = any(isinstance(end.value, Sliver) for piece in r.feasible for end in piece.ends)
-    bounds = "; each end lies within the enclosure in --json" if exact else ""
+    bounds = doc.Brief("; each end lies within the enclosure in --json") if exact else ""
     if r.feasible:
         yield w.proof(
             r.scene, (what, " for every value in this set and for no other in the range", bounds)
@@ -337,9 +331,8 @@ def page_map(m: DesignMap) -> Document:
     )
     rows = _slices(m)
     omitted = len(m.slices) - len(rows.rows)
-    more = (
-        [f"Printed: {len(rows.rows)} of {len(m.slices)} slices; --json has all."] if omitted else []
-    )
+    printed = f"Printed: {len(rows.rows)} of {len(m.slices)} slices"
+    more = [(printed, doc.Brief("; --json has all"), ".")] if omitted else []
     drawn = doc.Figure("map", shown, m.figure)
     blocks = rows, *w.noted(more), *_stiffest(m), *_contours(m), *_classical(m), drawn, *_between(m)
     return w.page_about(
@@ -360,8 +353,8 @@ def _answer_map(m: DesignMap) -> Iterator[tuple[Phrase, Phrase]]:
     on: Phrase = (f"on {len(some)} of {len(m.slices)} slices along ", named(a.symbol.name))
     if some:
         low, high = (w.value_of(a, float(x.at), Way.NEAREST) for x in (some[0], some[-1]))
-        words = "{}, from {} to {}; for {} see the table and --figure"
-        on = w.phrased(words, on, w.bare(low), high, named(b.symbol.name))
+        see = "; for ", named(b.symbol.name), " see the table", doc.Brief(" and --figure")
+        on = w.phrased("{}, from {} to {}{}", on, w.bare(low), high, see)
     yield what[0].upper() + what[1:], on
     kinds = sorted(
         {
@@ -392,7 +385,8 @@ def _slices_proven(m: DesignMap) -> Iterator[Phrase]:
     open_ = [r for x in m.slices for r in x.sets if r.undecided]
     late = " (stopped at the time limit)" if any(r.limit is not None for r in open_) else ""
     why = "".join(f"; {x}" for x in dict.fromkeys(r.reason for r in open_) if x)
-    yield w.undecided(f"parts of {len(open_)} slices{late}{why}; --json has them")
+    have = doc.Brief("; --json has them")
+    yield w.undecided((f"parts of {len(open_)} slices{late}{why}", have))
 
 
 def _between(m: DesignMap) -> Iterator[Block]:
@@ -407,7 +401,8 @@ def _between(m: DesignMap) -> Iterator[Block]:
         if apart
         else ""
     )
-    more = " --slices N gives more." if m.is_coarse or m.within is None else ""
+    few = m.is_coarse or m.within is None
+    more = doc.Brief(" --slices N gives more.") if few else ""
     most = w.value_of(m.free[1], m.deviation, Way.UP)
     words = (
         "Estimated (from the curvature): straight lines between slices are off by at most {}{}{}.{}"

@@ -763,7 +763,7 @@ class _Steps:
         if long:
             names = listed(x.left for x in long)
             why = f"Longer than {_SHORT} lines with numbers: "
-            yield doc.Paragraph((why, names, "; see ", doc.Code("haptisym derive"), "."))
+            yield doc.Paragraph((why, names, "."))
 
     def _equations(self, lines: Iterable[Written]) -> Iterator[Block]:
         """Yield the formulas, then which of them have no readable form that is true."""
@@ -774,17 +774,9 @@ class _Steps:
         if left := [x for x in formulas if not isinstance(x, doc.Line)]:
             why = (
                 " with numbers: large terms cancel, and rounded to a length that can be read it "
-                "would be false. "
+                "would be false."
             )
-            yield doc.Paragraph(
-                (
-                    "Not written is ",
-                    listed(left),
-                    why,
-                    doc.Code("haptisym derive"),
-                    " has it in exact steps.",
-                )
-            )
+            yield doc.Paragraph(("Not written is ", listed(left), why))
 
 
 def _whole(f: RealFunction) -> RealFunction:

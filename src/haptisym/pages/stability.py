@@ -81,7 +81,6 @@ def page(found: Stability) -> Document:
         *drawn,
         *w.noted((("Prescribed motion: ", _prescribed(found)), *_passivity(found))),
         *w.caveats(found.caveats),
-        w.CERTIFICATE,
     )
     return w.page_about(
         found.scene, _answer(found), blocks, _proven(found), "Stability", found.asides()
@@ -94,7 +93,8 @@ def page(found: Stability) -> Document:
 def _answer(found: Stability) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield a line for each hand, and one for any passive operator."""
     if not found.held:
-        yield "Hand", ("none given: --hand NAME; the package ships ", ", ".join(hands))
+        shipped = ", ".join(hands)
+        yield "Hand", ("none given", doc.Brief(f": --hand NAME; the package ships {shipped}"))
     in_hand = w.of_linear_model(found.scene, in_hand=True)
     for x, rows in zip(found.held, found.critical, strict=True):
         of = in_hand if x.roots else ""

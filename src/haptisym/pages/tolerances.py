@@ -28,7 +28,7 @@ from haptisym.writing.layout import named
 def page(a: Tolerances) -> Document:
     """Return the whole page of tolerances."""
     scene = a.box.scene
-    asides = filter(None, [scene.estimated, scene.untied_note(scene.ranges())])
+    asides = filter(None, [scene.untied_note(scene.ranges())])
     blocks = (
         *_examples(a),
         *_hands_figure(a),
@@ -49,7 +49,7 @@ def _answer(a: Tolerances) -> Iterator[tuple[Phrase, Phrase]]:
     yield "Bandwidth", _bandwidth(a)
     yield "Verdict", _verdict(a)
     if not a.held:
-        yield "Stability", "not tested: add --hand NAME"
+        yield "Stability", ("not tested", doc.Brief(": add --hand NAME"))
     for x in a.held:
         yield (
             f"In {x.hand.name}",
@@ -262,7 +262,7 @@ def _quantiles(a: Tolerances) -> Iterator[Block]:
 
 def _proven(a: Tolerances) -> Iterator[Phrase]:
     """Yield what is proven for all values, and what is undecided."""
-    fit = w.region_of_fit(a.box.scene)
+    fit = a.box.scene.region_of_fit
     parts = [
         *(["verdict"] if a.verdict is not BandVerdict.UNDECIDED else []),
         *(["bandwidth"] if a.bandwidth is not None else []),

@@ -118,7 +118,8 @@ def in_numbers(
     above, below = (
         _terms(reduced.ring.coefficients(p)) for p in (reduced.numerator, reduced.denominator)
     )
-    return quantity(name), f" has {above} terms over {below}: see ", doc.Code("haptisym derive")
+    see = doc.Brief((": see ", doc.Code("haptisym derive")))
+    return quantity(name), f" has {above} terms over {below}", see
 
 
 def _terms(coefficients: Iterable[Expr]) -> int:
@@ -207,21 +208,13 @@ def _effects(scene: Scene) -> str:
     return ", ".join(named_) or "no effects"
 
 
-def region_of_fit(scene: Scene | SceneFamily) -> str:
-    """Return what the ranges of a fitted scene are; empty for one that was not fitted."""
-    return "" if scene.level is None else f"{float(100 * scene.level):g} % region of the fit"
-
-
 def proof(scene: Scene | SceneFamily, what: Phrase) -> Phrase:
     """Return what is proven, as the last line of a page; for a fitted scene of the fitted model
     alone."""
     # The weakest premise decides: what is proven for a fitted model is no more certain than the
     # fit.
-    region = region_of_fit(scene)
-    if region:
-        fitted = f". The model is estimated; for all values in the {region}: "
-        return "Proven for the fitted model: ", what, fitted, doc.Code("haptisym tolerances"), "."
-    return "Proven: ", what, "."
+    fitted = "" if scene.level is None else " for the fitted model"
+    return f"Proven{fitted}: ", what, "."
 
 
 def undecided(what: Phrase) -> Phrase:
@@ -500,12 +493,3 @@ def drawing(answer: Answer, name: str, caption: Phrase, *, wide: bool = False) -
         return resolve_name("haptisym.figures.files:draw_figure")(answer, name, wide=wide)
 
     return doc.Figure(name, caption, drawn, wide)
-
-
-CERTIFICATE = doc.Live(
-    lambda: (
-        "<p><code>--certificate FILE</code> writes a certificate of this result, where it has one; "
-        "<code>python -m haptisym_check FILE SCENE.toml</code> checks it without haptisym.</p>"
-    )
-)
-"""How a reader of a report of HTML has the result checked."""

@@ -12,6 +12,7 @@ were asked for, and puts frequencies into the scene's unit.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeGuard
@@ -89,10 +90,18 @@ class Code:
     text: str
 
 
+@dataclass(frozen=True, slots=True)
+class Brief:
+    """Words that only a page in brief has: what to type next, which no reader of a report can."""
+
+    words: Phrase
+
+
 DIGITS = 4
 """The digits of a page's numbers where no others are asked for."""
 Phrase: TypeAlias = (
-    "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | tuple[Phrase, ...]"
+    "str | Box | Number | Real | Frequency | OfFrequency | Strong | Code | Brief "
+    "| tuple[Phrase, ...]"
 )
 """Words with formulas, numbers and emphasis among them; phrases are joined by putting them into a
 tuple."""
@@ -328,7 +337,8 @@ class Style:
         if isinstance(block, Paragraph):
             return Paragraph(self.phrase(block.words))
         if isinstance(block, Notes):
-            return Notes(tuple(map(self.phrase, block.entries)))
+            entries = map(self.phrase, block.entries)
+            return Notes(tuple(x for x in entries if not is_empty(x)))
         if isinstance(block, Facts):
             return replace(
                 block, rows=tuple((self.phrase(x), self.phrase(y)) for x, y in block.rows)
@@ -382,6 +392,8 @@ class Style:
             return (
                 self.frequency.text if words.of == "unit" else named("omega" if is_omega else "f")
             )
+        if isinstance(words, Brief):
+            return "" if self.full else self.phrase(words.words)
         return Strong(self.phrase(words.words)) if isinstance(words, Strong) else words
 
     def _real(self, x: Real) -> Phrase:
@@ -419,6 +431,19 @@ def listed(phrases: Iterable[Phrase], word: str = "and") -> Phrase:
     return tuple(x for pair in zip(items, after, strict=True) for x in pair if x != "")
 
 
+_LEADS_ON = re.compile(r"(; [^;`]*`haptisym [^`]*`[^.;`]*)(?=\.)")
+
+
 def coded(words: str) -> Phrase:
-    """Words in which what stands between backticks is code."""
-    return tuple(Code(x) if i % 2 else x for i, x in enumerate(words.split("`")) if x)
+    """Words in which what stands between backticks is code; a last clause with a command of
+    haptisym is for a page in brief alone.
+
+    >>> coded("nominal values; see `haptisym tolerances`.")
+    (('nominal values',), Brief(words=('; see ', Code(text='haptisym tolerances'))), ('.',))
+    """
+
+    def typed(part: str) -> Phrase:
+        return tuple(Code(x) if i % 2 else x for i, x in enumerate(part.split("`")) if x)
+
+    first, *others = _LEADS_ON.split(words, maxsplit=1)
+    return (typed(first), Brief(typed(others[0])), typed(others[1])) if others else typed(first)

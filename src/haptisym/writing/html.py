@@ -354,7 +354,7 @@ def phrase(words: Phrase) -> Html:
         return joined(map(phrase, words))
     if isinstance(words, str):
         return joined([words])
-    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency):
+    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency | doc.Brief):
         return phrase(doc.Style().phrase(words))
     if isinstance(words, doc.Number):
         return element("data", _wrapped(words.digits), given={"value": repr(words.value)})

@@ -722,7 +722,7 @@ def phrase(words: Phrase) -> str:
         return "".join(map(phrase, words))
     if isinstance(words, str):
         return "~".join(map(spaced, words.split("\xa0")))
-    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency):
+    if isinstance(words, doc.Real | doc.Frequency | doc.OfFrequency | doc.Brief):
         return phrase(doc.Style().phrase(words))
     if isinstance(words, doc.Number):
         return _digits(words.digits)

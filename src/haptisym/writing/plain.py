@@ -76,7 +76,7 @@ def said(phrase: Phrase) -> str:
     if isinstance(phrase, str):
         return phrase
     # A number that no page has settled yet is rounded as a page does it by default.
-    if isinstance(phrase, doc.Real | doc.Frequency | doc.OfFrequency):
+    if isinstance(phrase, doc.Real | doc.Frequency | doc.OfFrequency | doc.Brief):
         return said(doc.Style().phrase(phrase))
     if isinstance(phrase, doc.Number):
         return phrase.digits

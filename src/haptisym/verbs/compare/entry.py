@@ -104,7 +104,8 @@ class ComparedDisplay(Shown):
 
     @property
     def is_whole_band(self) -> bool:
-        """Whether nothing is noticed on the whole band, or at any measured frequency."""
+        """Whether nothing is noticed on the whole band; of a measured device whether that is shown
+        at each of its frequencies."""
         if isinstance(self.answer, MeasuredEvaluation):
             return self.answer.is_below_throughout
         return self.reach.most is None
@@ -171,6 +172,9 @@ class ComparedDisplay(Shown):
         exact: dict[str, Any] = {}
         if width is not None:
             exact = {"digits": width.digits(digits), "enclosure": list(width.enclosure(digits))}
+        if not isinstance(self.answer, Evaluation):
+            least, most = self.reach
+            exact = {"reach": [None if x in (None, NOWHERE) else float(x) for x in (least, most)]}
         return {
             "name": self.name,
             "title": document["title"],
