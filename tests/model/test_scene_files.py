@@ -202,9 +202,14 @@ def test_a_file_is_read_with_a_mark_of_byte_order_from_a_pipe_and_up_to_a_millio
     assert "UTF-16: save it as UTF-8" in refusal(hs.load_scene, path)
     path.write_bytes(b"\x89PNG\xff\xfe\x00")
     assert "not a text file" in refusal(hs.load_scene, path)
+    said = refusal(hs.parse_scene, 'environment = { model = "mass-spring-damper", m = "1 kg", b = 1, k = "950 Nm" }')
+    assert "Nm is read as N*m/rad: along a line write N/m" in said
     for name, said in (("mine", 'did you mean "mine.toml"'), ("mine.tml", 'did you mean "mine.toml"'), ("fu2018", 'did you mean "fu2019"'), ("fu2091", 'did you mean "fu2019"'),
-                       ("zzz", "fu2019"), ("no/such/file.toml", "fu2019"), (".", "fu2019"), ("\0", "fu2019"), ("\n", "this is the text of a scene")):  # fmt: skip
+                       ("zzz", "fu2019"), ("mine.csv", 'mine.csv: no such file: did you mean "mine.toml"?'),
+                       (".", "fu2019"), ("\0", "fu2019"), ("\n", "this is the text of a scene")):  # fmt: skip
         assert said in refusal(hs.load_scene, name)
+    for name in ("zzz.csv", "no/such/file.toml"):
+        assert refusal(hs.load_scene, name) == f"{name}: no such file"
 
 
 def test_a_pipe_with_a_wrong_scene_and_a_device_without_end_are_named(tmp_path: Path) -> None:

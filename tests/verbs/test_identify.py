@@ -287,7 +287,7 @@ def test_discs_that_cannot_be_weights_are_refused() -> None:
     ):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(hs.measured([1, 2, 3], [1, 1j, 2], **certainty), "kelvin-voigt")  # type: ignore[arg-type]
-    for other, told in ((3, "is no measured response"), ("fu2019.toml", "no such scene")):
+    for other, told in ((3, "is no measured response"), ("fu2019.toml", 'no such file: did you mean "fu2019"')):
         with pytest.raises(hs.SceneError, match=told):
             hs.identify(other, "kelvin-voigt")  # type: ignore[arg-type]
 

@@ -396,8 +396,9 @@ def test_the_command_line_says_the_same_in_every_form(tmp_path: Path, call: Call
 def test_in_python_other_questions_say_what_they_need() -> None:
     scene = hs.MeasuredScene(FU.environment, hs.measured([1.0], [1.0]))
     for question in (hs.require, hs.stability, hs.metrics, hs.sensitivity, hs.tolerances, hs.derive, hs.evaluate_all):
-        with pytest.raises(hs.SceneError, match="only evaluate and identify take it"):
+        with pytest.raises(hs.SceneError, match="only evaluate, compare and identify take it"):
             question(*((scene, "omega_n") if question is hs.require else (scene,)))
+    assert len(hs.compare(scene, scene)) == 2
 
 
 def test_control_and_scipy_hand_over_their_responses() -> None:

@@ -88,7 +88,7 @@ class MeasuredScene(Shown):
         if len(motions) > 1:
             raise SceneError(
                 "translation and rotation cannot be mixed: environment and perceived have "
-                "units of both"
+                "units of both; Nm is read as N*m/rad: along a line write N/m"
             )
 
     @property

@@ -851,14 +851,25 @@ def _one_motion(elements: Iterable[tuple[str, Environment | Effect | Hand]]) -> 
     # The first parameter of each motion, by its path, for the message. One without a unit fits
     # both.
     first: dict[MotionKind, str] = {}
+    turning = Dimension.ANY
     for place, element in elements:
         for parameter in element.parameters:
             if parameter.motion is not None:
                 first.setdefault(parameter.motion, f"{place}.{parameter.key}")
+            if parameter.motion is MotionKind.ROTATION and turning is Dimension.ANY:
+                turning = parameter.dimension
     if len(first) > 1:
         units = ", ".join(f"{path} is {motion.value}" for motion, path in first.items())
         way = "; a hand on a lever: --lever, or lever in [hand]" if "hand" in units else ""
+        # Nm is written for N/m.
+        if turning in _TORQUES and not way:
+            word = _TORQUES[turning]
+            about, along = (turning.unit(x) for x in (MotionKind.ROTATION, MotionKind.TRANSLATION))
+            way = f"; {word} is read as {about}: along a line write {along}"
         raise SceneError(f"translation and rotation cannot be mixed: {units}{way}")
+
+
+_TORQUES = {Dimension.STIFFNESS: "Nm", Dimension.DAMPING: "Nms"}
 
 
 # Samplers. A sampler takes and holds values at multiples of its period T; ``CLOCKS`` are the models

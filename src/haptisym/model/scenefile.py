@@ -232,7 +232,7 @@ _TABLES = (
     "evaluation",
 )
 MEASURED = (
-    "this scene is measured: only evaluate and identify take it. All others need a model in "
+    "this scene is measured: only evaluate, compare and identify take it. All others need a model in "
     "[environment], and [[effects]] "
     "in place of [perceived]; haptisym identify fits one"
 )
@@ -840,14 +840,19 @@ def _text_of(path: Path) -> str:
 
 def _no_such_scene(path: Path, error: Exception) -> str:
     """The error for a path that cannot be read, with the likeliest scene that is meant."""
-    # First the same name with .toml, then a similar file beside it, then a similar shipped scene.
+    from difflib import get_close_matches  # where something went wrong
+
+    # First a file of the same name with .toml, then a similar one, then a similar shipped scene.
     known = scene_names() + family_names()
-    files = sorted(x.name for x in path.parent.glob("*.toml"))
-    hint = (
-        meant(f"{path.name}.toml", [x for x in files if x == f"{path.name}.toml"])
-        or meant(path.name, [x for x in files if x != path.name])
-        or meant(path.name.removesuffix(".toml"), known)
-        or f"the package ships {', '.join(known)}"
-    )
+    beside = [y for x in (".toml", path.suffix) if x for y in sorted(path.parent.glob(f"*{x}"))]
+    # By their names without endings, which would make all of them similar.
+    files = {x.stem: x.name for x in reversed(beside) if x.name != path.name}
+    near = get_close_matches(path.stem, files, n=1)
+    hint = f'did you mean "{files[near[0]]}"?' if near else meant(path.stem, known).rstrip()
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
-    return f"no such scene ({reason.lower()}): {hint.rstrip()}"
+    # What ends like a file is meant as one: of shipped scenes none but a similar one helps.
+    if path.suffix:
+        what = "no such file" if isinstance(error, FileNotFoundError) else reason.lower()
+        return f"{what}: {hint}" if hint else what
+    hint = hint or f"the package ships {', '.join(known)}"
+    return f"no such scene ({reason.lower()}): {hint}"

@@ -31,7 +31,7 @@ def family_names() -> tuple[str, ...]:
 
 def bench_names() -> tuple[str, ...]:
     """The names of the measured scenes that the package ships: simulated bench runs, which
-    ``evaluate`` and ``identify`` take.
+    ``evaluate``, ``compare`` and ``identify`` take.
 
     >>> bench_names()
     ('delayed-spring-bench', 'fu2019-bench', 'fu2019-clipped-bench')
