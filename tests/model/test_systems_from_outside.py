@@ -217,6 +217,29 @@ def test_what_is_no_value_of_a_parameter_is_refused_by_name(values: Any, told: s
         LAGGED.at(values)
 
 
+MODEL = hs.distort(hs.environments.mass_spring_damper(k=k), hs.effects.delay(T))
+
+
+@pytest.mark.parametrize(
+    ("d", "values", "told"),
+    [
+        (MODEL, {T: "20 mm"}, "T: .*not a time"), (MODEL.at({k: "1 N/mm"}), {"T": "1 kg"}, "T: .*not a time"), (MODEL.at({T: tau}), {tau: "2 m"}, "tau: .*not a time"),
+        (MODEL, {k: "20 mm"}, "k: .*not a stiffness"), (hs.distort(k, hs.effects.delay(T)), {T: "1 m"}, "T: .*not a time"),
+        (hs.load_scene("delayed-spring").symbolic_distortion(), {"tau": "20 mm"}, "not a time"), (hs.derive("delayed-spring").distortion, {"tau": "20 mm"}, "not a time"),
+    ],
+)  # fmt: skip
+def test_what_a_parameter_of_a_model_measures_is_known(d: hs.Distortion, values: Any, told: str) -> None:
+    with pytest.raises(hs.SceneError, match=told):
+        d.subs(values)
+
+
+def test_a_symbol_of_an_expression_or_in_two_places_measures_anything() -> None:
+    assert MODEL.at({k: "1 N/mm", T: "20 ms"}) == hs.distort(1000, exp(-s / 50))
+    assert hs.distort(k, exp(-s * T)).at({T: "20 mm"}) == MODEL.at({T: 0.02})
+    both = hs.distort(hs.environments.mass_spring_damper(m=k, k=k))
+    assert both.at({k: "3 kg"}).environment == 3 * s**2 + 3
+
+
 def test_a_number_of_many_digits_keeps_them_on_every_way_in() -> None:
     exact, given = Rational(LONG), Float(LONG, 30)
     lag = hs.effects.first_order_lag(given)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
-from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, re, sqrt
+from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, oo, re, sqrt
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import (
@@ -64,7 +64,7 @@ from haptisym.model.chain import (
     zeros,
 )
 from haptisym.model.jnd import Part
-from haptisym.model.parameters import in_place
+from haptisym.model.parameters import dimensions, in_place
 from haptisym.model.quantities import Dimension, Number, constant, in_laplace, quantity
 from haptisym.programs.accuracy import Accuracy, Backend
 
@@ -123,14 +123,16 @@ def distort(
         raise SceneError(
             f'omega: {quoted(omega)} is s or a parameter: give another symbol, as Symbol("w")'
         )
-    return replace(Distortion.of(chain), frequency=omega, elements=elements)
+    found = Distortion.of(chain)
+    return replace(found, frequency=omega, elements=elements, dimensions=_measured(elements))
 
 
 def felt_instead(environment: Any, effects: Iterable[Any], rendered: Any = None) -> Distortion:
     """Return the distortion as ``distort`` does, but in free air too, where H_env is zero and the
     ratios do not exist: for questions about H_perc alone."""
     chain = _chain_of(*(elements := _elements(environment, effects, rendered)))
-    return Distortion(*chain.dynamics(free_air=True), chain, elements=elements)
+    env, perc = chain.dynamics(free_air=True)
+    return Distortion(env, perc, chain, elements=elements, dimensions=_measured(elements))
 
 
 Elements: TypeAlias = tuple[Environment, tuple[Effect, ...], Environment | None]
@@ -141,6 +143,13 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
     given = given_environment("environment", environment)
     other = None if rendered is None else given_environment("rendered", rendered).tied_to(given)
     return given, tuple(with_controller(given_effects(effects), other or given)), other
+
+
+def _measured(elements: Elements) -> dict[Symbol, Dimension]:
+    """Return what the symbols measure that are values of parameters."""
+    environment, effects, rendered = elements
+    known = (environment, *effects, *([rendered] if rendered else []))
+    return dimensions((p.value, p.dimension) for element in known for p in element.parameters)
 
 
 def _chain_of(
@@ -182,6 +191,8 @@ class Distortion(Shown):
     elements: Elements | None = field(default=None, repr=False)
     """The environment, effects and rendered environment of which the chain is made; None where it
     was given as dynamics."""
+    dimensions: Mapping[Symbol, Dimension] = field(default_factory=dict, repr=False)
+    """What its symbols measure, as far as that is known: those of expressions measure anything."""
 
     @classmethod
     def of(cls, chain: Chain, ring: Ring | None = None) -> Distortion:
@@ -468,8 +479,9 @@ class Distortion(Shown):
 
         A value is a number, read exactly (a float as its decimal), a string with or without a unit,
         or an expression in parameters. A value for omega is put into all closed forms. SceneError
-        for a name that is none of the parameters, and for a value with a sign that its symbol is
-        declared not to have.
+        for a name that is none of the parameters, for a value with a sign that its symbol is
+        declared not to have, and for a unit that is none of what the parameter of a model measures;
+        in an expression a symbol may have any unit, and is its number in SI.
 
         >>> from haptisym import effects, environments, symbols
         >>> d = distort(environments.mass_spring_damper(k=symbols("k")), effects.first_order_lag(symbols("w")))
@@ -490,14 +502,20 @@ class Distortion(Shown):
                     f"unknown parameter {quoted(name)}: {meant(name, by_name)}valid are {valid}"
                 )
             with within(name):
-                is_text = x == omega and not isinstance(given, Expr | RealNumber)
-                known[x] = _allowed(
-                    x, quantity(given, Dimension.FREQUENCY).value if is_text else constant(given)
-                )
+                measures = {**self.dimensions, omega: Dimension.FREQUENCY}.get(x, Dimension.ANY)
+                is_text = isinstance(given, str)
+                if isinstance(given, Expr) and given in (oo, -oo):
+                    way = f"limit(expand_trig(d.real), {name}, {given})"
+                    raise SceneError(f"{quoted(given)} is not finite: take a limit, as {way}")
+                value = quantity(given, measures).value if is_text else constant(given)
+                known[x] = _allowed(x, value)
         here = known.pop(omega, self.value)
         # Without values of parameters the object itself, with all that it has computed so far.
         found = Distortion.of(self.chain.put(known)) if known else self
-        return replace(found, frequency=self.frequency, value=here)
+        # A symbol that is put in for another measures what that one does.
+        renamed = ((known.get(x, x), kind) for x, kind in self.dimensions.items())
+        measured = dimensions((*self.dimensions.items(), *renamed))
+        return replace(found, frequency=self.frequency, value=here, dimensions=measured)
 
     def subs(self, *given: Any) -> Distortion:
         """Return the same as ``at``, written as in SymPy: ``subs(k, 100)``, ``subs({k: 100})`` or

@@ -475,6 +475,21 @@ def values(parameters: Iterable[Parameter]) -> dict[Symbol, Expr]:
     return {p.symbol: p.value for p in parameters}
 
 
+def dimensions(measured: Iterable[tuple[Expr, Dimension]]) -> dict[Symbol, Dimension]:
+    """What symbols measure, each by the places where it stands that are not those of any dimension;
+    without those whose places differ.
+
+    >>> from sympy.abc import T, k
+    >>> dimensions([(T, Dimension.TIME), (T, Dimension.ANY), (k, Dimension.MASS), (k, Dimension.TIME)])
+    {T: <Dimension.TIME: ('s', 's')>}
+    """
+    found: dict[Symbol, set[Dimension]] = {}
+    for x, dimension in measured:
+        if x.is_Symbol and dimension is not Dimension.ANY:
+            found.setdefault(x, set()).add(dimension)
+    return {x: known.pop() for x, known in found.items() if len(known) == 1}
+
+
 def in_place(form: Expr, known: Mapping[Symbol, Expr]) -> Expr:
     """A formula with values in place of symbols; SceneError where they divide it by zero."""
     value = form.xreplace(known)

@@ -61,6 +61,7 @@ from haptisym.model.parameters import (
     Parameter,
     Rule,
     Slot,
+    dimensions,
     free_name,
     read_confidence,
     read_parameter,
@@ -721,7 +722,8 @@ class Scene(Shown):
 
     def symbolic_distortion(self) -> Distortion:
         """The closed forms with every parameter a symbol."""
-        return Distortion.of(self.chain)
+        measured = dimensions((p.symbol, p.dimension) for p in self.parameters)
+        return replace(Distortion.of(self.chain), dimensions=measured)
 
     @property
     def chain(self) -> Chain:

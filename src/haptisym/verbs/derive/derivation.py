@@ -18,7 +18,7 @@ of the JND (``judge.crossings``): that of the real or the imaginary part, or of 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
 from pathlib import Path
@@ -41,6 +41,7 @@ from haptisym.kernel.solutions import Equation, Solution, solve
 from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion, Elements
 from haptisym.model.jnd import Part
+from haptisym.model.parameters import dimensions
 from haptisym.model.quantities import Number
 from haptisym.model.scene import Scene
 from haptisym.model.scenefile import as_scene
@@ -102,7 +103,11 @@ class Derivation(Answer):
     @cached_property
     def distortion(self) -> Distortion:
         """The closed forms, exact."""
-        return Distortion.of(self.chain)
+        measured = dimensions(
+            (p.symbol if p.symbol in self.kept else p.value, p.dimension)
+            for p in self.scene.parameters
+        )
+        return replace(Distortion.of(self.chain), dimensions=measured)
 
     @cached_property
     def environment(self) -> Distortion:
