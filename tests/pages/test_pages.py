@@ -91,6 +91,7 @@ PAGES: dict[str, Callable[[], Any]] = {
     "design-kept": lambda: hs.design(
         "inertia-compensation", {"m_c": ("0 g", "32 g"), "b_c": (0, "3.6")}, keep="passive"
     ),
+    "design-end": lambda: hs.design("fu2019", {"omega_n": ("20 rad/s", "77.777 rad/s")}),
     "sensitivity": lambda: hs.sensitivity("fu2019"),
     "compare": lambda: hs.compare("fu2019", "helicopter-cyclic", hand="postural-arm"),
     "compare-measured": lambda: hs.compare(measured(), MeasuredScene(SPRING, RESPONSES[1])),
@@ -122,6 +123,7 @@ DEAR = {
     "design-map",
     "design",
     "design-kept",
+    "design-end",
     "require",
     "jnd",
     "simulate",
@@ -323,7 +325,7 @@ def test_the_first_lines_and_the_tables_of_a_shipped_scene_hold_numbers_of_its_d
 
 NOT_TOLD = {
     "derive": None, "derive-ellipse": None, "published": None, "simulate": None, "release": None,  # formulas, words, rounding
-    "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
+    "effects": {"operations"}, "design-map": {"unit", "band", "range", "slices", "proven"}, "peaks": {"band"}, "design": {"where"}, "design-end": {"where"}, "design-kept": {"where"}, "jnd": {"deviance"},
     "identify": {"rows"}, "family": {"environments"}, "stability": {"held"}, "stability-clock": {"held", "sampled"}, "control-loading": {"tests"}, "compare": {"scenes", "differences"}, "compare-measured": {"scenes"},
 }  # fmt: skip
 """What the document of an answer holds and its page does not say, or says in part."""

@@ -114,6 +114,22 @@ def test_what_must_be_kept_moves_the_best():
     assert checked
 
 
+def test_the_best_value_at_an_end_is_that_end_and_a_wider_range_has_a_better_one():
+    scene = replace(PAPER, band=(Integer(0), Integer(300)))
+    found = hs.design(scene, "omega_n")
+    assert found.best
+    assert found.best.values == (800,)
+    assert [(x.name, upper) for x, upper in found.at_ends] == [("omega_n", True)]
+    assert exact(scene, {"omega_n": Rational(1600)}) > found.bandwidth[1]
+    # Less than no delay there is not; of a delay that may be shorter there is.
+    late = hs.Scene(E.kelvin_voigt(500, 4), (F.delay("3 ms"), F.first_order_lag(90)), (0, 100))
+    for low, beyond in ((0, []), ("1 ms", ["tau"])):
+        least = hs.design(late, {"tau": (low, "9 ms")})
+        assert least.best
+        assert least.best.values == (least.ranges[0][0],)
+        assert [x.name for x, _ in least.at_ends] == beyond
+
+
 def test_nothing_in_the_range_is_passive():
     found = hs.design("helicopter-cyclic", "zeta", keep="passive")
     assert found.best is None

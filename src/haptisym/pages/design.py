@@ -36,6 +36,8 @@ from haptisym.verbs.design.entry import Design
 from haptisym.writing.document import (
     FREQUENCY_UNIT,
     Block,
+    Brief,
+    Code,
     Column,
     Document,
     Figure,
@@ -202,18 +204,17 @@ def _percent(x: Expr) -> str:
 
 def _proven(a: Design) -> Iterator[Phrase]:
     """Yield the range searched, where better values could lie, and what is proven."""
-    # The range that was searched is rounded inwards.
-    searched = listed(_ranges(a, a.ranges, Way.UP, Way.DOWN))
+    searched = listed(_ranges(a, a.ranges))
     low, high = a.family.band
     band = cell(low, Way.UP), " to ", cell(high, Way.DOWN), "\xa0", FREQUENCY_UNIT
     yield "Range searched: ", searched, "; band: ", *band, "."
     if a.best is not None and len(a.clusters):
-        # The boxes beyond which nothing is better are rounded outwards.
         first = a.clusters[:_MOST_BOXES]
-        boxes = [listed(_ranges(a, box, Way.DOWN, Way.UP)) for box in first]
+        boxes = [listed(_ranges(a, box)) for box in first]
         others = len(a.clusters) - _MOST_BOXES
         further = f" and {others} more" if others > 0 else ""
-        yield "Nothing better lies outside of ", listed(boxes, "or"), f"{further}."
+        outside = "Within the range searched, nothing better lies outside of "
+        yield outside, listed(boxes, "or"), further, _wider(a), "."
     if a.certified and a.best is None:
         yield proof(a.scene, ("no values in the range are ", listed(a.keep)))
     elif a.certified:
@@ -232,12 +233,37 @@ def _why(a: Design) -> str:
     return f": cells became too narrow{exact}; narrower ranges help"
 
 
-def _ranges(a: Design, box: Iterable[Any], down: Way, up: Way) -> Iterator[Phrase]:
-    """Yield the range of each free parameter in a box of two ends for each, a lower end rounded
-    ``down`` and an upper one ``up``."""
-    for x, (low, high) in zip(a.free, box, strict=True):
-        lower = bare(value_of(x, low, down))
-        yield named(x.name), " from ", lower, " to ", value_of(x, high, up)
+def _wider(a: Design) -> Phrase:
+    """Return that a wider range may have better values, where a best one is an end of it."""
+    if not a.at_ends:
+        return ""
+    ends = [(named(x.name), f" is at the {_SIDES[upper]} end") for x, upper in a.at_ends]
+    options = " ".join(f"--free {x.name}=LO:HI" for x, _ in a.at_ends)
+    typed = Brief((" (", Code(options), ")"))
+    end = "; the best value of ", listed(ends), " of its range: a wider one"
+    return end, typed, " may have a better one"
+
+
+_SIDES = {False: "lower", True: "upper"}
+
+
+def _ranges(a: Design, box: Iterable[Any]) -> Iterator[Phrase]:
+    """Yield the range of each free parameter in a box of two ends for each. Ends of the range
+    searched are rounded inwards, others outwards: nothing better is beyond what is printed."""
+    for i, ends in enumerate(box):
+        lower, upper = (_end(a, i, k, x) for k, x in enumerate(ends))
+        yield named(a.free[i].name), " from ", bare(lower), " to ", upper
+
+
+def _end(a: Design, i: int, k: int, end: Any) -> Real:
+    """Return the lower or the upper end of a box, k = 0 or 1; an end of the range searched always
+    in the same digits, which are those of the best value where that is the end."""
+    x, whole = a.free[i], a.ranges[i][k]
+    if float(end) != float(whole):
+        return value_of(x, end, (Way.DOWN, Way.UP)[k])
+    if a.best is not None and a.best.values[i] == whole:
+        return Real(whole, Way.NEAREST, _DIGITS, x.shown_unit(x.motion))
+    return value_of(x, whole, (Way.UP, Way.DOWN)[k])
 
 
 # The next command.

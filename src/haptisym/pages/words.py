@@ -308,7 +308,7 @@ def reach_of(knob: Knob, x: Printable, way: Way) -> doc.Real:
 
 def bare(x: doc.Real) -> doc.Real:
     """A number without the name of its unit, which follows or stands in the heading."""
-    return doc.Real(in_unit(x.value, x.unit.size), x.way)
+    return replace(x, value=in_unit(x.value, x.unit.size), unit=Unit(""))
 
 
 def values_of(found: ValueSet, knob: Knob, name: Phrase = "", *, in_table: bool = False) -> Phrase:

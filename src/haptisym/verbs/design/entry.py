@@ -38,7 +38,7 @@ from haptisym.model.catalogue import Hand
 from haptisym.model.quantities import Dimension, Number, number
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.scenefile import SceneFamily, as_family
-from haptisym.model.valueranges import domain
+from haptisym.model.valueranges import ALLOWED, domain
 from haptisym.programs.taylormodels import Array
 from haptisym.verbs.design.attained import KEPT, PASSIVE, STABLE, STEADY, Attained, Points
 from haptisym.verbs.design.bound import LargestBandwidth, broken, profile
@@ -180,6 +180,21 @@ class Design(Answer):
             if float(x.omega) <= end:
                 bindings.setdefault((x.environment, x.criterion.name), x)
         return tuple(bindings.values())
+
+    @property
+    def at_ends(self) -> list[tuple[Knob, bool]]:
+        """The parameters whose best value is an end of the range searched while the model allows
+        values beyond it; True for the upper end."""
+        found = []
+        if self.best is not None and not self.is_whole:
+            for x, value, (low, high) in zip(self.free, self.best.values, self.ranges, strict=True):
+                # A millionth of the range was left out at an end that the model does not allow.
+                allowed, least = ALLOWED[x.rule], (high - low) / 10**6
+                if value == low and (allowed.low is None or low - least > allowed.low):
+                    found.append((x, False))
+                if value == high and (allowed.high is None or high + least < allowed.high):
+                    found.append((x, True))
+        return found
 
     @cached_property
     def clusters(self) -> list[list[tuple[float, float]]]:
@@ -401,8 +416,21 @@ class _Search:
         self._start()
         if self.attained < 1:
             self._prove()
+            self._at_ends()
         if self.attained >= 1:
             self.cells = self.cells[:0]
+
+    def _at_ends(self) -> None:
+        """Take the end of a range for the best value of a parameter where it has more bandwidth,
+        which a search to within a gap leaves beside it."""
+        for i, ends in enumerate(self.question.ranges):
+            for end, share in zip(ends, (0.0, 1.0), strict=True):
+                if self.best is None or not (self.cells[:, i] == share).any():
+                    continue
+                values = (*self.best.values[:i], end, *self.best.values[i + 1 :])
+                found = self.points.attained(values)
+                if found and self.points.fits(found) and found.bandwidth > self.best.bandwidth:
+                    self.best = found
 
     def _prove(self) -> None:
         """Bring the upper bound down to what is attained, target by target."""
