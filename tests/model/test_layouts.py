@@ -15,6 +15,7 @@ from refusals import refusal
 from scipy.io import savemat
 
 import haptisym as hs
+from haptisym.model.quantities import MotionKind
 
 # the response that tools of measurement wrote: Hz, N/m, degrees
 LINES = [
@@ -473,6 +474,9 @@ def test_identify_takes_what_a_file_does_not_say(call, tmp_path: Path, text: str
         status, out, _ = call("identify", *words, "--environment", "mass-spring-damper", "--json")
         assert status == 0
         found.append([x["value"] for x in json.loads(out)["parameters"]])
+        # No file has a unit of the response: in the scene each parameter has one all the same.
+        scene = hs.parse_scene(json.loads(out)["scene"])
+        assert [x.motion for x in scene.parameters] == [MotionKind.TRANSLATION] * 3
     assert found[1] == pytest.approx(found[0], rel=1e-6)
     status, _, err = call("identify", str(other), "--environment", "mass-spring-damper", "--columns", "F")
     assert (status, "--columns F: write it as ROLE=COLUMN" in err) == (2, True)

@@ -483,12 +483,8 @@ class Identification(Answer):
 
     def _written(self, x: Estimate) -> Any:
         """Return an estimate as the scene file has it: a range, or its value alone."""
-        motion, dimension = self.motion, x.parameter.dimension
-        # A unit that depends on the kind of motion is left out where that is not known: the number
-        # is SI.
-        plain = dimension in (Dimension.ANY, Dimension.RATIO) or (
-            motion is None and len(set(dimension.value)) > 1
-        )
+        # Where the file does not tell the kind of motion it is that of the page, along a line.
+        plain = x.parameter.dimension in (Dimension.ANY, Dimension.RATIO)
         unit = Unit("") if plain else self.unit(x)
         texts = [f"{text} {unit.name}".rstrip() for text in x.in_unit(float(unit.size))]
         return texts if self.has_ranges else texts[1]
