@@ -122,6 +122,46 @@ def test_a_map_has_strokes_marks_and_grounds_where_the_set_and_its_boundary_are(
     assert (*ax.get_xlim(), *ax.get_ylim()) == (1, 3, 100, 500)
 
 
+@pytest.mark.slow
+def test_a_map_that_is_cut_to_its_set_has_nothing_beside_its_axes_and_its_legend_whole() -> None:
+    """Ticks of slices far beyond the cut left no room for the axes."""
+    found = hs.design_map("fu2019", ["zeta", "omega_n"], [("0.05", 2), (60, 200)], slices=9)
+    figure = requirement_charts.DESIGN_MAP.figure(found)
+    figure.canvas.draw()
+    [ax], page = figure.axes, figure.bbox
+    assert ax.get_xlim()[1] < 1.5
+    assert ax.get_window_extent().width > 0.7 * page.width
+    for x in (*ax.lines, ax.get_legend()):
+        box = x.get_window_extent()
+        assert -1 <= box.x0 <= box.x1 <= page.x1 + 1
+
+
+def test_what_one_part_allows_is_never_called_transparent_alone() -> None:
+    """It was, though the imaginary part is noticed."""
+    slow = hs.Scene(mass_spring_damper(k=100), (first_order_lag(40),), (0, 15), "0.1")
+    found = hs.require(slow, "omega_c", (20, 1000), part=hs.Part.REAL)
+    plane = hs.design_map(slow, ["omega_c", "environment.k"], [(20, 1000), (50, 500)], slices=3, part=hs.Part.REAL)
+    low = next(x for x in found.feasible).low
+    assert hs.evaluate(slow.with_values({"omega_c": low.digits(20)})).bandwidth != 15
+    page = [str(found), str(plane), hs.latex(found), hs.latex(plane)]
+    for panel in (
+        requirement_charts.requirement(found),
+        requirement_charts.slices(plane),
+        requirement_charts.wishes(plane),
+    ):
+        ax = axes()
+        draw(ax, panel)
+        page += [*told(ax), *words(ax)]
+    said = [x for text in page for x in " ".join(text.split()).lower().split("transparent")[1:]]
+    assert len(said) > 8
+    assert all(x.startswith(" in the real part") for x in said)
+    assert found.to_dict()["condition"] == plane.to_dict()["condition"] == ["real"]
+    diamond = {"shape": "diamond", "real": 1, "imag": 1}
+    joint = hs.Scene(mass_spring_damper(k=100), (first_order_lag(40),), (0, 15), diamond)
+    with pytest.raises(hs.SceneError, match="judges both parts at once"):
+        hs.require(joint, "omega_c", part=hs.Part.REAL)
+
+
 def test_a_map_without_any_value_says_so() -> None:
     ax = axes()
     draw(ax, requirement_charts.slices(designed(10, 30)))

@@ -217,6 +217,7 @@ def test_what_is_noticed_while_the_display_is_active_is_told_without_a_name() ->
     assert result.to_dict()["unnamed"] == [list(unnamed)]
     told = [(x.part.value, float(x.band.low.omega), x.words) for x in result.felt]
     assert ("imag", unnamed[0], NOT_NAMED) in told
+    assert repr(result).endswith(f", 1 interval {NOT_NAMED}>")
     assert [x for x in told if x[2] != NOT_NAMED] == [
         (p.part.value, float(p.band.low.omega), percept_words(p)) for p in result.percepts
     ]

@@ -14,7 +14,7 @@ the distortion's way among other JND regions; ``discriminate``: what would decid
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, product
@@ -476,8 +476,9 @@ def projections(e: Evaluation, part: Part) -> Panel:
     """``|Re|`` or ``|Im|`` of H_env and H_perc over the band.
 
     Bold where the part's ratio exceeds its threshold, or both parts together leave a region, with
-    the percept in words; thin on grey where it does not. The percepts of a further scene on the
-    same axes are not written.
+    the percept in words; thin on grey where it does not. H_perc is dotted where its part has the
+    other sign than that of H_env, as magnitudes hide. The percepts of a further scene on the same
+    axes are not written.
 
     >>> from haptisym import Part, evaluate, load_scene
     >>> chart = projections(evaluate(load_scene("fu2019")), Part.REAL)
@@ -493,13 +494,18 @@ def projections(e: Evaluation, part: Part) -> Panel:
     top = 1.3 * top_of(_magnitudes(f, grid, part), _magnitudes(f, evenly(e), part)) or 1.0
     omega = refined(lambda w: in_window(_magnitudes(f, w, part), 0, top), grid)
     values = broken(_magnitudes(f, omega, part), omega, poles_of(e))
+    differs = _sign_differs(f, omega, part) & (np.min(values, axis=1) > _SIGN_SEEN * top)
     lines = list[Layer]()
     for magnitude, (color, stroke, curve) in zip(values.T, pen.CURVES, strict=True):
         for weight, among in ((1.6, over), (0.7, under)):
-            shown = np.where(_within(omega, among), magnitude, np.nan)
-            lines.append(
-                Polyline(omega, shown, color, stroke, weight, name=f"$|{name}\\,{curve}|$")
-            )
+            within = _within(omega, among)
+            for seen, kind in _strokes(stroke, differs):
+                shown = np.where(within & seen, magnitude, np.nan)
+                lines.append(
+                    Polyline(omega, shown, color, kind, weight, name=f"$|{name}\\,{curve}|$")
+                )
+    if differs.any():
+        lines.append(_opposite(name))
     ground = [ends_of(x) for x in under]
     felt = Percepts(_felt(e, part), ground, shared=True)
     return Panel(
@@ -524,6 +530,33 @@ def _exceeded(e: Evaluation, part: Part) -> Callable[[Signs], bool]:
         return alone or signs.get((Dynamics.OUTSIDE, other), 0) <= 0
 
     return exceeded
+
+
+_SIGN_SEEN = 0.02
+"""Share of the axis: where one of two magnitudes is smaller, nobody sees which sign it has."""
+
+
+def _sign_differs(f: Callable[..., Values], omega: Array, part: Part) -> Any:
+    """Return where the part of H_perc has the other sign than that of H_env."""
+    env, perc = responses(f, omega)[:, (0 if part is Part.REAL else 1) :: 2].T
+    return np.sign(env) * np.sign(perc) < 0
+
+
+def _strokes(stroke: Any, differs: Any) -> Iterator[tuple[Any, Any]]:
+    """Yield where a curve has its own stroke, and where H_perc is dotted for its other sign."""
+    if stroke == pen.SOLID or not differs.any():
+        yield np.ones_like(differs), stroke
+        return
+    yield ~differs, stroke
+    yield differs, pen.DOTTED
+
+
+def _opposite(name: str) -> Layer:
+    """Return the entry of the legend that says what is dotted."""
+    color, _, perceived = pen.CURVES[1]
+    _, _, environment = pen.CURVES[0]
+    words = f"${name}\\,{perceived}$ of the opposite sign to ${name}\\,{environment}$"
+    return Words(label=words, look=_line(color, pen.DOTTED, 1.6))
 
 
 def _magnitudes(f: Callable[..., Values], omega: Array, part: Part) -> Array:

@@ -52,7 +52,7 @@ from haptisym.model.scene import Knob
 from haptisym.programs.values import Array, Values
 from haptisym.verbs.require.classical import StiffnessBound
 from haptisym.verbs.require.designmap import DesignMap, common
-from haptisym.verbs.require.required import Requirement
+from haptisym.verbs.require.required import TRANSPARENT, Requirement, in_words
 
 _GRID, _VALUES = 600, 400
 """Frequencies along the band, and values of the parameter, at which the worst case is sampled."""
@@ -126,7 +126,7 @@ class _Unnumbered(Layer):
 def _set(found: Requirement, low: float, high: float) -> list[Layer]:
     """Return the values that are proven to satisfy what is required, and those that are undecided,
     in strips wide enough to be seen."""
-    word = " and ".join(found.that)
+    word = " and ".join(in_words(x, found.criteria) for x in found.that)
     spans = [_limits(piece, low, high) for piece in found.feasible]
     none = f"no value is {word if found.certified else f'proven {word}'}"
     made: list[Layer] = [Intervals(spans, label=word)] if spans else [Words(label=none)]
@@ -262,6 +262,11 @@ class _Plane:
         (a, b), (low, high) = ((float(x) for x in pair) for pair in self.found.ranges)
         return (a, b), (low, high)
 
+    @property
+    def transparent(self) -> str:
+        """What the word stands for on this map, which may be about one part alone."""
+        return in_words(TRANSPARENT, self.found.criteria)
+
     @cached_property
     def rows(self) -> Rows:
         """The slices, each with its place, of all that is asked together."""
@@ -271,11 +276,11 @@ class _Plane:
         """Each set that is outlined: what it is asked for, its colour and name, and its slices."""
         for i, name in enumerate(self.found.that):
             rows = [(float(x.at), (x.apart or (x.requirement,))[i]) for x in self.found.slices]
-            yield name, (_COLORS[name], name), rows
+            yield name, (_COLORS[name], in_words(name, self.found.criteria)), rows
         for i, jnd in enumerate(self.found.thresholds):
             look = (
                 _paler(i, len(self.found.thresholds)),
-                f"transparent, c = {float(100 * jnd):.6g} %",
+                f"{self.transparent}, c = {float(100 * jnd):.6g} %",
             )
             yield "transparent", look, [(float(x.at), x.contours[i]) for x in self.found.slices]
 
@@ -301,6 +306,11 @@ class _Plane:
             x += [float(cells[:, 0, 0].min()), float(cells[:, 0, 1].max())]
             y += [float(cells[:, 1, 0].min()), float(cells[:, 1, 1].max())]
         return _around(x, (a, b)), _around(y, (low, high))
+
+    def places(self) -> list[float]:
+        """Return where the slices are that are drawn: some may lie where a map is empty."""
+        low, high = self.window[0]
+        return [x for x, _ in self.rows if low <= x <= high]
 
     def axes(self) -> tuple[DrawnAxis, DrawnAxis]:
         """Return the axes of both parameters, cut to what is drawn."""
@@ -483,10 +493,10 @@ def _left(found: DesignMap) -> list[Layer]:
     """
     made: list[Layer] = []
     for name, color in _LEFT.items():
-        what = f"{name}: undecided" if len(found.that) > 1 or found.thresholds else "undecided"
-        for x in found.proofs:
-            if x.of == name:
-                made += _ground(x.rectangles.left, f"{what}, holds the boundary", color, 0.5)
+        for x in (x for x in found.proofs if x.of == name):
+            word = in_words(name, found.criteria)
+            what = f"{word}: undecided" if len(found.that) > 1 or found.thresholds else "undecided"
+            made += _ground(x.rectangles.left, f"{what}, holds the boundary", color, 0.5)
     return made
 
 
@@ -523,11 +533,12 @@ def slices(found: DesignMap) -> Panel:
     ["imaginary part, at the band's edge"]
     """
     plane = _Plane(found)
+    word = plane.transparent
     somewhere = any(r.feasible for _, r in plane.rows)
     if found.proofs:
         # A map of transparency for one threshold has one proof, if any.
         [proof] = found.proofs
-        ground, bands = _ground(proof.rectangles.kept, "transparent, proven"), _left(found)
+        ground, bands = _ground(proof.rectangles.kept, f"{word}, proven"), _left(found)
     else:
         between = plane.interpolated()
         key = (
@@ -537,15 +548,15 @@ def slices(found: DesignMap) -> Panel:
         )
         ground, bands = [*between, *key], _bands(plane, [join for join, _ in _joins(plane)])
     boxes = (*plane.left_open(), *(() if found.proofs else plane.unlike(plane.rows)))
-    word = "transparent nowhere" if found.certified else "nowhere proven transparent"
-    note = [] if somewhere else [Note(f"{word}: on none of {len(found.slices)} exact slices")]
+    nowhere = f"{word} nowhere" if found.certified else f"nowhere proven {word}"
+    note = [] if somewhere else [Note(f"{nowhere}: on none of {len(found.slices)} exact slices")]
     layers = [
-        plane.strokes(pen.GREY, 0.7, "transparent on the slice" if somewhere else ""),
+        plane.strokes(pen.GREY, 0.7, f"{word} on the slice" if somewhere else ""),
         *ground,
         *boundary(found),
         *bands,
         *plane.undecided(boxes),
-        _Ticks([x for x, _ in plane.rows], label="exact slices"),
+        _Ticks(plane.places(), label="exact slices"),
         *note,
     ]
     x, y = plane.axes()

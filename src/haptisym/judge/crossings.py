@@ -53,7 +53,7 @@ class Criterion:
     sampled: Callable[[Any], Any] | None = field(default=None, compare=False)
     threshold: Expr = Integer(0)
     part: Part | None = None
-    kept: str = "transparent on the whole band"
+    kept: str = "transparent"
     region: Region | None = None
 
     def __hash__(self) -> int:
@@ -187,12 +187,7 @@ def _opened(x: Criterion, parts: Collection[Part]) -> Criterion:
 
 
 PASSIVE = Criterion(
-    "passive",
-    "passive",
-    "-Im H_perc",
-    "Im H_perc >= 0",
-    _given_away,
-    kept="passive on the whole band",
+    "passive", "passive", "-Im H_perc", "Im H_perc >= 0", _given_away, kept="passive"
 )
 """The criterion that the display generates no energy at a frequency."""
 

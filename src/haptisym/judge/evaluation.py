@@ -33,6 +33,7 @@ from haptisym.judge.crossings import (
 )
 from haptisym.judge.passivity import Passivity, force_is_stable, passivity
 from haptisym.judge.percepts import (
+    NOT_NAMED,
     Felt,
     Friction,
     Percept,
@@ -308,7 +309,10 @@ class Evaluation(Answer):
         width = "no bandwidth"
         if self.bandwidth is not None:
             width = f"bandwidth {self.bandwidth.digits(5)} rad/s"
-        counts = counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")
+        counts = [counted(len(self.crossings), "crossing"), counted(len(self.percepts), "percept")]
+        if self.unnamed:
+            # What has no property is felt as well: ``felt`` has all of it.
+            counts.append(f"{counted(len(self.unnamed), 'interval')} {NOT_NAMED}")
         return f"{titled(self.scene.title)}: {width}, {', '.join(counts)}"
 
     def with_regions(self) -> Evaluation:

@@ -24,7 +24,7 @@ from haptisym.model.valueranges import searched
 from haptisym.pages import words as w
 from haptisym.verbs.require.designmap import DesignMap
 from haptisym.verbs.require.nearest import Nearest
-from haptisym.verbs.require.required import Requirement, is_quick, require
+from haptisym.verbs.require.required import TRANSPARENT, Requirement, in_words, is_quick, require
 from haptisym.writing import document as doc
 from haptisym.writing.document import Block, Document, Phrase, Strong, listed
 from haptisym.writing.layout import layout, named
@@ -68,12 +68,7 @@ def page(r: Requirement) -> Document:
 
 def required(criteria: tuple[Criterion, ...]) -> str:
     """What is required, as an adjective: ``transparent and stable in light-touch``."""
-    return said(listed(dict.fromkeys(map(kept, criteria))))
-
-
-def kept(x: Criterion) -> str:
-    """Return what a display is that satisfies a criterion: ``transparent``."""
-    return x.kept.replace(" on the whole band", "")
+    return said(listed(dict.fromkeys(x.kept for x in criteria)))
 
 
 def _answer(r: Requirement) -> Iterator[tuple[Phrase, Phrase]]:
@@ -413,7 +408,9 @@ def _between(m: DesignMap) -> Iterator[Block]:
 def _proven_map(m: DesignMap) -> Iterator[Phrase]:
     """Yield what is proven between the slices about what is transparent, or stable."""
     for x in m.proofs:
-        what = listed(kept(y) for y in m.criteria if y.name == x.of) if x.of == STABLE else x.of
+        what: Phrase = in_words(x.of, m.criteria)
+        if x.of == STABLE:
+            what = listed(y.kept for y in m.criteria if y.name == x.of)
         threshold = "" if x.jnd is None else f" with a JND of {float(100 * x.jnd):.6g}\xa0%"
         # How far from the lines between slices a boundary can be follows from the rectangles that
         # are left.
@@ -441,7 +438,7 @@ def _stiffest(m: DesignMap) -> Iterator[Block]:
         return
     at, top = m.stiffest
     b, k = m.free
-    stable = listed(kept(x) for x in m.criteria if x.name == "stable")
+    stable = listed(x.kept for x in m.criteria if x.name == "stable")
     # Rounded down: a wall as stiff as is printed is still stable.
     value, damping = w.value_of(k, top, Way.DOWN), w.value_of(b, float(at.at), Way.NEAREST)
     words = "Stiffest wall of these slices that is {}: {} < {}, at {} = {}."
@@ -458,7 +455,8 @@ def _contours(m: DesignMap) -> Iterator[Block]:
         held = sum(1 for r in contours if r.feasible)
         left = "" if all(r.certified for r in contours) else "; others are undecided"
         yield doc.Paragraph(
-            f"With a JND of {float(100 * jnd):.6g}\xa0%: transparent values on {held} slices{left}."
+            f"With a JND of {float(100 * jnd):.6g}\xa0%: values that are "
+            f"{in_words(TRANSPARENT, m.criteria)} on {held} slices{left}."
         )
 
 
@@ -483,7 +481,7 @@ def _slices(m: DesignMap) -> doc.Table:
     which = "Some of the slices" if len(some) < len(m.slices) else "The slices"
     along = m.free[0]
     size = along.shown_unit(along.motion).size
-    what = "satisfied" if len(m.that) > 1 else m.that[0]
+    what = "satisfied" if len(m.that) > 1 else in_words(m.that[0], m.criteria)
     return w.table(
         some,
         f"{which}, proven.",

@@ -845,6 +845,7 @@ class DesignMap(Answer):
             "unit": [x.unit for x in self.free],
             "range": [[float(x) for x in pair] for pair in self.ranges],
             "band": [float(x) for x in self.scene.band],
+            "condition": [x.name for x in self.criteria],
             "criteria": list(self.that),
             "slices": [
                 {"at": float(x.at), **x.requirement.rows(), **_apart(x), **self._contours(x)}

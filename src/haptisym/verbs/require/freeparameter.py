@@ -51,7 +51,16 @@ def asked_of(
     """The criteria that are to hold on the whole band: those of one part, of both (None), or |G -
     1| <= c for any environment. SceneError for what does not go together."""
     if not any_environment:
-        return tuple(x for x in noticed(scene.threshold) if part in (None, x.part))
+        found = noticed(scene.threshold)
+        if part is None:
+            return found
+        if any(x.part is None for x in found):
+            raise SceneError(
+                f"part: a JND region of the shape {scene.threshold.region.shape.value} judges both "
+                "parts at once: leave the part out"
+            )
+        # What keeps one part alone below its threshold must not be called transparent.
+        return tuple(replace(x, kept=f"{x.kept} in the {x.words}") for x in found if x.part is part)
     if part is not None:
         raise SceneError("for any environment there are no parts: ask for one or the other")
     if any(x.path.startswith("environment.") for x in free):

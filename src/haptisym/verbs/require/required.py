@@ -105,7 +105,7 @@ def _is(number: Expr, value: str) -> bool:
 
 TRANSPARENT, SUITS_ALL = "transparent", "passive"
 WISHES = (TRANSPARENT, *IN_HANDS, SUITS_ALL)
-EVERY_PASSIVE_HAND = replace(PASSIVE, words="any passive operator", rule="passive", kept="passive")
+EVERY_PASSIVE_HAND = replace(PASSIVE, words="any passive operator", rule="passive")
 
 
 def wishes(that: Sequence[str]) -> tuple[str, ...]:
@@ -121,6 +121,14 @@ def wishes(that: Sequence[str]) -> tuple[str, ...]:
     if not listed:
         raise SceneError(f"that: nothing is asked: one or more of {', '.join(WISHES)}")
     return tuple(x for x in WISHES if x in listed)
+
+
+def in_words(name: str, criteria: Sequence[Criterion]) -> str:
+    """Return what is required by one word, in full: ``transparent in the imaginary part`` where
+    ``transparent`` is about that part alone."""
+    if name != TRANSPARENT:
+        return name
+    return next(x.kept for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL))
 
 
 def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
