@@ -201,16 +201,14 @@ def test_the_command_starts_with_everything_loaded_out_of_the_collectors_way_and
     assert told.splitlines()[-1] == "True True 0"
 
 
-@pytest.mark.parametrize(
-    "words", [["--version"], ["--help"], ["schemas"], ["scenes"], ["scenes", "--json"]], ids=" ".join
-)
-def test_what_needs_no_mathematics_loads_none(words: list[str]) -> None:
-    loaded = python(f"""
+def test_what_needs_no_mathematics_loads_none() -> None:
+    loaded = python("""
         import contextlib, io, sys
-        sys.argv = ["haptisym", *{words}]
         from haptisym.cli import main
-        with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())), contextlib.suppress(SystemExit):
-            main()
+        for words in ("--version", "--help", "schemas", "scenes", "scenes --json"):
+            sys.argv = ["haptisym", *words.split()]
+            with contextlib.redirect_stdout(io.TextIOWrapper(io.BytesIO())), contextlib.suppress(SystemExit):
+                main()
         print(*sys.modules)
     """).split()
     assert not {"sympy", "flint", "numpy", "rich"} & set(loaded)
@@ -354,16 +352,11 @@ def asked(without: str, names: Iterable[str]) -> Any:
     return json.loads(done.stdout)
 
 
-@pytest.mark.parametrize(
-    "names",
-    [
-        pytest.param(("fu2019",), id="fu2019"),
-        pytest.param(hs.scene_names(), id="all", marks=[pytest.mark.slow, pytest.mark.core]),
-    ],
-)
-def test_the_exact_core_gives_the_same_digits_without_numpy_and_matplotlib(names: tuple[str, ...]) -> None:
-    told = asked("numpy,matplotlib,scipy", names)["answers"]
-    for name in names:
+@pytest.mark.slow
+@pytest.mark.core
+def test_the_exact_core_gives_the_same_digits_without_numpy_and_matplotlib() -> None:
+    told = asked("numpy,matplotlib,scipy", hs.scene_names())["answers"]
+    for name in hs.scene_names():
         assert told[name] == answers(name)
 
 
@@ -384,6 +377,8 @@ def test_evaluating_deriving_and_stability_load_neither_numpy_nor_matplotlib() -
     assert arrays <= set(loaded[1].split())
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_a_sweep_in_memory_loads_neither_dask_nor_scipy_nor_units_before_they_are_asked_for() -> None:
     """Loading them takes longer than all else: xarray would do so when it is handed a plain array."""
     loaded = python("""
@@ -407,6 +402,8 @@ def test_a_sweep_in_memory_loads_neither_dask_nor_scipy_nor_units_before_they_ar
     assert "dask" in loaded[3].split()
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_what_needs_numpy_is_undecided_without_it_and_says_so() -> None:
     told = python("""
         import sys

@@ -15,6 +15,7 @@ import sympy
 from answers import floats, intervals, is_outside_model, is_transparent, number_below, of_part, percepts_at, told
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from marks import RARELY
 from oracles import DIGITS, MP, Case, Element, Facts, Hertz, digits_of, excess_roots, in_square, rounded, sign
 from paper import ask, paper
 from strategies import Drawn, Scale, Seeded, cases, element, evaluate, number, rationals, scaled, scene
@@ -746,6 +747,7 @@ def test_a_series_effect_and_its_inverse_change_nothing(case: Case, data: st.Dat
     assert_same(evaluate(case), with_effects(case, [effect_of(extra), inverse, *chain]))
 
 
+@RARELY
 @given(cases(order=3), rationals(-1, 2))
 def test_a_smaller_threshold_leaves_less_of_the_band_transparent(case: Case, factor: Fraction) -> None:
     strict = case.with_(c={part: c * factor for part, c in case.c.items()})
@@ -756,6 +758,7 @@ def test_a_smaller_threshold_leaves_less_of_the_band_transparent(case: Case, fac
         assert any(x.low.omega.bounds(150)[0] <= low and high <= x.high.omega.bounds(150)[1] for x in wide.transparent)
 
 
+@RARELY
 @given(cases(order=3), st.fractions(Fraction(1, 5), Fraction(4, 5), max_denominator=97))
 def test_a_band_in_two_halves_has_the_crossings_of_the_whole(case: Case, share: Fraction) -> None:
     low, high = case.band

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from jnds import jnds
+from marks import RARELY
 from mpmath import mp, mpf
 from oracles import DIGITS, MP, Case
 from regions import margin, outside
@@ -166,6 +167,7 @@ def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd
     assume(checked)
 
 
+@RARELY
 @given(cases(order=3))
 def test_more_regions_agree_where_one_holds_the_other(case: Case) -> None:
     """The diamond lies in the disc, the disc in the square: who is transparent in the smaller is so in the larger."""

@@ -441,6 +441,7 @@ def test_the_table_of_parameters_says_which_stay_symbols_and_what_all_are_in_the
         assert row[-1 - len(state) :] == [value, *state]
 
 
+@pytest.mark.dear("wheel-with-encoder")
 @pytest.mark.parametrize("name", ["geared-arm", "wheel-with-encoder"])
 def test_no_output_names_a_describing_function_that_it_does_not_explain(name: str, call: Any) -> None:
     unknown = re.compile("quantiser|limiter|deadband|following|lagging")
@@ -691,11 +692,12 @@ def lags(count: int, *others: hs.Effect) -> hs.Distortion:
 def test_the_formulas_of_a_long_chain_grow_by_as_much_with_each_effect_and_stay_true(
     others: tuple[hs.Effect, ...],
 ) -> None:
-    sizes = [count_ops(d.real) + count_ops(d.imag) for d in (lags(n, *others) for n in (4, 8, 12))]
-    assert sizes[2] - sizes[1] == sizes[1] - sizes[0] <= 4 * 140
-    steps = [lags(n, *others).steps().operations for n in (4, 8, 12)]
-    assert steps[2] - steps[1] == steps[1] - steps[0] < 4 * 25
-    agree(hs.verify(lags(6, *others), 3))
+    chains = [lags(n, *others) for n in (4, 6, 8)]
+    sizes = [count_ops(d.real) + count_ops(d.imag) for d in chains]
+    assert sizes[2] - sizes[1] == sizes[1] - sizes[0] <= 2 * 140
+    steps = [d.steps().operations for d in chains]
+    assert steps[2] - steps[1] == steps[1] - steps[0] < 2 * 25
+    agree(hs.verify(chains[1], 3))
 
 
 def test_a_wrong_formula_is_noticed_by_where_it_stands() -> None:

@@ -240,10 +240,10 @@ def test_an_encoder_of_the_scene_is_the_encoder_of_the_test(sampled: bool) -> No
     plain, measured = (
         hs.Scene(wall, x) for x in ((first, behind), (first, hs.effects.encoder("1 mm", "1 cm"), behind))
     )
-    one = hs.release(plain, "1 cm", hand, duration="0.5 s", extras=[hs.EncoderQuantisation("1 mm")])
-    other = hs.release(measured, "1 cm", hand, duration="0.5 s")
+    one = hs.release(plain, "1 cm", hand, duration="0.2 s", extras=[hs.EncoderQuantisation("1 mm")])
+    other = hs.release(measured, "1 cm", hand, duration="0.2 s")
     assert "encoder" in other.built
-    times = np.linspace(0, 0.5, 50)
+    times = np.linspace(0, 0.2, 50)
     apart = np.interp(times, one.time, one.hand_motion) - np.interp(times, other.time, other.hand_motion)
     assert np.abs(apart).max() < 1e-6
     assert one.held.stable is other.held.stable
@@ -264,6 +264,7 @@ CYCLES = {
 }
 
 
+@pytest.mark.dear("saturation")
 @pytest.mark.parametrize("name", CYCLES)
 def test_a_limit_cycle_that_attracts_is_how_the_display_rattles(name: str) -> None:
     element, behind, over, near = CYCLES[name]
@@ -320,6 +321,7 @@ def test_a_verdict_in_a_hand_counts_friction_among_what_stands_for_its_first_har
     assert "verdicts in a hand are" in said
 
 
+@pytest.mark.slow
 def test_what_a_dead_zone_keeps_quiet_grows_from_beyond_a_limit_cycle_that_does_not_attract() -> None:
     scene = hs.Scene(
         hs.environments.mass_spring_damper(k=1000), (hs.effects.dead_zone("0.1 mm", "0.2 mm"), *LATE), (0, 150)
@@ -354,6 +356,7 @@ def test_a_quantised_wall_within_the_bound_of_abbott_and_okamura_rests_and_rattl
         assert any(x.attracts for x in run.limit_cycles)
 
 
+@pytest.mark.slow
 def test_a_describing_function_of_a_sampled_wall_is_on_the_circle_where_its_factor_is_the_margin() -> None:
     """The gain of the encoder is the gain margin of the wall without it, at the frequency of that."""
     wall = hs.environments.mass_spring_damper(k=1800)

@@ -265,6 +265,7 @@ QUESTIONS = [
 ]  # fmt: skip
 
 
+@pytest.mark.dear("omega_n-Part.IMAG-122.355814770431")
 @pytest.mark.parametrize(("path", "part", "end"), QUESTIONS)
 def test_without_numpy_balls_tell_the_same(
     path: str, part: Any, end: str | None, monkeypatch: pytest.MonkeyPatch
@@ -276,6 +277,7 @@ def test_without_numpy_balls_tell_the_same(
     assert [x.value.digits(15) for x in found.ends if x.value] == ([end] if end else [])
 
 
+@pytest.mark.dear("False")
 @pytest.mark.parametrize("arrays", [True, False])
 def test_values_that_the_time_did_not_reach_are_told_as_that(*, arrays: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not as values of which bounds tell nothing; the one that the parameter has is asked first."""

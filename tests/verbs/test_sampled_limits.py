@@ -733,6 +733,7 @@ def test_it_stands_behind_a_clock_and_is_never_what_should_be_felt() -> None:
     assert "is for [rendered]" in refusal(hs.Scene, D)
 
 
+@pytest.mark.slow
 def test_crossings_of_a_difference_equation_are_proven_again_by_the_second_checker(tmp_path: Path) -> None:
     for name, text in (("z", LOOP.format(rendered=RENDERED.format(D=FILTERED, k=500, b=2, a=0.9), clock="delay = 1", behind="")), ("late", LATE)):  # fmt: skip
         path = tmp_path / f"{name}.toml"

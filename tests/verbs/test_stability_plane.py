@@ -379,6 +379,7 @@ def period(K: float, B: float, hand: tuple[float, float, float], T: float, late:
     return step
 
 
+@pytest.mark.few("postural-arm-3")
 @pytest.mark.parametrize(("hand", "late"), [("light-touch", 1), ("postural-arm", 1), ("postural-arm", 3)])
 def test_margins_of_a_sampled_wall_are_where_an_eigenvalue_of_a_period_leaves_the_circle(hand: str, late: int) -> None:
     loop = F.sampled_loop("1 ms", "backward-difference", late)

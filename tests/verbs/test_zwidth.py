@@ -23,7 +23,8 @@ def limits(scene: hs.Scene) -> np.ndarray:
     return ZWidth.of(scene, ()).limits([], DAMPINGS)
 
 
-@pytest.mark.parametrize("damping", [0, "0.5", 5])
+@pytest.mark.dear("5")
+@pytest.mark.parametrize("damping", [0, "0.5", 2, 5])
 def test_the_limit_of_a_wall_is_the_proven_one(damping: str) -> None:
     scene = DISPLAY.with_values({"environment.b": damping, "environment.k": 10})
     found = hs.stability(scene, "none", free=["environment.k"]).critical[0]["environment.k"]

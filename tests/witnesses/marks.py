@@ -32,6 +32,10 @@ def examples(count: int) -> settings:
     return settings(max_examples=max(count, EXAMPLES) if EXAMPLES else -(-count // 5), deadline=None)
 
 
+RARELY = settings(max_examples=max(EXAMPLES // 5, 3), deadline=None)
+"""Of a property whose one example takes long: a fifth of the examples that are asked for."""
+
+
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
     """All cases, those that are not quick marked as slow."""
     return [x if quick(x) else pytest.param(*_listed(x), marks=pytest.mark.slow) for x in cases]
