@@ -18,9 +18,10 @@ A zero omega of F(omega, p) = 0 moves with a parameter by d omega/dp = -(dF/dp)/
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import NamedTuple, TypeAlias
+from pkgutil import resolve_name
+from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq
 from sympy import (
@@ -41,12 +42,15 @@ from sympy import (
     factor,
     factor_terms,
     gcd,
+    nan,
     pi,
     sqrt,
+    zoo,
 )
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import RealFunction
+from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, expression_ball
 from haptisym.kernel.rings import Polynomial, PolynomialRing, coefficients, monomials, omega
@@ -59,10 +63,11 @@ class Solution(Shown):
     ``omega``: the frequency, rad/s, or what ``parameter`` is where one was solved for; None for a
     factor with no readable inverse, whose zeros are those of ``equation``.
     ``period``: adding any multiple of it gives the further zeros of a delay's angle; 0 for a single
-    zero. ``order``: of the zero. ``conditions``: what must not be negative; where all of them hold
+    zero. ``order``: of the zero. ``conditions``: what must be positive; where all of them are
     ``omega`` is real and not negative. Of one function the formulas whose conditions hold are all
-    its zeros, unless there is one without ``omega`` beside them, a delay is negative, or the values
-    make the highest coefficient of a factor vanish.
+    its zeros, unless there is one without ``omega`` beside them or a delay is negative. Where a
+    condition is 0 a formula may hold or not: ask again with the numbers. ``float(x)`` and
+    ``sympify(x)`` are those of ``omega``, so that formulas and numbers are used alike.
     """
 
     omega: Expr | None
@@ -71,19 +76,49 @@ class Solution(Shown):
     order: int = 1
     conditions: tuple[Expr, ...] = ()
     parameter: Symbol = omega
+    known: Mapping[Symbol, Any] = field(default_factory=dict, compare=False)
+    """The parameters of the system, which ``put`` takes whether they are in the formula or not, and
+    the dimension of each."""
+
+    def __float__(self) -> float:
+        return float(self._sympy_())
+
+    def _sympy_(self) -> Expr:
+        if self.omega is None:
+            raise SceneError(f"there is no formula: it is where {quoted(self.equation)} vanishes")
+        return self.omega
 
     def _line(self) -> str:
         name = self.parameter.name
         return f"{name} = {self.omega}" if self.omega is not None else f"of {self.equation} = 0"
 
-    def put(self, values: Mapping[Symbol, Expr]) -> Solution | None:
-        """The solution with values for some symbols; None where a condition fails for them."""
+    def put(self, values: Mapping[Symbol | str, Any]) -> Solution | None:
+        """The solution with values for some symbols, by symbol or name, as ``Distortion.at`` takes
+        them; None where a condition fails for them.
+
+        SceneError for a name that is none of the parameters, and where the formula is no number, as
+        it may be where a condition is 0.
+        """
+        forms = [self.equation, self.period, *self.conditions, *filter(None, [self.omega])]
+        free = {x for form in (*forms, *self.known) for x in form.free_symbols} - {self.parameter}
+        measured = {x: self.known.get(x) for x in sorted(free, key=str)}
+        # What users write is read where models are; the search for zeros needs none of it.
+        found = self.at(resolve_name("haptisym.model.distortion:values_of")(values, measured))
+        if found and found.omega is not None and found.omega.has(nan, zoo):
+            raise SceneError(
+                f"{self.parameter} = {self.omega} is no number for these values: put them into the "
+                f"distortion, with at(), and ask again"
+            )
+        return found
+
+    def at(self, values: Mapping[Symbol, Expr]) -> Solution | None:
+        """``put`` of expressions for symbols, whatever comes of it."""
         left = left_to_ask(x.xreplace(values) for x in self.conditions)
         if left is None:
             return None
         omega = None if self.omega is None else self.omega.xreplace(values)
         equation, period = self.equation.xreplace(values), self.period.xreplace(values)
-        return Solution(omega, equation, period, self.order, left, self.parameter)
+        return replace(self, omega=omega, equation=equation, period=period, conditions=left)
 
 
 def solve(function: RealFunction, *, readable: bool = False) -> tuple[Solution, ...]:

@@ -569,7 +569,7 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
         return None
     by_frequency = []
     for x in found:
-        with_values = x.put(values)
+        with_values = x.at(values)
         if with_values and with_values.omega is not None:
             if with_values.conditions or not with_values.omega.is_real:
                 return None
@@ -683,7 +683,7 @@ def crossings(
     in_c = []
     for x in solutions:
         conditional = replace(x, conditions=(*x.conditions, stand_in))
-        with_c = conditional.put({stand_in: c})
+        with_c = conditional.at({stand_in: c})
         if with_c is not None:
             in_c.append(with_c)
     return tuple(in_c)

@@ -490,25 +490,7 @@ class Distortion(Shown):
         >>> d.at({"omega": 8, "w": 6}).ratio_real
         16/25
         """
-        need("values", values, Mapping, 'give names and values, as {"k": 100}')
-        by_name = {x.name: x for x in self.chain.parameters}
-        frequencies = dict.fromkeys((omega.name, self.frequency.name), omega)
-        known = {}
-        for key, given in values.items():
-            x = {**frequencies, **by_name}.get(name := str(key))
-            if x is None:
-                valid = ", ".join([*by_name, self.frequency.name])
-                raise SceneError(
-                    f"unknown parameter {quoted(name)}: {meant(name, by_name)}valid are {valid}"
-                )
-            with within(name):
-                measures = {**self.dimensions, omega: Dimension.FREQUENCY}.get(x, Dimension.ANY)
-                is_text = isinstance(given, str)
-                if isinstance(given, Expr) and given in (oo, -oo):
-                    way = f"limit(expand_trig(d.real), {name}, {given})"
-                    raise SceneError(f"{quoted(given)} is not finite: take a limit, as {way}")
-                value = quantity(given, measures).value if is_text else constant(given)
-                known[x] = _allowed(x, value)
+        known = values_of(values, self._measures(), self.frequency)
         here = known.pop(omega, self.value)
         # Without values of parameters the object itself, with all that it has computed so far.
         found = Distortion.of(self.chain.put(known)) if known else self
@@ -516,6 +498,10 @@ class Distortion(Shown):
         renamed = ((known.get(x, x), kind) for x, kind in self.dimensions.items())
         measured = dimensions((*self.dimensions.items(), *renamed))
         return replace(found, frequency=self.frequency, value=here, dimensions=measured)
+
+    def _measures(self) -> dict[Symbol, Dimension]:
+        """Return what each parameter measures."""
+        return {x: self.dimensions.get(x, Dimension.ANY) for x in self.chain.parameters}
 
     def subs(self, *given: Any) -> Distortion:
         """Return the same as ``at``, written as in SymPy: ``subs(k, 100)``, ``subs({k: 100})`` or
@@ -641,9 +627,9 @@ class Distortion(Shown):
 
     def _in_own_frequency(self, solutions: Iterable[Solution]) -> tuple[Solution, ...]:
         """Return the solutions with their equations in the symbol that was given for the
-        frequency."""
-        own = {omega: self.frequency}
-        return tuple(replace(x, equation=x.equation.xreplace(own)) for x in solutions)
+        frequency, and with the parameters that they may be asked with."""
+        own, known = {omega: self.frequency}, self._measures()
+        return tuple(replace(x, equation=x.equation.xreplace(own), known=known) for x in solutions)
 
     @property
     def changeovers(self) -> Changeovers:
@@ -850,8 +836,9 @@ def solve_for(
     free = by_name[str(parameter)]
 
     def by(f: RealFunction) -> tuple[Solution, ...]:
-        found = solved_for(f, free)
-        return tuple(y for x in found if (y := x.put({omega: d.here})) is not None)
+        known = d._measures()
+        found = (replace(x, known=known).at({omega: d.here}) for x in solved_for(f, free))
+        return tuple(x for x in found if x is not None)
 
     reduced = d.with_one_delay
     if what == "crossing":
@@ -877,6 +864,38 @@ _QUANTITIES = (
     "perceived",
     "distortion",
 )
+
+
+def values_of(
+    values: Any, measured: Mapping[Symbol, Dimension | None], frequency: Symbol | None = None
+) -> dict[Symbol, Expr]:
+    """Return values for symbols as ``Distortion.at`` takes them.
+
+    ``measured`` : the symbols, and what each of them measures. ``frequency`` : the one of omega, if
+    that may have a value.
+    """
+    need("values", values, Mapping, 'give names and values, as {"k": 100}')
+    by_name = {x.name: x for x in measured}
+    valid = [*by_name, *((frequency.name,) if frequency else ())]
+    if frequency:
+        by_name = {omega.name: omega, frequency.name: omega, **by_name}
+    known = {}
+    for key, given in values.items():
+        x = by_name.get(name := str(key))
+        if x is None:
+            hint = meant(name, valid)
+            raise SceneError(
+                f"unknown parameter {quoted(name)}: {hint}valid are {', '.join(valid)}"
+            )
+        with within(name):
+            if isinstance(given, Expr) and given in (oo, -oo):
+                way = f"limit(expand_trig(d.real), {name}, {given})"
+                raise SceneError(f"{quoted(given)} is not finite: take a limit, as {way}")
+            measures = {**measured, omega: Dimension.FREQUENCY}[x] or Dimension.ANY
+            is_text = isinstance(given, str)
+            value = quantity(given, measures).value if is_text else constant(given)
+            known[x] = _allowed(x, value)
+    return known
 
 
 def _allowed(x: Symbol, value: Expr) -> Expr:

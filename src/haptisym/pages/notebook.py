@@ -145,7 +145,7 @@ def _solution(x: Solution) -> str:
     return _displayed(
         rf"{formula(x.parameter)} = {formula(x.omega)}",
         turns,
-        *(rf",\quad {formula(y)} \ge 0" for y in x.conditions),
+        *(rf",\quad {formula(y)} > 0" for y in x.conditions),
     )
 
 
