@@ -26,7 +26,7 @@ from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo
 
 import haptisym as hs
 from haptisym.commands.terminal import spelt
-from haptisym.kernel.rings import X, omega, s
+from haptisym.kernel.rings import X, c, omega, s
 from haptisym.kernel.roots import Lattice, LatticePiece
 from haptisym.model.catalogue import EFFECTS, ENVIRONMENTS, effect
 from haptisym.model.jnd import Part, read_threshold
@@ -748,6 +748,21 @@ def test_a_distortion_is_derived_in_its_own_symbols() -> None:
     assert found.crossings(Part.REAL)[0].omega == first.omega
     with pytest.raises(hs.SceneError, match="keep"):
         hs.derive(d, keep=["q"])
+
+
+def test_of_a_distortion_of_expressions_no_units_are_told_or_taken_for_granted() -> None:
+    k, tau, w, zeta = symbols("k tau w zeta", positive=True)
+    device = w**2 / (hs.s**2 + 2 * zeta * w * hs.s + w**2)
+    found = hs.derive(hs.distort(k + hs.s, exp(-hs.s * tau), device, 1 / (hs.s + 5)))
+    page = str(found)
+    assert page.startswith("Distortion\n\nDynamics")
+    assert "--of" not in page
+    assert found["p_r"].free_symbols == {k, tau, w, zeta, omega, c}
+    assert 'derivation["p_r"] has it' in page
+    assert "no unit of k is known" in refusal(getattr, found, "groups")
+    assert "effects.delay(tau)" in refusal(found.expansion, 2)
+    known = hs.derive(hs.distort(hs.environments.mass_spring_damper(k=k), hs.effects.delay(tau)))
+    assert known.expansion(2).part(Part.REAL) == -k * tau**2 * omega**2 / 2
 
 
 @pytest.mark.few("organ-tissue", "fu2019", "position-force-teleoperation")

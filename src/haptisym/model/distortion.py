@@ -148,7 +148,8 @@ def _elements(environment: Any, effects: Iterable[Any], rendered: Any) -> Elemen
 def _measured(elements: Elements) -> dict[Symbol, Dimension]:
     """Return what the symbols measure that are values of parameters."""
     environment, effects, rendered = elements
-    known = (environment, *effects, *([rendered] if rendered else []))
+    known: list[Environment | Effect] = [environment, *effects]
+    known += [rendered] if rendered else []
     return dimensions((p.value, p.dimension) for element in known for p in element.parameters)
 
 

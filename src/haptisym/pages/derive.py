@@ -469,13 +469,17 @@ def step_lines(steps: Steps) -> Iterator[doc.Line]:
         yield _named(name, shown.results[result])
 
 
-_OF = doc.Brief("; --of prints it"), "."
+def _elsewhere(d: Derivation, name: str) -> Phrase:
+    """Return the end of a sentence: what gives a quantity that is left out, for a distortion, which
+    no command line has, in Python."""
+    return doc.Brief("; --of prints it" if d.of_scene else f'; derivation["{name}"] has it'), "."
 
 
 def _written_out(d: Derivation) -> doc.Section:
     """Re dH and Im dH as quotients of polynomials in lowest terms, if they are short."""
     if d.steps.operations > MOST_STEPS:
-        option = doc.Brief(f" --of prints one of: {', '.join(QUANTITIES)}.")
+        way = "--of prints" if d.of_scene else "derivation[name] has"
+        option = doc.Brief(f" {way} one of: {', '.join(QUANTITIES)}.")
         return _section("Expanded", notes=[("Closed forms of this chain are long.", option)])
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
@@ -491,20 +495,21 @@ def _when(d: Derivation) -> doc.Section:
     out = Written(notes=["A ratio exceeds its threshold exactly where its p is positive."])
     for part in Part:
         letter = _RATIOS[part][-1]
+        see = _elsewhere(d, f"p_{letter}")
         terms = len(d.excess(part).function.numerator)
         if terms > MOST_TERMS:
-            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", _OF))
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", see))
             continue
         written = d.excess(part).written
         terms = sum(len(factor) for factor, _ in written.ring.factors(written.numerator)[1])
         # Each term takes an operation at least: so it is known to be too long before SymPy puts it
         # together, which takes seconds.
         if terms > LONGEST:
-            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", _OF))
+            out.notes.append((named(f"p_{letter}"), f" has {terms} terms", see))
         elif (operations := count_ops(polynomial := d[f"p_{letter}"])) <= LONGEST:
             out.lines.append(_named(f"p_{letter}", polynomial))
         else:
-            out.notes.append((named(f"p_{letter}"), f" takes {operations} operations", _OF))
+            out.notes.append((named(f"p_{letter}"), f" takes {operations} operations", see))
         out.solve(quantity(f"omega_{letter}"), d.crossings(part), named(_RATIOS[part]))
     return out.section(title)
 
@@ -633,12 +638,19 @@ _HOW_SURE = (
 def page(d: Derivation) -> Document:
     """Return the page of a derivation: the parameters, then the sections."""
     mixed = 0 < len(d.kept) < len(d.scene.parameters)
+    # Of a symbol of an expression all is said: it is its own value, and may measure anything.
+    told = [
+        p for p in d.scene.parameters if p.dimension is not Dimension.ANY or not p.value.is_Symbol
+    ]
     shown = table(
-        d.scene.parameters,
-        "The parameters, in the units of the scene.",
+        told,
+        f"The parameters, in the units of the {'scene' if d.of_scene else 'distortion'}.",
         Field("symbol", lambda p: named(p.symbol.name)),
         Field("quantity", lambda p: _meaning(p, p.shown_unit(d.scene.motion).text)),
-        Field("in the scene", lambda p: layout(p.value / p.shown_unit(d.scene.motion).size)),
+        Field(
+            "in the scene" if d.of_scene else "value",
+            lambda p: layout(p.value / p.shown_unit(d.scene.motion).size),
+        ),
         Field("", lambda p: ("kept" if p.symbol in d.kept else "inserted") * mixed),
     )
     blocks = *((shown,) if shown.rows else ()), *sections(d)

@@ -73,6 +73,8 @@ class Derivation(Answer):
     """The quantities that its page shows; empty for those that it shows by default."""
     shows_groups: bool = False
     """Whether its page shows the dimensionless form, too."""
+    of_scene: bool = True
+    """Whether it is of a scene, and not of a distortion."""
 
     _schema: ClassVar[str] = "haptisym.derivation/1"
     _page: ClassVar[str] = "haptisym.pages.derive:page"
@@ -396,7 +398,8 @@ def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
     if d.value is not None:
         raise SceneError(f"omega is {d.value}: derive the distortion without it")
     environment, elements, rendered = d.elements or _elements(d.chain)
-    return Derivation(Scene(environment, elements, rendered=rendered), ())
+    made = Scene(environment, elements, rendered=rendered, title="Distortion")
+    return Derivation(made, (), of_scene=False)
 
 
 def _elements(chain: Chain) -> Elements:

@@ -96,11 +96,17 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
     (-k*omega*tau, '0.0000703', '0.00281')
     """
     fast: dict[Symbol, Dimension] = {}
-    for effect in scene.effects:
-        for p in effect.parameters:
-            if p.dimension in _POWER_OF_EPSILON:
-                fast[p.symbol] = p.dimension
+    parameters = [p for effect in scene.effects for p in effect.parameters]
+    for p in parameters:
+        if p.dimension in _POWER_OF_EPSILON:
+            fast[p.symbol] = p.dimension
     if not fast:
+        unknown = sorted({p.symbol.name for p in parameters if p.dimension is Dimension.ANY})
+        if unknown:
+            raise SceneError(
+                f"which of {', '.join(unknown)} are time constants of an effect is not known of an "
+                f"expression: use models, as effects.delay(tau) or effects.first_order_lag(omega_c)"
+            )
         raise SceneError(
             "no effect of this scene has a time constant: there is no high-bandwidth approximation"
         )

@@ -120,7 +120,8 @@ def groups(scene: Scene) -> Groups:
     parameters = [p for p in scene.parameters if p.symbol not in orders]
     sizes = {p.symbol: _size(p, scene.motion) for p in parameters}
     chain = scene.chain.put(fixed)
-    _check(chain, sizes, scene.motion)
+    unknown = {p.symbol for p in parameters if p.dimension is Dimension.ANY and not p.exponents}
+    _check(chain, sizes, scene.motion, unknown)
     base = _base(parameters, sizes)
     others = [p for p in parameters if p.symbol not in base]
     values: dict[Symbol, Expr] = {**fixed, **{x: Integer(1) for x in base}}
@@ -164,9 +165,11 @@ def _exponents(dimension: Dimension, motion: MotionKind | None) -> _Size:
     }
 
 
-def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None) -> None:
+def _check(
+    chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | None, unknown: set[Symbol]
+) -> None:
     """Raise SceneError unless other units of mass, length and time change the dynamics as they
-    should: exact.
+    should: exact. ``unknown`` : the parameters without a unit, which count as pure numbers.
 
     With every parameter times its unit, and s over the unit of time, H must be itself times the
     unit of stiffness K, and a chain matrix (A, B; C, D) must be (A, B K; C/K, D), up to a factor.
@@ -195,10 +198,15 @@ def _check(chain: Chain, sizes: Mapping[Symbol, _Size], motion: MotionKind | Non
     for row, powers in rows:
         expected = [entry * stiffness**n for entry, n in zip(row, powers, strict=True)]
         scaled = [entry.xreplace(in_other_units) for entry in row]
-        if not _proportional(expected, scaled):
+        if _proportional(expected, scaled):
+            continue
+        missing = sorted({x.name for entry in row for x in entry.free_symbols & unknown})
+        if missing:
             raise SceneError(
-                f"{row[0]}: its units contradict each other: give each parameter its unit"
+                f"{row[0]}: no unit of {', '.join(missing)} is known: give each parameter its unit, "
+                f"or use models, as environments.mass_spring_damper(m, b, k)"
             )
+        raise SceneError(f"{row[0]}: its units contradict each other: give each parameter its unit")
 
 
 def _proportional(row: Sequence[Expr], other: Sequence[Expr]) -> bool:
