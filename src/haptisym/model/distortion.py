@@ -90,6 +90,7 @@ def distort(
     ``k="environment.k"``, that is the environment's k. Parameters may be numbers or symbols. Each
     may be a system that ``interop.dynamics`` takes (an expression in s of SymPy, a transfer
     function of python-control or SciPy, a pair of coefficients), an effect then one in series.
+    Floats are read as their shortest decimals, 1/3 as sixteen digits.
     ``omega`` : the symbol of the frequency in closed forms, ``hs.omega`` unless given; expressions
     may be written in I*omega, too, and are rewritten in s where that is exact. ``laplace`` : the
     letter that expressions have for s, s unless given. Raises SceneError where H_env is zero
