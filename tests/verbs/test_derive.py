@@ -617,6 +617,19 @@ def test_a_plain_function_has_the_values_of_the_closed_form(modules: str) -> Non
     assert float(f(3.0, 20.0, 2.0, 100.0)) == pytest.approx(float(own), rel=1e-12)
 
 
+def test_a_plain_function_computes_whole_numbers_lists_and_constants_as_floats() -> None:
+    """Four lags at 499 rad/s, where whole numbers of 64 bits overflow, in exact complex fractions."""
+    T, named = Symbol("T"), Symbol("lambda")
+    d = hs.distort(named, *[1 / (1 + T * s)] * 4)
+    lag = 1 / (1 + 499 * I)
+    exact = (2 * (lag**4 - 1)).expand(complex=True).as_real_imag()[0]
+    ratio = d.lambdify("real")
+    for whole in (np.array([499]), [499], 499):
+        assert ratio(whole, T=1, lambda_=2) == pytest.approx(float(exact), rel=1e-12)
+    assert ratio([499], T=1, lambda_=2) == pytest.approx(d.compile()([499], T=1, lambda_=2).real, rel=1e-12)
+    assert d.lambdify("modulus")([1, 2, 3], T=1, lambda_=2).tolist() == [2, 2, 2]
+
+
 @pytest.mark.parametrize(
     ("asked", "said"),
     [

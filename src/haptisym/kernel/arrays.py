@@ -7,6 +7,8 @@ exact way does as well, ``has_arrays`` tells to take that.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import wraps
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -14,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from haptisym.kernel.errors import UndecidedError
 
-__all__ = ["has_arrays", "np"]
+__all__ = ["has_arrays", "in_floats", "np"]
 
 
 class _Later(ModuleType):
@@ -42,6 +44,39 @@ def has_arrays() -> bool:
         return find_spec("numpy") is not None
     except ValueError:  # None stands in its place among the loaded modules
         return False
+
+
+def in_floats(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function of NumPy that computes in floats whatever it is given, and returns a constant for
+    each entry of the arguments.
+
+    >>> in_floats(lambda x: x**8)([1000])
+    array([1.e+24])
+    """
+
+    @wraps(function)
+    def called(*arguments: Any, **named: Any) -> Any:
+        given = [*map(_in_floats, arguments)], {x: _in_floats(y) for x, y in named.items()}
+        shape = np.broadcast_shapes(*map(np.shape, (*given[0], *given[1].values())))
+        found = function(*given[0], **given[1])
+        if isinstance(found, list):
+            return [_filled(x, shape) for x in found]
+        return _filled(found, shape)
+
+    return called
+
+
+def _in_floats(x: Any) -> Any:
+    """A number or an array in floats, complex ones as they are: whole numbers would overflow."""
+    if isinstance(x, float | complex):
+        return x
+    array = x if hasattr(x, "dtype") else np.asarray(x)
+    return array if array.dtype.kind in "fc" else array.astype(float)
+
+
+def _filled(x: Any, shape: tuple[int, ...]) -> Any:
+    """An array of that shape for a single number."""
+    return x if np.ndim(x) or not shape else np.full(shape, x)
 
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
 
 from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, oo, re, sqrt
 
+from haptisym.kernel.arrays import in_floats
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.dynamics import (
     RealFunction,
@@ -28,6 +29,7 @@ from haptisym.kernel.dynamics import (
 )
 from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.harmonics import computable, staircase
+from haptisym.kernel.names import keywords
 from haptisym.kernel.objects import Shown, copied, counted
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, monomials, omega, s
@@ -722,10 +724,11 @@ class Distortion(Shown):
         """Return a plain function of omega and the parameters by name, as ``sympy.lambdify`` does:
         for NumPy, mpmath, JAX or math.
 
-        ``quantity`` : any closed form here, by name. A parameter with the name of a function is
-        followed by _ (``sqrt_``). With ``steps`` it computes the quantity by ``steps(quantity)``,
-        and returns each step and the result by their names.
-        ``compile`` is more accurate, and knows the limits at zeros of H_env.
+        ``quantity`` : any closed form here, by name. A parameter that no argument can be called is
+        spelt as in generated code: ``lambda_``, ``sqrt_``, and ``mu`` for ``\\mu``. With ``steps`` it
+        computes the quantity by ``steps(quantity)``, and returns each step and the result by their
+        names. NumPy computes in floats, whole numbers and lists too, and a constant for each
+        frequency. ``compile`` is more accurate, and knows the limits at zeros of H_env.
 
         >>> from haptisym import effects, environments
         >>> d = distort(environments.mass_spring_damper(k=100), effects.first_order_lag(20))
@@ -752,7 +755,8 @@ class Distortion(Shown):
                 },
                 "math",
             ]
-        spelt = {x: Symbol(f"{x.name}_") for x in names if x.name in _CALLED}
+        called = keywords(x.name for x in names)
+        spelt = {x: Symbol(called[x.name]) for x in names if called[x.name] != x.name}
         forms = {name: computable(x).xreplace(spelt) for name, x in named.items()}
         *before, result = forms.items()
         # The named steps stand in for the common subexpressions that SymPy would look for.
@@ -770,6 +774,8 @@ class Distortion(Shown):
                 f"modules: {quoted(modules)}: give a package that is installed, as numpy, mpmath "
                 f"or math"
             ) from None
+        if modules in ("numpy", "scipy", ["numpy"], ["scipy"]):
+            function = in_floats(function)
         if not steps:
             return function
         return lambda *x, **y: dict(zip(forms, function(*x, **y), strict=True))
@@ -850,10 +856,6 @@ def solve_for(
     return Changeovers(*(tuple(x for x in by(f) if x.order % 2) for f in stiffness))
 
 
-# Names in the code that ``lambdify`` writes; a parameter of such a name would hide the function.
-_CALLED = frozenset(
-    "Abs I abs acos asin atan atan2 cos exp im pi re sin sqrt tan".split()  # noqa: SIM905
-)
 _QUANTITIES = (
     "real",
     "imag",

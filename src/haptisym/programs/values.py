@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 from haptisym.kernel.arrays import np
 from haptisym.kernel.errors import SceneError, several
+from haptisym.kernel.names import keywords
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import rounded, whole
 from haptisym.programs.accuracy import Accuracy, Backend
@@ -92,8 +93,8 @@ class Compiled(Shown):
 
     ``fields`` : what it returns, as a named tuple (``Values`` where it is all of them) of arrays of
     the broadcast shape.
-    ``parameters`` : the names that it must be given. Arguments are exact: the doubles that they
-    are.
+    ``parameters`` : the names that it must be given; one that is no name in Python as ``lambdify``
+    has it (``lambda_``). Arguments are exact: the doubles that they are.
     Steps that could overflow, or lose digits to underflow, are never left to floats: such
     frequencies are computed as at the level "certified". Values that floats leave undefined (0/0)
     are limits; poles are infinite; a result beyond the range of doubles is infinite or 0.
@@ -157,6 +158,11 @@ class Compiled(Shown):
     @cached_property
     def _names(self) -> frozenset[str]:
         return frozenset(self.parameters)
+
+    @cached_property
+    def _own(self) -> dict[str, str]:
+        """The name of each parameter by the keyword that it is in Python."""
+        return {x: name for name, x in keywords(self.parameters).items()}
 
     @cached_property
     def certified(self) -> Certified:
@@ -266,6 +272,8 @@ class Compiled(Shown):
     ) -> tuple[list[Any], tuple[int, ...], int]:
         """Single numbers as floats, everything else as flat arrays of the broadcast shape; that
         shape, and its size."""
+        if values.keys() != self._names:
+            values = {self._own.get(name, name): x for name, x in values.items()}
         if values.keys() != self._names:
             needed, given = (", ".join(sorted(x)) or "none" for x in (self.parameters, values))
             raise SceneError(f"parameters needed are {needed}; given are {given}")

@@ -12,11 +12,9 @@ from __future__ import annotations
 import keyword
 import re
 import textwrap
-import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from itertools import chain, count
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +25,7 @@ from haptisym import __version__
 from haptisym.kernel.dynamics import on_axis
 from haptisym.kernel.errors import SceneError, quoted
 from haptisym.kernel.harmonics import MOST_STEPS
+from haptisym.kernel.names import LONGEST, spelt
 from haptisym.kernel.reals import ExactNumber, bounds, expression_ball
 from haptisym.kernel.rings import omega
 from haptisym.model.chain import Chain
@@ -41,7 +40,6 @@ from haptisym.programs.distortion import closed_program
 from haptisym.programs.program import LAST, SMALL, Program
 from haptisym.programs.steps import Reader
 from haptisym.programs.values import Values
-from haptisym.writing.layout import greek
 from haptisym.writing.layout import plain as in_line
 
 
@@ -123,8 +121,6 @@ RESERVED: Mapping[Language, frozenset[str]] = {
 }
 """Words that cannot name a parameter: keywords, and names that the generated code uses itself."""
 
-_LONGEST = 60  # characters of a name; MATLAB reads 63
-
 
 def identifiers(
     names: Iterable[str], language: Language, taken: Iterable[str] = ()
@@ -135,46 +131,19 @@ def identifiers(
     >>> identifiers(["m", "lambda", "ζ", "k 1"], Language.NUMPY)
     {'m': 'm', 'lambda': 'lambda_', 'ζ': 'zeta', 'k 1': 'k_1'}
     """
-    listed = list(names)
-    used = {*RESERVED[language], *taken}
-    chosen: dict[str, str] = {}
-    # Names that can stay are given first, so that no changed one takes them.
-    for name in sorted(listed, key=lambda x: _plain(x) != x or x in used):
-        stem = _plain(name)[:_LONGEST]
-        chosen[name] = next(x for x in _candidates(stem) if x not in used)
-        used.add(chosen[name])
-    return {name: chosen[name] for name in listed}
-
-
-def _candidates(stem: str) -> Iterable[str]:
-    """Endless names for what is called ``stem``, the least changed first."""
-    return chain([stem, f"{stem}_"], (f"{stem}_{n}" for n in count(2)))
-
-
-def _plain(name: str) -> str:
-    """ASCII letters, digits and _, a letter in front; Greek letters by their names."""
-    spelt = "".join(c if c.isascii() else _letter(c) for c in unicodedata.normalize("NFKC", name))
-    word = re.sub(r"\W+", "_", spelt).rstrip("_" if not name.endswith("_") else "")
-    return word if re.match("[A-Za-z]", word) else f"p_{word.lstrip('_')}"
-
-
-def _letter(c: str) -> str:
-    """A character that is not ASCII: a Greek letter's name, a letter without its accent, else the
-    code point."""
-    base = unicodedata.normalize("NFKD", c)[0]
-    return greek(c) or (base if base.isascii() else f"_u{ord(c):04X}")
+    return spelt(names, {*RESERVED[language], *taken})
 
 
 def function_name(name: str, language: Language) -> str:
     """The name if the language allows it for a function; SceneError otherwise."""
     if (
         not re.fullmatch("[A-Za-z][A-Za-z0-9_]*", name)
-        or len(name) > _LONGEST
+        or len(name) > LONGEST
         or name in RESERVED[language]
     ):
         raise SceneError(
             f'"{name[:80]}" cannot name a function in {language.name}: use at most '
-            f"{_LONGEST} ASCII letters, digits and _, "
+            f"{LONGEST} ASCII letters, digits and _, "
             "a letter in front, and no word that the language has"
         )
     return name

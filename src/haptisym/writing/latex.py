@@ -18,11 +18,12 @@ from typing import Any
 
 from sympy import Basic, Expr, preorder_traversal
 
+from haptisym.kernel.names import CAPITALS, GREEK, greek
 from haptisym.writing import boxes
 from haptisym.writing import document as doc
 from haptisym.writing.boxes import Box
 from haptisym.writing.document import Block, Document, Phrase, Strong
-from haptisym.writing.layout import CAPITALS, GREEK, greek, layout, named
+from haptisym.writing.layout import layout, named
 from haptisym.writing.plain import NUMBER, said, widths_of
 
 _SPECIAL = {

@@ -64,6 +64,7 @@ from sympy.functions import exp
 
 from haptisym.kernel.errors import SceneError
 from haptisym.kernel.harmonics import Harmonic
+from haptisym.kernel.names import CAPITALS, GREEK, greek
 from haptisym.kernel.reals import ExactNumber, Proven
 from haptisym.kernel.rings import X, finite, omega, s
 from haptisym.writing.boxes import (
@@ -90,45 +91,6 @@ from haptisym.writing.boxes import (
     text,
 )
 
-GREEK = (
-    "alpha",
-    "beta",
-    "gamma",
-    "delta",
-    "epsilon",
-    "zeta",
-    "eta",
-    "theta",
-    "iota",
-    "kappa",
-    "lambda",
-    "mu",
-    "nu",
-    "xi",
-    "omicron",
-    "pi",
-    "rho",
-    "sigma",
-    "tau",
-    "upsilon",
-    "phi",
-    "chi",
-    "psi",
-    "omega",
-)
-CAPITALS = (
-    "Gamma",
-    "Delta",
-    "Theta",
-    "Lambda",
-    "Xi",
-    "Pi",
-    "Sigma",
-    "Upsilon",
-    "Phi",
-    "Psi",
-    "Omega",
-)
 # Parameters of effects that are called by a word but known by a letter.
 _LETTER_OF = {"force": "F", "amplitude": "A"}
 
@@ -168,18 +130,6 @@ def _joined(words: Iterable[Word]) -> list[Word]:
         else:
             parts.append(word)
     return parts
-
-
-def greek(c: str) -> str:
-    """The English name of a Greek letter, "" for any other character.
-
-    >>> greek("ω"), greek("Δ"), greek("w")
-    ('omega', 'Delta', '')
-    """
-    size, _, name = unicodedata.name(c, "").removeprefix("GREEK ").partition(" LETTER ")
-    # Unicode spells it "lamda", everyone else "lambda".
-    name = name.lower().replace("lamda", "lambda")
-    return "" if name not in GREEK else name if size == "SMALL" else name.capitalize()
 
 
 def letter(word: str) -> str:

@@ -19,11 +19,12 @@ from typing import Any, TypeAlias
 from sympy import Add, Basic, Expr, Function, I, Integer, Mul, Rational, Symbol, preorder_traversal
 from sympy.core.numbers import ImaginaryUnit
 
+from haptisym.kernel.names import CAPITALS
 from haptisym.kernel.rings import RationalFunction
 from haptisym.writing import boxes
 from haptisym.writing.boxes import Box
 from haptisym.writing.characters import printable
-from haptisym.writing.layout import CAPITALS, approximate, is_short, layout, letter, rounded
+from haptisym.writing.layout import approximate, is_short, layout, letter, rounded
 from haptisym.writing.rounding import ANYWHERE, Band, faithful
 
 _TIMES = "<mo>&#x2062;</mo>"  # no sign to see, but a product to a screen reader
