@@ -21,6 +21,7 @@ import haptisym as hs
 from haptisym import Part
 from haptisym.effects import first_order_lag, second_order_lowpass, series, shunt
 from haptisym.environments import mass_spring_damper
+from haptisym.figures import compare as compare_charts
 from haptisym.figures import effects as effect_charts
 from haptisym.figures import evaluation as evaluation_charts
 from haptisym.figures import family as family_charts
@@ -650,6 +651,23 @@ def test_measured_ratios_have_bars_as_far_as_their_discs_reach(slope: str | None
         assert ends[:, 0] == pytest.approx(np.maximum(own - RADIUS, 0))
         assert (np.isclose(ends[:, 1], own + RADIUS) | (ends[:, 1] > ax.get_ylim()[1])).all()
     assert ("swept discs" in told(ax), "95 % disc" in told(ax)) == (bool(slope), True)
+
+
+@pytest.mark.parametrize("jnd", ["0.1", {"real": "0.15 + 0.01*omega", "imag": "0.1"}])
+def test_measured_displays_are_compared_with_their_threshold_and_all_points_are_whole(jnd: Any) -> None:
+    """A ratio, or a multiple of its threshold where that is a formula in omega."""
+    felt = lines(hs.Scene(STIFF, (), (0, 15), jnd).threshold)
+    limit = 0.1 if jnd == "0.1" else 0.15 + 0.01 * OMEGA
+    for which, change, c in ((0, CHANGE.real, limit), (1, CHANGE.imag, 0.1)):
+        ax, is_share = axes(), not np.isscalar(c)
+        draw(ax, compare_charts.ratios(hs.compare(felt, felt), which))
+        one, other, threshold = ax.lines
+        for x in (one, other):
+            assert places(x)[1] == pytest.approx(np.abs(change) / (c if is_share else 1))
+            assert not x.get_clip_on()
+            assert places(x)[1].max() < ax.get_ylim()[1]
+        assert set(places(threshold)[1]) == {1.0 if is_share else c}
+        assert ax.get_ylabel().startswith((r"$r_\mathrm{r}", r"$r_\mathrm{i}")[which])
 
 
 def test_measured_lines_stand_in_the_plane_by_what_they_tell() -> None:

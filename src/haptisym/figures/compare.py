@@ -15,6 +15,7 @@ from haptisym.figures.curves import (
     columns,
     evenly,
     in_window,
+    is_share,
     limit_of,
     name_of,
     refined,
@@ -23,11 +24,13 @@ from haptisym.figures.curves import (
 )
 from haptisym.figures.files import Drawings, sheet
 from haptisym.figures.layers import DrawnAxis, Layer, Limit, Mark, Panel, Polyline, frequency
-from haptisym.judge.crossings import Criterion
+from haptisym.judge.crossings import Criterion, noticed
 from haptisym.judge.evaluation import Evaluation
-from haptisym.model.jnd import Part
+from haptisym.model.jnd import Part, Threshold
+from haptisym.programs.floats import floats_of
 from haptisym.programs.values import Array
-from haptisym.verbs.compare.entry import ComparedDisplay, Comparison
+from haptisym.verbs.compare.entry import Comparison
+from haptisym.verbs.measured.entry import MeasuredEvaluation
 from haptisym.writing.characters import printable
 
 _COLORS = (pen.INK, "#d0701f", pen.BLUE, "#3a9aa5", "#8f5a9e", pen.RED)
@@ -64,7 +67,10 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
     for i, device in enumerate(found):
         color, stroke = _COLORS[i % len(_COLORS)], _STROKES[i % len(_STROKES)]
         if not isinstance(device.answer, Evaluation):
-            curves += _points(device, name, color, stroke)
+            points, levels, symbol = _points(device.name, device.answer, name, color)
+            curves += points
+            label = label or symbol
+            limits |= dict.fromkeys(levels)
             continue
         criterion = next((x for x in device.answer.criteria if x.name == name), None)
         if criterion is None:
@@ -77,8 +83,13 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
         crossed = [float(x.omega) for x in device.answer.crossings if x.criterion == criterion]
         look = {"clip_on": False, "markeredgewidth": 0.8}
         layers.append(Mark(crossed, [limit] * len(crossed), color, look=look))
+    finite = [x.ratio[np.isfinite(x.ratio)] for x in curves if x.measured]
+    peaks = [float(x.max(initial=0.0)) for x in finite]
+    top = top or max([1.06 * x for x in peaks] + [2 * x for x in limits], default=1.0)
+    # Marks at the ends of the axes are whole, unless some are beyond them, which are cut off.
+    whole = {"clip_on": max(peaks, default=0.0) > top}
     drawn: list[Layer] = [
-        Mark(x.omega, x.ratio, x.color, size=2.4, name=printable(x.name))
+        Mark(x.omega, x.ratio, x.color, size=2.4, name=printable(x.name), look=whole)
         if x.measured
         else Polyline(x.omega, x.ratio, x.color, x.stroke, name=printable(x.name))
         for x in curves
@@ -86,8 +97,6 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
     # One legend for all charts, which is that of the first.
     words = "" if which else "threshold"
     thresholds = [Limit(x, label=words, shared=True) for x in limits]
-    finite = [x.ratio[np.isfinite(x.ratio)] for x in curves if x.measured]
-    top = top or max((float(x.max(initial=0.0)) for x in finite), default=1.0)
     ends = [(float(x.omega.min()), float(x.omega.max())) for x in curves]
     low, high = min(x for x, _ in ends), max(x for _, x in ends)
     axis = frequency(found[0].scene.frequency, (low, high))
@@ -116,14 +125,27 @@ def _curve(e: Evaluation, criterion: Criterion) -> tuple[Array, Array, float]:
     return omega, broken(judged(omega), omega, e.unbounded)[:, 0], top
 
 
-def _points(device: ComparedDisplay, name: str, color: str, stroke: Any) -> list[_Sampled]:
-    """Return the measured ratios of a part; nothing where a region judges both together."""
-    answer: Any = device.answer
-    parts = {Part.REAL.value: answer.lines.change.real, Part.IMAG.value: answer.lines.change.imag}
+def _points(
+    device: str, answer: MeasuredEvaluation, name: str, color: str
+) -> tuple[list[_Sampled], list[float], str]:
+    """Return the measured ratios of a part, its threshold as a level of the axis, if it is one, and
+    what the axis is called; no points where a region judges both parts together."""
+    lines, scene = answer.lines, answer.scene
+    parts = {Part.REAL.value: lines.change.real, Part.IMAG.value: lines.change.imag}
     if name not in parts:
-        return []
-    ratio = np.abs(parts[name])
-    return [_Sampled(device.name, answer.lines.omega, ratio, color, stroke, measured=True)]
+        return [], [], ""
+    # The ratio itself, unless its threshold is a number, or a formula in omega to divide by.
+    of_part = {x.name: x for x in noticed(Threshold())}[name]
+    ratio, limits = np.abs(parts[name]), list[float]()
+    for x in noticed(scene.threshold):
+        if x.name == name and x.region is None:
+            of_part, limits = x, [limit_of(x)]
+            ratio = ratio / floats_of(x.threshold, lines.omega) if is_share(x) else ratio
+    return (
+        [_Sampled(device, lines.omega, ratio, color, None, measured=True)],
+        limits,
+        name_of(of_part),
+    )
 
 
 def charts(found: Comparison, style: pen.FigureStyle = pen.SCREEN) -> Figure:

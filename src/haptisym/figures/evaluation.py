@@ -364,11 +364,10 @@ class Matched(Layer):
         if self.implied and on.number:
             return []
         made: list[Artist] = []
+        look = {"markeredgewidth": 0.9, **self.look}
         for (_, env, perc), shape in zip(self.rows, self._shapes(on), strict=False):
             for (x, y), color, face in ((env, self.colors[0], ""), (perc, self.colors[1], "white")):
-                made += Mark([x], [y], color, shape, 4.2, face, look={"markeredgewidth": 0.9}).draw(
-                    on
-                )
+                made += Mark([x], [y], color, shape, 4.2, face, look=look).draw(on)
         return made
 
     def _shapes(self, on: On) -> list[str]:

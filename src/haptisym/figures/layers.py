@@ -202,8 +202,9 @@ def small(ax: Axes) -> float:
     return float(ax.xaxis.get_tick_params()["labelsize"])
 
 
-def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
-    """Limits, numbers and label of one axis."""
+def _dress(ax: Axes, which: str, axis: DrawnAxis, beside: DrawnAxis) -> None:
+    """Limits, numbers and label of one axis; ``beside`` : the other one, whose numbers are in the
+    same thousands or millions if they are of the same unit."""
     direction = getattr(ax, f"{which}axis")
     if axis.names:
         _dress_rows(ax, axis.names)
@@ -220,7 +221,9 @@ def _dress(ax: Axes, which: str, axis: DrawnAxis) -> None:
         )
         direction.set_minor_locator(NullLocator())
         direction.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
-    most = np.abs(direction.get_view_interval()).max()
+    shared = axis.large and beside.large and axis.unit == beside.unit
+    seen = [ax.xaxis, ax.yaxis] if shared else [direction]
+    most = max(np.abs(x.get_view_interval()).max() for x in seen)
     # Thousands from 1e5 on and millions from 1e8 on: at least three digits stay before the point.
     factor, prefix = next(
         ((f, p) for f, p in ((1e6, "M"), (1e3, "k")) if axis.large and most >= 100 * f), (1.0, "")
@@ -660,8 +663,8 @@ def frame(
             # Limits only grow, so that scenes before stay in sight.
             (low, high), ends = get() if number else axis.of(axis.ends), axis.of(axis.ends)
             put(min(low, ends[0]), max(high, ends[1]))
-    _dress(ax, "x", x)
-    _dress(ax, "y", y)
+    _dress(ax, "x", x, y)
+    _dress(ax, "y", y, x)
     if chart.equal:
         width, height = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
         # Equal scales of a very flat or very upright window leave a strip that nobody can read:
@@ -761,7 +764,9 @@ def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> N
         places.sort(reverse=True)
         tried = [places[i] for i in np.linspace(0, len(places) - 1, _PLACES).round().astype(int)]
         others = [room.curve(x) for other in wanted if other[1] != mark for x in lines_of(other[1])]
-        short = textwrap.fill(text, _BROAD, max_lines=2, placeholder="…")
+        # A text with TeX in it has fewer letters in print, and is no formula any more where broken.
+        is_long = _letters(text) > _BROAD
+        short = textwrap.fill(text, _BROAD, max_lines=2, placeholder="…") if is_long else text
         which, offset = room.along(tried, short, small(ax), others)
         made = ax.annotate(
             short,
@@ -801,8 +806,9 @@ def _refit(on: On, chart: Panel, rest: tuple[Span, Span]) -> None:
         if on.number and low < high:
             wider = min(low, before[0]), max(high, before[1])
             getattr(on.ax, f"set_{which}lim")(*wider)
-        if axis.large:
-            _dress(on.ax, which, axis)
+    for which, axis, beside in (("x", chart.x, chart.y), ("y", chart.y, chart.x)):
+        if axis.large and axis.ends is None and not axis.names:
+            _dress(on.ax, which, axis, beside)
 
 
 # Words: legends, and labels that do not meet.
@@ -1004,6 +1010,16 @@ class Room:
         """Return the best place of a name, from its point to its lower left corner in points of the
         page; that place is taken then."""
         return self.along([(x, y)], text, size)[1]
+
+    def clear(self, x: float, y: float, text: str, size: float) -> Span | None:
+        """Return the best place of a name that can be left out, as ``beside`` does; None where that
+        meets something, leaves the axes or is not next to the point."""
+        at = self.beside(x, y, text, size)
+        taken = self.boxes.pop()
+        if self._cost(taken) >= _MET or _apart(taken, np.array([self.at(x, y)])) >= _FAR:
+            return None
+        self.boxes.append(taken)
+        return at
 
     def along(
         self, places: Sequence[Span], text: str, size: float, others: Sequence[Array] = ()

@@ -184,7 +184,8 @@ def _matched(e: MeasuredEvaluation, env: Array, felt: Array, drawn: Any) -> Matc
         )
         for i in at
     ]
-    return Matched(rows, colors=(pen.INK, pen.INK), shared=True)
+    # Below the points, which they would hide where both are close.
+    return Matched(rows, colors=(pen.INK, pen.INK), shared=True, look={"zorder": 3.5})
 
 
 def _unit(e: MeasuredEvaluation) -> Unit:

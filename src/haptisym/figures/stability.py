@@ -35,6 +35,7 @@ from haptisym.figures.layers import (
     PatchLayer,
     Polyline,
     Room,
+    Span,
     Words,
     dots,
     frequency,
@@ -298,15 +299,15 @@ class _Counts(Layer):
 
     def draw(self, on: On) -> list[Artist]:
         room, made = self._room(on), list[Artist]()
-        named = [(printable(x.name), _place(x), pen.INK) for x in self.asked]
-        named += [(name, place, pen.GREY) for name, place in self._names(room)]
-        for name, (k, b), color in named:
-            at = room.beside(k, b, name, small(on.ax))
-            made.append(
-                on.ax.annotate(
-                    name, (k, b), at, textcoords="offset points", fontsize=small(on.ax), color=color
-                )
-            )
+        size = small(on.ax)
+        for hand in self.asked:
+            at = room.beside(*_place(hand), printable(hand.name), size)
+            made.append(self._named(on, printable(hand.name), _place(hand), at, pen.INK))
+        for name, place in self._names(room):
+            # A published hand that nobody asked about has a name where there is room for it.
+            free = room.clear(*place, name, size)
+            if free is not None:
+                made.append(self._named(on, name, place, free, pen.GREY))
         low, high, least, most = self.drawn.window
         for x in self.drawn.cells:
             # A number would not fit into a cell that is so narrow.
@@ -331,11 +332,30 @@ class _Counts(Layer):
             )
         return made
 
+    @staticmethod
+    def _named(on: On, name: str, place: tuple[float, float], at: Span, color: str) -> Artist:
+        """Write a name ``at`` points of the page from its mark, with a line to it from afar."""
+        size = small(on.ax)
+        far = max(at[0], at[1], -at[1] - size) > size
+        leader = {**pen.LEADER, "relpos": (0 if at[0] > 0 else 1, 0 if at[1] > 0 else 1)}
+        return on.ax.annotate(
+            name,
+            place,
+            at,
+            textcoords="offset points",
+            fontsize=size,
+            color=color,
+            arrowprops=leader if far else None,
+        )
+
     def _names(self, room: Room) -> list[tuple[str, tuple[float, float]]]:
         """Return what is written beside published hands: of those whose marks lie on each other,
-        how many they are."""
+        how many they are; nothing beside one that lies on a hand which was asked about."""
         groups: list[list[Hand]] = []
+        asked = [_place(x) for x in self.asked]
         for x in self.shown:
+            if any(room.away(y, _place(x)) < _TOGETHER for y in asked):
+                continue
             near = (g for g in groups if room.away(_place(g[0]), _place(x)) < _TOGETHER)
             group = next(near, None)
             if group is None:
