@@ -366,6 +366,34 @@ def test_simple_poles_with_positive_residues_are_allowed_and_no_others() -> None
     assert [allowed(s * x) for x in delayed] == list(delayed.values())
 
 
+def test_a_display_that_answers_before_it_is_moved_is_not_passive_though_its_force_takes_energy_at_all_frequencies() -> (
+    None
+):
+    """H_perc = 100 exp(s/100) + 6 s: Im H_perc >= 6 omega - 100 sin(omega/100) > 0, but a passive hand has a root far to the right."""
+    early = environments.mass_spring_damper(k=100), (effects.admittance_display(P="1", tau="10 ms"), effects.shunt(b=6))
+    found = passivity(hs.Scene(early[0], early[1], (0, 30)))
+    assert found.is_nowhere_active
+    assert (found.holds, found.poles_allow) == (False, False)
+
+    def coupled(s: mpmath.mpc) -> mpmath.mpc:
+        return s**2 / 2 + 6 * s + 100 + 100 * mpmath.exp(s / 100) + 6 * s
+
+    assert mpmath.findroot(coupled, mpmath.mpc(1200, 5600)).real > 100
+
+
+@pytest.mark.parametrize("b", [5, -5])
+def test_a_band_of_very_many_turns_that_reaches_where_the_sign_settles_leaves_nothing_open(b: int) -> None:
+    """(6 + s) exp(-2000 s) + b s on 3 rad/s, 955 turns: Im H_perc has the sign of b from about 1.23 rad/s on."""
+    found = passivity(hs.Scene(environments.kelvin_voigt(k=6, b=1), (effects.delay(2000), effects.shunt(b=b)), (0, 3)))
+    assert found.beyond is (Beyond.NEVER if b > 0 else Beyond.ALWAYS)
+    [*_, (low, high)] = found.row()["active"]
+    omega = np.linspace(1.1, 3, 400_001)
+    active = (6 + 1j * omega) * np.exp(-2000j * omega) + b * 1j * omega
+    last = omega[active.imag < 0].max() if b > 0 else omega[active.imag > 0].max()
+    assert last == pytest.approx(high if b > 0 else low, abs=1e-5)
+    assert (high is None) is (b < 0)
+
+
 def test_poles_to_the_right_are_told_from_those_on_the_axis() -> None:
     for x, clear in (
         (1 / (s**2 + 4), True), (1 / s**3, True), (1 / (s + 1), True), (s**5, True), (1 / (s**2 - s + 4), False), (1 / (s - 1), False),

@@ -510,6 +510,12 @@ def test_what_is_said_of_every_passive_hand_and_environment_is_what_the_axis_and
     assert {key: table[key] for key in holds} == {key: "holds" if x else "does not hold" for key, x in holds.items()}
 
 
+def test_no_damping_of_a_hand_compensates_a_display_that_poles_forbid() -> None:
+    """100 - s - s^2: no damping b > 1 compensates its mass of -1 kg: -s^2/2 + (b - 1) s + 100, in a hand of 0.5 kg, has a root > 0."""
+    values = hs.metrics(hs.Scene(KV, (effects.shunt(Z="-s^2 - 4*s"),), (1, 5)))["passivity"].values
+    assert [x.value for x in values if "compensates" in x.what] == ["none: poles prevent passivity"]
+
+
 @pytest.mark.dear("scene0-set at")
 @pytest.mark.parametrize(
     ("scene", "where"),

@@ -1,19 +1,30 @@
-"""Whether a display is passive, and whether the force under prescribed motion is stable: proven.
+"""Whether a display is passive, and whether its force under prescribed motion is stable.
 
-A display is a one-port. The hand moves it by X(s) and feels the force F = H_perc(s) X, so that its
-impedance F/V, with the velocity V = s X, is Z(s) = H_perc(s)/s. At s = j omega with the amplitude A
-it takes the energy pi A^2 Im H_perc(j omega) per cycle.
+**Question.** A display is a one-port. The hand moves it by X(s) and feels the force F = H_perc(s) X,
+so that its impedance F/V, with the velocity V = s X, is Z(s) = H_perc(s)/s. At s = j omega, with the
+amplitude A, it takes up the energy pi A^2 Im H_perc(j omega) per cycle. Is it passive, so that it is
+stable in the hand of any passive operator? If not, how much damping of the hand compensates it?
 
-**Passive.** A display is passive, and so stable in the hand of any passive operator, if and only if
-Z is positive real (Brune 1931; Youla, Castriota and Carlin 1959):
+**Passive.** A display is passive if and only if Z is positive real: analytic, with Re Z >= 0, in
+Re s > 0 (Brune 1931 for rational Z; Youla, Castriota and Carlin 1959 for all linear one-ports).
+Passive is just what coupled stability with any passive operator needs (Colgate and Hogan 1988). It
+is decided by four conditions:
 
 1. Re Z = Im H_perc(j omega)/omega >= 0 at all omega > 0 that are no poles,
 2. Z has no pole in Re s > 0,
-3. its poles on the axis Re s = 0, at 0 and at infinity are simple, with positive residues.
+3. the poles of Z at s = 0, at other points of the axis Re s = 0 and at infinity are simple, with
+   positive residues,
+4. Z has no *advance*: it does not grow as exp(s tau), tau > 0, for large s > 0.
 
-Condition 1 is read off a *chart* (``kernel.roots``: all zeros and signs of a function up to some
-frequency) and, above it, off the sign of Im H_perc at high frequency (``asymptotic_sign``).
-Conditions 2 and 3 are those of ``poles_allow``.
+Each is necessary: a positive real function satisfies abs(Z(s)) <= const s for s >= 1. Together they
+are sufficient: from the axis Re Z >= 0 carries over to Re s > 0 by the maximum principle, for
+functions that may grow at infinity in the form of Phragmen and Lindelof (Titchmarsh, The Theory of
+Functions, 5.6); it needs condition 4, which rational functions always satisfy.
+
+**How each is decided.** Condition 1 is read off a *chart* (``kernel.roots``: all zeros and signs of
+a function from 0 to some frequency) and, above it, off the sign of Im H_perc at high frequency
+(``asymptotic_sign``). Conditions 2 to 4 are decided by ``poles_allow``, 2 and 3 by an exact count
+of the zeros of the denominator.
 
 **Passive parts.** An environment that is a passive one-port, behind passive two-ports (effects with
 a chain matrix), is a passive one-port: then no pole need be counted. The wave-variable link is a
@@ -27,12 +38,17 @@ environment is at rest, and its force, finite times 0, is 0. As a chain matrix h
 force at the hand is 0 too, a contradiction. With delays the poles may still come as near to the
 axis as one likes.
 
-Begin with ``passivity`` and ``force_is_stable``. Sampled loops, for which H_perc is an
-approximation, are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling
-period T. A *turn* is the frequency 2 pi/tau, rad/s, in which the phase of the longest delay tau
-turns once. The *ring* of H_perc is the polynomial ring in s, exp(-s tau) of each of its delays
-(``lags``) and s^alpha of each of its ``orders``; its *axis* the one for s = j omega, with the
-*angles* omega tau.
+**What is returned.** True and False are proven, in exact or ball arithmetic; None means undecided.
+Of a ``bool`` alone, False proves nothing where its docstring says so.
+
+**Words.** A *turn* is the frequency 2 pi/tau, rad/s, at which the phase of the longest delay tau has
+turned once. The *ring* of H_perc is the polynomial ring in s, exp(-s tau) of each of its unit
+delays (``lags``) and s^alpha of each of its fractional powers (``orders``); its *axis* is the
+corresponding ring for s = j omega, with the *angles* omega tau. *Raw* real and imaginary parts are
+not reduced: their common denominator is abs(denominator of H_perc)^2 >= 0.
+
+Begin with ``passivity`` and ``force_is_stable``. Sampled loops, of which H_perc is an approximation,
+are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling period T.
 """
 
 from __future__ import annotations
@@ -64,33 +80,17 @@ from haptisym.model.chain import Chain
 from haptisym.model.distortion import Distortion
 from haptisym.model.scene import Scene, clocks, sampled_loop
 
-# Turns up to which active intervals are listed where they never end, or go on for too long.
-_FIRST_TURNS = 2
-# A chart goes up to the frequency at which a sign settles if that is no more turns away. Each turn
-# brings some zeros, and nobody reads thousands.
-_MOST_TURNS = 500
-# Frequencies at which a first guess of the needed damping is looked for: enough to see a resonance
-# or two. More would only save a second try.
-_GRID = 200
-# The share by which a bound is tried below the largest value on the grid: so that it is below the
-# supremum in spite of rounding.
-_BELOW = 1e-3
-# Working precision at which a maximum is compared with a limit; equal numbers never differ.
-_BITS = 128
-# Seconds for the needed damping: where roots and delays meet, thousands of peaks may have to be
-# compared.
-_PATIENCE = 10.0
-# The key of Re H_perc on a chart of its own.
-_REAL = "H_perc"
-
-
 # The verdict on passivity.
+
+# Seconds of processor time for the needed damping: where roots and delays meet, thousands of peaks
+# may have to be compared.
+_DAMPING_SECONDS = 10.0
 
 
 class Beyond(Enum):
     """The sign of Im H_perc above the highest frequency of a chart, or why it is not known.
 
-    The values are printed and stand in documents.
+    The values are printed, and are part of the documents of ``--json``.
     """
 
     NEVER = "never negative"
@@ -101,7 +101,7 @@ class Beyond(Enum):
     LATE = "not looked at: the delays turn many times before it settles"
 
 
-_BEYOND = {
+_BEYOND_BY_SENSE = {
     Sense.POSITIVE: Beyond.NEVER,
     Sense.NEGATIVE: Beyond.ALWAYS,
     Sense.BOTH: Beyond.AGAIN,
@@ -110,8 +110,10 @@ _BEYOND = {
 
 
 def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
-    """Where a scene with numbers generates energy on [0, infinity): charted at least over its band,
-    and the sign above the chart.
+    """Find where a display generates energy on [0, infinity).
+
+    Im H_perc is charted at least over the band of the scene, whose parameters must be numbers; above
+    the chart its sign at high frequency is determined.
 
     ``distortion`` : that of the scene, if it is known already.
 
@@ -120,28 +122,30 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     >>> found.holds, found.beyond.name, [x.low.omega.digits(7) for x in found.active]
     (False, 'ALWAYS', ['92.70739'])
     """
-    d = distortion or scene.closed
+    distortion = distortion or scene.closed
     periods = clocks(scene)
     # Above pi/T a sampled display does not see the motion, and its formula means nothing.
     if periods:
         settled = AsymptoticSign(Sense.UNKNOWN)
         high, beyond = pi / max(periods, key=float), Beyond.CLOCK
     else:
-        settled = asymptotic_sign(d.perc_response.raw_imag)
-        high, is_late = _charted_up_to(scene, d, settled)
-        beyond = Beyond.LATE if is_late else _BEYOND[settled.sense]
-    # The function of the criterion is its measure -Im H_perc less the limit 0.
-    table = chart({PASSIVE: PASSIVE.function(d)}, Integer(0), high)
-    return Passivity(scene, d, table, high, beyond, settled)
+        settled = asymptotic_sign(distortion.perc_response.raw_imag)
+        high, is_late = _chart_end(scene, distortion, settled)
+        beyond = Beyond.LATE if is_late else _BEYOND_BY_SENSE[settled.sense]
+    # PASSIVE has the measure -Im H_perc and the limit 0: its function is positive where the display
+    # is active.
+    table = chart({PASSIVE: PASSIVE.function(distortion)}, Integer(0), high)
+    return Passivity(scene, distortion, table, high, beyond, settled)
 
 
 @dataclass(frozen=True)
 class Passivity:
     """Where a display generates energy, and whether it is passive: proven.
 
-    ``chart`` : of -Im H_perc, from 0 to ``high``, rad/s. ``beyond`` : the sign of Im H_perc above
-    that. ``settled`` : its sign at high frequency, and from which frequency on; of a scene with a
-    clock it is not asked for.
+    ``chart`` : that of -Im H_perc, from 0 to ``high``, rad/s.
+    ``beyond`` : the sign of Im H_perc above ``high``.
+    ``settled`` : the sign of Im H_perc at high frequency, and from which frequency on; it is not
+    determined for a scene with a clock.
 
     A scene has a *clock* if an effect is a sampler, of period T: its chart ends at pi/T
     (``Beyond.CLOCK``), and ``sampled`` is not None. It is a *sampled loop* if, further, the held
@@ -158,7 +162,7 @@ class Passivity:
     @cached_property
     def holds(self) -> bool | None:
         """Whether the display is passive; a sampled one by ``sampled``. None where undecided."""
-        # In a sampled loop the sign of H_perc proves nothing about the loop.
+        # Condition 1 fails. In a sampled loop the sign of H_perc proves nothing about the loop.
         if self.is_active and not sampled_loop(self.scene):
             return False
         if self.sampled is not None:
@@ -166,6 +170,7 @@ class Passivity:
         # Passive parts need no count of poles, of which there may be infinitely many.
         if self.has_passive_parts:
             return True
+        # Condition 1 is proven only where neither the chart nor the sign above it is open.
         if self.beyond is not Beyond.NEVER or self.chart.undecided:
             return None
         return self.poles_allow
@@ -190,26 +195,29 @@ class Passivity:
 
     @property
     def is_active(self) -> bool:
-        """Whether Im H_perc < 0 is proven at some frequency; False proves nothing above ``high``
-        where ``beyond`` is not known, nor below where the chart is undecided."""
+        """Whether Im H_perc < 0 is proven at some frequency.
+
+        False proves nothing above ``high`` where ``beyond`` is not known, nor below it where the
+        chart is undecided.
+        """
         return bool(self.active) or self.stays_active
 
     @property
     def is_nowhere_active(self) -> bool:
         """Whether Im H_perc >= 0 is proven at all frequencies (of a sampled display, that it is
-        passive); False proves nothing."""
+        passive). False proves nothing."""
         is_charted = self.beyond is Beyond.NEVER and not self.chart.undecided
         return not self.active and bool(is_charted or self.holds)
 
     @property
     def stays_active(self) -> bool:
-        """Whether Im H_perc < 0 is proven at frequencies above every frequency."""
+        """Whether Im H_perc < 0 is proven at arbitrarily high frequencies. False proves nothing."""
         return self.beyond in (Beyond.ALWAYS, Beyond.AGAIN) or self.active_from is not None
 
     @property
     def active_from(self) -> Expr | None:
-        """The frequency, rad/s, above which Im H_perc < 0 everywhere, where that lies beyond
-        ``high`` and the gap between them was not examined; otherwise None."""
+        """The frequency, rad/s, above which Im H_perc < 0 everywhere, where that lies above ``high``
+        and the gap between them was not examined; otherwise None."""
         is_late = self.beyond is Beyond.LATE and self.settled.sense is Sense.NEGATIVE
         return self.settled.radius if is_late else None
 
@@ -222,22 +230,22 @@ class Passivity:
 
     @cached_property
     def poles_allow(self) -> bool | None:
-        """Whether H_perc/s satisfies conditions 2 and 3, those on its poles; None where that is
-        undecided."""
+        """Whether H_perc/s satisfies conditions 2 to 4, those on its poles and on an advance; None
+        where that is undecided."""
         return True if self.has_passive_parts else poles_allow(self.distortion.perc)
 
     @property
     def dissipates(self) -> bool:
-        """Whether the display is passive, and Im H_perc > 0 at every omega > 0; False also where
-        that is not proven, as with delays and powers s^alpha.
+        """Whether the display is passive, and Im H_perc > 0 at every omega > 0. False proves
+        nothing; it is always False with delays and fractional powers of s.
 
-        Up to ``high`` the chart shows it. Above, Im H_perc is never negative
-        (``Beyond.NEVER``). Without delays its sign is that of a polynomial in omega, whose highest
-        power there exceeds all others together (``asymptotic_sign``): so it is not 0 either.
+        Up to ``high`` the chart shows the sign. Above, Im H_perc is never negative
+        (``Beyond.NEVER``); nor is it 0: without delays its sign is that of a polynomial in omega,
+        whose highest power exceeds all others together there (``asymptotic_sign``).
         """
         ring = ring_of(self.distortion.perc)
-        has_waves = bool(ring.lags or ring.orders)
-        if not self.holds or self.beyond is not Beyond.NEVER or has_waves:
+        is_rational = not (ring.lags or ring.orders)
+        if not self.holds or self.beyond is not Beyond.NEVER or not is_rational:
             return False
         # Signs are those of -Im H_perc. At omega = 0 itself it vanishes, as an odd function.
         signs = {x for point in self.chart.points for x in point.after.values()}
@@ -248,13 +256,16 @@ class Passivity:
 
     @cached_property
     def damping(self) -> LargestValue | None:
-        """The damping b* = sup(-Im H_perc/omega), N s/m, at least 0: a hand with more damping is
-        stable with the display, whatever its mass and stiffness.
+        """The damping b* = sup(-Im H_perc/omega) over omega > 0, N s/m, at least 0.
 
-        This holds where the force under prescribed motion is stable. Its frequency is None where
-        b* is 0, and where the supremum is only approached, at high frequency. None where it is
-        unbounded (``is_unbounded`` is then True) or undecided, as where the sign above ``high`` is
-        not known; it is searched for ten seconds at most.
+        A hand with more damping is stable with the display, whatever its mass and stiffness, if
+        ``poles_allow`` is True: H_perc/s + b* satisfies condition 1, and the other conditions as
+        H_perc/s does. Where it is False, no damping is enough.
+
+        The frequency of b* is None where b* is 0, and where the supremum is only approached, at
+        high frequency. The result is None where b* is infinite (``is_unbounded`` is then True) or
+        undecided, as where the sign above ``high`` is not known, or not found within the seconds of
+        ``_DAMPING_SECONDS``.
         """
         if self.is_nowhere_active:
             return LargestValue(ExactNumber(Integer(0)), None)
@@ -262,31 +273,35 @@ class Passivity:
         if not self.is_active or self.beyond is Beyond.CLOCK:
             return None
         try:
-            with limited(_PATIENCE):
-                return _damping(self.distortion, self.high)
+            with limited(_DAMPING_SECONDS):
+                return _needed_damping(self.distortion, self.high)
         except UndecidedError:
             return None
 
     @cached_property
     def is_unbounded(self) -> bool:
         """Whether -Im H_perc/omega is proven to be unbounded at high frequency, so that no damping
-        of a hand is enough; False proves nothing.
+        of a hand is enough. False proves nothing.
 
-        Where the display stays active, the power of omega in ``_growth`` is attained. Times powers
-        of the cosines of half angles, which do not change it, Im H_perc is N/D with N = omega^p
-        W(omega) + lower powers and 0 < D <= const omega^q, W a sum of sines and cosines.
-        ``asymptotic_sign`` has proven W <= -d < 0 everywhere, or, for both signs, at one frequency;
-        then, as W is almost periodic, W <= -d < 0 at arbitrarily high ones, which can be chosen
-        such that no cosine is near 0. So at these -Im H_perc/omega >= const omega^(p - q - 1).
+        It is where the display stays active and Im H_perc grows faster than omega. To see that the
+        growth of ``_growth_exponent`` is attained where Im H_perc < 0:
+
+        - Multiplied by powers of the cosines of half angles, numerator and denominator of Im H_perc
+          are N = omega^p W(omega) + lower powers, W a sum of sines and cosines, and 0 < D <= const
+          omega^q. The quotient is the same, as both have the same powers.
+        - ``asymptotic_sign`` has proven W <= -d < 0 everywhere or, for both signs, at one frequency.
+          W is almost periodic: then W <= -d/2 at arbitrarily high frequencies, which can be chosen
+          such that no cosine is near 0.
+        - At these frequencies -Im H_perc/omega >= const omega^(p - q - 1).
         """
         if not self.stays_active:
             return False
-        return sign_of_number(_growth(self.distortion.perc_response.raw_imag) - 1) > 0
+        return sign_of_number(_growth_exponent(self.distortion.perc_response.raw_imag) - 1) > 0
 
     @cached_property
     def most_given(self) -> LargestValue | None:
         """The largest -Im H_perc up to ``high``, N/m, and its frequency: times pi A^2 it is the
-        energy per cycle of amplitude A. None if unbounded."""
+        energy per cycle of amplitude A. None if it is unbounded."""
         return supremum(PASSIVE.measure(self.distortion), Integer(0), self.high)
 
     def row(self) -> dict[str, Any]:
@@ -300,70 +315,96 @@ class Passivity:
             ends = [*ends[:-1], [ends[-1][0], None]]
         if self.active_from is not None:
             ends.append([float(self.active_from), None])
-        keys = {
+        return {
             "holds": self.holds,
             "active": ends,
             "beyond": self.beyond.value,
             "reach": float(self.high),
+            "poles_allow": self.poles_allow,
         }
-        return {**keys, "poles_allow": self.poles_allow}
 
 
 # How far a chart goes.
 
+# Turns up to which active intervals are listed where they never end, or go on for too long.
+_FIRST_TURNS = 2
+# A chart goes up to the frequency at which a sign settles if that is no more turns away. Each turn
+# brings some zeros, and nobody reads thousands.
+_MOST_TURNS = 500
 
-def _charted_up_to(scene: Scene, d: Distortion, settled: AsymptoticSign) -> tuple[Expr, bool]:
+
+def _chart_end(scene: Scene, distortion: Distortion, settled: AsymptoticSign) -> tuple[Expr, bool]:
     """The highest frequency of a chart of Im H_perc, rad/s, at least that of the band; and whether
-    its sign settles, but only after too many turns, beyond the chart."""
-    band = scene.band[1]
+    the sign of Im H_perc settles only beyond it, after too many turns."""
     is_settled = settled.sense in (Sense.POSITIVE, Sense.NEGATIVE)
-    high = most_charted(d, settled.radius) if is_settled else _FIRST_TURNS * _turn(d)
-    is_late = is_settled and high != settled.radius
-    return (high if sign_of_number(high - band) > 0 else band), is_late
+    wanted = settled.radius if is_settled else _FIRST_TURNS * _turn(distortion)
+    high, band_end = most_charted(distortion, wanted), scene.band[1]
+    if sign_of_number(high - band_end) < 0:
+        high = band_end
+    return high, is_settled and sign_of_number(settled.radius - high) > 0
 
 
-def most_charted(d: Distortion, high: Expr) -> Expr:
+def most_charted(distortion: Distortion, high: Expr) -> Expr:
     """The frequency up to which a chart is made, rad/s: ``high`` if it is at most ``_MOST_TURNS``
-    turns, or if there is no delay; else two turns."""
-    turn = _turn(d)
+    turns, or if there is no delay; else ``_FIRST_TURNS`` turns."""
+    turn = _turn(distortion)
     if turn and sign_of_number(high - _MOST_TURNS * turn) > 0:
         return _FIRST_TURNS * turn
     return high
 
 
-def _turn(d: Distortion) -> Expr:
-    """The turn 2 pi/tau of the longest delay tau, rad/s; 0 where there is no delay."""
-    lags = ring_of(d.perc).lags
+def _turn(distortion: Distortion) -> Expr:
+    """The turn 2 pi/tau of the longest unit delay tau, rad/s; 0 where there is no delay."""
+    lags = ring_of(distortion.perc).lags
     return 2 * pi / max(lags, key=float) if lags else Integer(0)
 
 
 # The damping that a hand needs.
 
+# Frequencies at which a first guess of the needed damping is computed: enough to see a resonance or
+# two. More would only save a second try.
+_GUESSES = 200
+# The share by which a bound is tried below the largest value on the grid: so that it is below the
+# supremum in spite of rounding.
+_BELOW = 1e-3
+# Working precision for the guess, which nothing relies on.
+_GUESS_BITS = 64
+# Working precision at which a maximum is compared with a limit. If both are equal, the comparison
+# stays open, and either of them may be returned.
+_COMPARISON_BITS = 128
 
-def _damping(d: Distortion, high: Expr) -> LargestValue | None:
-    """sup(-Im H_perc/omega) over omega > 0, where it is positive; None where it is unbounded, or no
-    bound at high frequency was found. ``high`` : rad/s, at least charted up to there."""
-    raw = d.perc_response.raw_imag
+
+def _needed_damping(distortion: Distortion, high: Expr) -> LargestValue | None:
+    """sup(-Im H_perc/omega) over omega > 0, where it is positive; None where it is infinite, or no
+    bound at high frequency was found. ``high`` : rad/s, the end of the chart.
+
+    A bound B of -Im H_perc/omega at high frequency, which some value exceeds, reduces the search to
+    a closed band.
+    """
+    raw = distortion.perc_response.raw_imag
     axis: Any = raw.ring
-    needed = PASSIVE.measure(d) / RealFunction(axis.convert(omega))
-    if _is_wave_over_power(needed):
-        # It repeats, or falls with that power: so it is largest within the first turn.
+    needed = PASSIVE.measure(distortion) / RealFunction(axis.convert(omega))
+    if _is_periodic_over_power(needed):
+        # Each turn repeats the values of the one before, divided by a power that is not smaller:
+        # where they are positive, none exceeds those of the first turn.
         return supremum(needed, Integer(0), 2 * pi / axis.angles[0].rate)
-    for bound in _bounds_to_try(needed, high):
-        # -Im H/omega <= bound above the radius where bound omega + Im H >= 0.
+    for bound in _candidate_bounds(needed, high):
+        # -Im H/omega <= bound above the radius, as bound omega + Im H >= 0 there.
         settled = asymptotic_sign(axis.convert(bound * omega) + raw)
         if settled.sense is Sense.POSITIVE:
-            far = settled.radius if sign_of_number(settled.radius - high) > 0 else high
-            largest = supremum(needed, Integer(0), far)
-            # All values below the radius, and so all values, are less than the bound. It is the
-            # limit at high frequency, as the other bounds are below a value on the grid.
-            if largest and largest.value.ball(_BITS) < ExactNumber(bound).ball(_BITS):
-                return LargestValue(ExactNumber(bound), None)
-            return largest
+            end = settled.radius if sign_of_number(settled.radius - high) > 0 else high
+            largest = supremum(needed, Integer(0), end)
+            # If all values up to ``end`` are below the bound, so are all values. Then the bound is
+            # the limit at high frequency, which is approached: a bound from the grid is below a
+            # value on the grid, which is below ``end``.
+            is_approached = largest is not None and (
+                largest.value.ball(_COMPARISON_BITS) < ExactNumber(bound).ball(_COMPARISON_BITS)
+            )
+            return LargestValue(ExactNumber(bound), None) if is_approached else largest
     return None
 
 
-def _is_wave_over_power(f: RealFunction) -> bool:
+def _is_periodic_over_power(f: RealFunction) -> bool:
     """Whether f is a function of sin and cos of one angle omega tau, divided by a power of
     omega."""
     axis: Any = f.axis
@@ -373,41 +414,51 @@ def _is_wave_over_power(f: RealFunction) -> bool:
     return len({exponents[0] for exponents in denominator.monoms()}) == 1
 
 
-def _bounds_to_try(needed: RealFunction, high: Expr) -> list[Expr]:
-    """Positive bounds at high frequency of -Im H_perc/omega to try, in this order: a little less
-    than the largest value on a grid, and, of a rational function, its limit."""
-    # The grid is quadratic, denser at low frequencies. It only proposes: ``_damping`` proves.
-    lowest: list[float] = []
-    with flint.ctx.workprec(64):
+def _candidate_bounds(needed: RealFunction, high: Expr) -> list[Expr]:
+    """Positive numbers to try as bounds of -Im H_perc/omega at high frequency, in this order: a
+    little less than the largest value on a grid, and, of a rational function, its limit.
+
+    They are proposals alone: ``_needed_damping`` proves that one is a bound.
+    """
+    # The grid is quadratic, denser at low frequencies. Lower ends of balls: no value is
+    # overestimated.
+    values: list[float] = []
+    with flint.ctx.workprec(_GUESS_BITS):
         end = float(high)
-        for k in range(1, _GRID + 1):
-            value = needed.ball(arb(end * (k / _GRID) ** 2))
-            lowest.append(float(value.lower()))
-    most = max((x for x in lowest if isfinite(x)), default=0.0)
-    bounds = [Rational(most * (1 - _BELOW))] if most > 0 else []
+        for k in range(1, _GUESSES + 1):
+            value = needed.ball(arb(end * (k / _GUESSES) ** 2))
+            values.append(float(value.lower()))
+    largest = max((x for x in values if isfinite(x)), default=0.0)
+    bounds = [Rational(largest * (1 - _BELOW))] if largest > 0 else []
     numerator, denominator = needed.function.numerator, needed.function.denominator
     degrees = [int(p.degrees()[0]) for p in (numerator, denominator)]
-    if needed.axis.functions or degrees[0] != degrees[1]:
+    has_limit = not needed.axis.functions and degrees[0] == degrees[1]
+    if not has_limit:
         return bounds
     leading = [needed.axis.coefficients(p)[-1] for p in (numerator, denominator)]
     limit = leading[0] / leading[1]
     return [*bounds, limit] if sign_of_number(limit) > 0 else bounds
 
 
-# Conditions 2 and 3: the poles of H_perc/s.
+# Conditions 2 to 4: the poles of H_perc/s, and an advance.
 
 
 def poles_allow(F: RationalFunction) -> bool | None:
-    """Whether F/s, F in lowest terms, satisfies conditions 2 and 3, those on the poles of a
-    positive real function; None where that is undecided.
+    """Whether F/s, F in lowest terms, satisfies conditions 2 to 4 of a positive real function, those
+    on its poles and on an advance; None where that is undecided.
 
+    >>> from sympy import exp
     >>> from haptisym.kernel.rings import s
     >>> def of(Z): return poles_allow(Ring.of([s * Z]).convert(s * Z).reduced())
     >>> of(1 / s), of(-1 / s), of(s / (s - 1)), of(s / (s**2 + 1)), of(s**2), of(-s)
     (True, False, False, True, False, False)
+    >>> of(1 + exp(-s) / s), of(1 + exp(s) / s)
+    (True, False)
     """
     if F.is_zero:
         return True
+    if has_advance(F):
+        return False
     try:
         return _poles_satisfy(F, on_axis(F))
     except UndecidedError:
@@ -423,8 +474,30 @@ def has_no_pole_right(f: RationalFunction) -> bool | None:
     return None if poles.right is None else poles.right == 0
 
 
+def has_advance(f: RationalFunction) -> bool:
+    """Whether a function that is not 0 grows as exp(s tau) with some tau > 0, times a power of s,
+    for large s > 0: then it responds before it is excited.
+
+    There each polynomial in s and its delays goes as its terms with the least delay. So an advance
+    is a numerator whose least delay is shorter than that of the denominator.
+    """
+    ring = ring_of(f)
+    gained = _least_delay(f.denominator, ring) - _least_delay(f.numerator, ring)
+    return sign_of_number(gained) > 0
+
+
+def _least_delay(polynomial: Polynomial, ring: Ring) -> Expr:
+    """The least delay of a term of a polynomial of a ring, s."""
+    delays: list[Expr] = []
+    for exponents in polynomial.monoms():
+        units = zip(exponents[ring.size :], ring.lags, strict=False)
+        delays.append(sum((int(n) * lag for n, lag in units), Integer(0)))
+    return min(delays, key=float)
+
+
 def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
-    """As ``poles_allow``, with F(j omega); UndecidedError where it is undecided."""
+    """Whether F/s satisfies conditions 2 and 3; UndecidedError where that is undecided.
+    ``response`` : F(j omega)."""
     # A pole of F at 0 is a multiple one of F/s.
     ring = ring_of(F)
     if order_at_0(F.denominator, ring) > order_at_0(F.numerator, ring):
@@ -434,31 +507,35 @@ def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
     count = count_roots(F.denominator, ring)
     if count.right is None:
         raise UndecidedError("where infinitely many poles lie")
-    if count.right or _sign_at_0(response.real) < 0:  # F(0) is the residue of F/s at 0
+    # F(0) is the residue of F/s at 0.
+    if count.right or _sign_at_0(response.real) < 0:
         return False
     on_positive_axis = [float(x) for x in count.on_axis if float(x) > 0]
     if not on_positive_axis:
         return True
     parts = {"real": response.real, "imag": response.imag}
-    table = chart(parts, Integer(0), Integer(int(max(on_positive_axis)) + 1))
-    for point in table.points:
+    # A whole frequency above all of these poles.
+    high = Integer(int(max(on_positive_axis)) + 1)
+    for point in chart(parts, Integer(0), high).points:
         if point.undecided:
             raise UndecidedError("whether a pole on the axis has a positive residue")
         real_order, imaginary_order = (point.orders.get(name, 0) for name in parts)
-        if min(real_order, imaginary_order) >= 0:
-            continue  # no pole
+        is_pole = min(real_order, imaginary_order) < 0
         # Let F/s have the residue r at j omega_0. There F(j omega) is near to r omega_0/(omega -
         # omega_0): for r > 0 real, and it goes to -infinity and comes back from +infinity.
         signs = point.before["real"], point.after["real"]
-        if real_order != -1 or signs != (-1, 1) or imaginary_order < 0:
+        is_simple = real_order == -1 and imaginary_order >= 0
+        if is_pole and not (is_simple and signs == (-1, 1)):
             return False
     return True
 
 
 def _sign_at_0(real: RealFunction) -> int:
-    """The sign of F(0), from its real part; 0 where F(0) = 0."""
-    # F is in lowest terms and has no pole at 0: the lowest coefficients of both polynomials decide.
+    """The sign of F(0), from its real part; 0 where F(0) = 0. F is in lowest terms and has no pole
+    at 0."""
     if not real.axis.functions:
+        # Neither polynomial has a zero at 0 in common with the other: their lowest coefficients
+        # decide, of which that of the numerator may be 0.
         f = real.function
         lowest = (f.ring.coefficients(p)[0] for p in (f.numerator, f.denominator))
         return prod(map(sign_of_number, lowest))
@@ -467,57 +544,65 @@ def _sign_at_0(real: RealFunction) -> int:
 
 
 def _is_allowed_at_infinity(response: Response) -> bool:
-    """Whether F/s has no pole at infinity, or a simple one with a positive residue m: whether F
-    grows more slowly than s^2, or as m s^2, whose real part is -m omega^2. UndecidedError where the
-    sign of the real part at high frequency is not known."""
+    """Whether F/s has no pole at infinity, or a simple one with a positive residue m.
+
+    That is so where F grows more slowly than s^2, or as m s^2, whose real part is -m omega^2 on the
+    axis. UndecidedError where the sign of the real part at high frequency is not known.
+    """
     parts = (response.raw_real, response.raw_imag)
-    growth = max(_growth(x) for x in parts if not x.is_zero)
-    faster = sign_of_number(growth - 2)
-    if faster:
-        return faster < 0
+    exponent = max(_growth_exponent(x) for x in parts if not x.is_zero)
+    excess = sign_of_number(exponent - 2)
+    if excess:
+        return excess < 0
     sense = asymptotic_sign(response.raw_real).sense
     if sense in (Sense.BOTH, Sense.UNKNOWN):
         raise UndecidedError("whether a display is a positive mass at high frequency")
     return sense is Sense.NEGATIVE
 
 
-def _growth(f: RationalFunction) -> Expr:
-    """The exponent with which a function of an axis, not 0, grows at most with omega, where its
-    denominator is not small: the highest power of its numerator less that of its denominator."""
+def _growth_exponent(f: RationalFunction) -> Expr:
+    """The exponent of omega with which a function of an axis, not 0, grows where its denominator is
+    not small: the highest power of its numerator less that of its denominator."""
     return _highest_power(f.numerator, f.ring) - _highest_power(f.denominator, f.ring)
 
 
 def _highest_power(polynomial: Any, axis: Any) -> Expr:
-    """The highest power of omega in a polynomial of an axis, powers omega^alpha among them."""
-    # Exponents are those of omega, pi and the parameters, of the tangent of half of each angle,
-    # then of each omega^alpha.
-    first = axis.size + len(axis.angles)
+    """The highest power of omega in a polynomial of an axis, fractional powers included."""
+    # Exponents of an axis are those of omega, pi and the parameters, then of the tangent of half of
+    # each angle, then of each omega^alpha.
+    return _highest(polynomial, axis.size + len(axis.angles), axis.orders)
+
+
+def _highest(polynomial: Any, first: int, orders: Iterable[Expr]) -> Expr:
+    """The highest power of the first variable of a polynomial, if the variables from ``first`` on
+    stand for its powers with the exponents ``orders``; 0 for the polynomial 0."""
     powers: list[Expr] = []
     for exponents in polynomial.monoms():
-        power = Integer(int(exponents[0]))
-        for n, alpha in zip(exponents[first:], axis.orders, strict=False):
-            power = power + int(n) * alpha
-        powers.append(power)
-    return max(powers)
+        fractional = zip(exponents[first:], orders, strict=False)
+        powers.append(sum((int(n) * alpha for n, alpha in fractional), Integer(int(exponents[0]))))
+    return max(powers, default=Integer(0))
 
 
 # Passive parts. All tests here are sufficient ones: False proves nothing.
 
 
 def environment_alone(scene: Scene) -> Scene | None:
-    """The scene without its effects, where these are passive two-ports; None where some are not
-    known to be, where there are none, and where something else is rendered."""
+    """The scene without its effects, where these are passive two-ports.
+
+    None where some are not known to be passive, where there are none, and where something else than
+    the environment is rendered.
+    """
     if scene.rendered is not None or not scene.effects or not are_passive(scene.effects):
         return None
     return Scene(scene.environment, (), scene.band)
 
 
 def are_passive(effects: Iterable[Effect]) -> bool:
-    """Whether effects are passive two-ports, by their models; False says nothing of others.
+    """Whether effects are passive two-ports, by their models. False proves nothing.
 
     A shunt is passive if its force per position, the second entry of its matrix, is m s^2 + b s + k
     with no negative number. A compliance always is, as its parameters k and b are positive by their
-    rules; a wave-variable link is by its theory.
+    rules; a wave-variable link is, as a line without losses.
 
     >>> from haptisym import effects
     >>> link = effects.wave_variables(10, "20 ms")
@@ -538,8 +623,9 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
     In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative: their sum
     is not 0. On the axis the hand would not move, nor feel a force: then all that is behind chain
     matrices is at rest too, as they have inverses.
-    ``chain`` : the scene's, in which a parameter may be a symbol: then True holds for all of its
-    values > 0, but it is False where the symbol stands in a shunt.
+
+    ``chain`` : the scene's, in which a parameter may be a symbol. Then True holds for all of its
+    values > 0, and the result is False where the symbol stands in a shunt.
     """
     elements = zip(scene.effects, chain.matrices, strict=True)
     shunts = [matrix[1] for effect, matrix in elements if effect.model == "shunt"]
@@ -552,13 +638,15 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
 
 def is_positive_real_by_signs(environment: Expr) -> bool:
     """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of the
-    symbols in it; False proves nothing.
+    symbols in it. False proves nothing.
 
-    Shown by signs alone. The denominator of H has degree 0, 1 or 2 and all of its coefficients are
-    there and positive, so that its zeros lie in Re s < 0 (Hurwitz). All coefficients of the
-    numerator are positive, and at high frequency H grows no faster than s^2: so H/s has at most
-    simple poles at 0 and at infinity, with positive residues. No coefficient of the numerator of
-    Im H(j omega) over |denominator|^2 is negative, so that Im H >= 0.
+    Shown by signs alone:
+
+    - The denominator of H has degree 0, 1 or 2 and all of its coefficients are there and positive,
+      so that its zeros lie in Re s < 0 (Hurwitz).
+    - All coefficients of the numerator are positive, and at high frequency H grows no faster than
+      s^2: so H/s has at most simple poles at 0 and at infinity, with positive residues.
+    - Im H(j omega) times |denominator|^2 has no negative coefficient, so that Im H >= 0.
 
     >>> from sympy.abc import k, q
     >>> each = k + q * s, k * q * s / (k + q * s), k * s**q, 1 / (s**2 + q), k - q * s, q * s - k
@@ -571,31 +659,22 @@ def is_positive_real_by_signs(environment: Expr) -> bool:
     H, axis = ring.convert(environment).reduced(), ring.axis
     numerator, denominator = H.numerator, H.denominator
     powers = {int(exponents[0]) for exponents in denominator.monoms()}
+    # Numerator and denominator may both be negative: then H is as if both were positive.
     signs = {c > 0 for c in (*numerator.coeffs(), *denominator.coeffs())}
     if len(signs) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
         return False
-    # Powers s^alpha in the denominator are not covered; in the numerator they count as growth.
-    has_broken_power = any(any(exponents[ring.size :]) for exponents in denominator.monoms())
-    if has_broken_power or _highest_power_of_s(numerator, ring) > max(powers) + 2:
+    # Powers s^alpha in the denominator are not covered; in the numerator they count as growth, an
+    # order that is a symbol as its upper bound 1.
+    if any(any(exponents[ring.size :]) for exponents in denominator.monoms()):
+        return False
+    orders = [x if x.is_Rational else Integer(1) for x in ring.orders]
+    if _highest(numerator, ring.size, orders) > max(powers) + 2:
         return False
     # Im (a + j b)/(c + j d) has the sign of b c - a d, and keeps it without its factors 1 + tan^2
-    # of the angle alpha pi/2 of each power.
+    # of half of the angle alpha pi/2 of each power.
     (a, b), (c, d) = axis.parts([numerator, denominator])
     imaginary = axis.without_circles(b * c - a * d)[0]
     return all(x > 0 for x in imaginary.coeffs())
-
-
-def _highest_power_of_s(polynomial: Polynomial, ring: Ring) -> Expr:
-    """The highest power of s in a polynomial, or an upper bound: an order that is a symbol is below
-    1."""
-    orders = [x if x.is_Rational else Integer(1) for x in ring.orders]
-    powers: list[Expr] = []
-    for exponents in polynomial.monoms():
-        power = Integer(int(exponents[0]))
-        for n, alpha in zip(exponents[ring.size :], orders, strict=False):
-            power = power + int(n) * alpha
-        powers.append(power)
-    return max(powers, default=Integer(0))
 
 
 def _is_passive_polynomial(Z: Expr) -> bool:
@@ -609,15 +688,20 @@ def _is_passive_polynomial(Z: Expr) -> bool:
 
 # Stability under prescribed motion.
 
+# The key of Re H_perc in its chart.
+_REAL = "H_perc"
+
 
 def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
-    """Whether all poles of H_perc have Re s < 0; None where that is undecided, and for a sampled
-    loop, whose stability the poles of H_perc do not show. True does not bound their distance from
-    the axis: with delays they may approach it at high frequencies.
+    """Whether all poles of H_perc have Re s < 0.
 
-    First by ``is_stable``. Where infinitely many poles approach the axis it is undecided; then by
-    the parts: with an environment that dissipates none reaches the axis (see the module), and a
-    display without losses is real on the axis, where its poles can be seen.
+    None where that is undecided, and for a sampled loop, whose stability the poles of H_perc do not
+    show. True does not bound their distance from the axis: with delays they may approach it at high
+    frequencies. An advance is no pole.
+
+    Three ways are tried in turn: ``is_stable``, which is undecided where infinitely many poles
+    approach the axis; the parts, as with an environment that dissipates no pole reaches the axis
+    (see the module); and a pole on the axis itself, which a display without losses shows.
     """
     if sampled_loop(scene):
         return None
@@ -635,7 +719,7 @@ def force_is_stable(scene: Scene, distortion: Distortion) -> bool | None:
 
 def _dissipates_without_resonance(scene: Scene) -> bool:
     """Whether an environment alone is passive, Im H_env > 0 at every frequency > 0, and H_env has
-    no pole on the axis; False proves nothing.
+    no pole on the axis. False proves nothing.
 
     The last does not follow: b s + k s^2/(s^2 + w^2) is passive, and Im H = b omega > 0, but at w
     it has a force without any motion, which a wave-variable link may turn round to the hand.
@@ -649,20 +733,20 @@ def _dissipates_without_resonance(scene: Scene) -> bool:
 
 def _dissipates_by_signs(scene: Scene) -> bool:
     """Whether Im H_env > 0 at every frequency > 0 and H_env has no pole on the axis, by signs
-    alone, powers of s included; False proves nothing."""
+    alone, powers of s included. False proves nothing."""
     imaginary = scene.closed.env_response.raw_imag
     return is_positive_real_by_signs(scene.environment.H) and not imaginary.is_zero
 
 
 def _has_pole_on_axis(distortion: Distortion) -> bool:
-    """Whether H_perc is real on the axis, and has a pole among the first turns of its longest
-    delay; False proves nothing."""
-    perceived, lags = distortion.perc_response, ring_of(distortion.perc).lags
+    """Whether H_perc is real on the axis, and has a pole there within ``_FIRST_TURNS`` turns. False
+    proves nothing."""
+    perceived = distortion.perc_response
     # Without losses H_perc has no imaginary part on the axis: there its poles are those of a real
     # function, which a chart lists. The first of them is enough.
-    if not lags or not perceived.raw_imag.is_zero:
+    turn = _turn(distortion)
+    if not turn or not perceived.raw_imag.is_zero:
         return False
-    high = _FIRST_TURNS * 2 * pi / max(lags)
-    points = chart({_REAL: perceived.real}, Integer(0), high).points
+    points = chart({_REAL: perceived.real}, Integer(0), _FIRST_TURNS * turn).points
     # The first point is omega = 0.
     return any(x.orders.get(_REAL, 0) < 0 and _REAL not in x.undecided for x in points[1:])

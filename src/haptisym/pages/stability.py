@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from sympy import Expr, Integer, Rational, exp
 
 from haptisym.judge.colgate import SampledPassivity
-from haptisym.judge.passivity import Beyond, Passivity
+from haptisym.judge.passivity import Beyond, Passivity, has_advance
 from haptisym.kernel.reals import ExactNumber, RealNumber, Way, in_unit
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.sets import UNSEARCHED, SingleValue, ValueSet, Verdict
@@ -574,7 +574,11 @@ def _passivity(found: Stability) -> Iterator[Phrase]:
         return
     if p.holds is False and p.poles_allow is False:
         where = "/s to the right, on the axis, at 0 or at ∞"
-        yield "A pole of ", w.H_PERC, where, " prevents passivity, for any damping of the hand."
+        is_early = has_advance(p.distortion.perc)
+        what: Phrase = (
+            ("An advance exp(s τ) in ", w.H_PERC) if is_early else ("A pole of ", w.H_PERC, where)
+        )
+        yield what, " prevents passivity, for any damping of the hand."
     if p.is_unbounded:
         yield w.endless()
     elif p.is_active and p.damping:

@@ -24,7 +24,14 @@ from haptisym.judge.answers import Answer
 from haptisym.judge.bounds import around
 from haptisym.judge.crossings import PASSIVE, Criterion, kept
 from haptisym.judge.evaluation import Evaluation
-from haptisym.judge.passivity import Beyond, Passivity, has_no_pole_right, most_charted, poles_allow
+from haptisym.judge.passivity import (
+    Beyond,
+    Passivity,
+    has_advance,
+    has_no_pole_right,
+    most_charted,
+    poles_allow,
+)
 from haptisym.judge.peaks import ValueAt
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction, Ring, on_axis, squared_modulus
@@ -312,6 +319,10 @@ def _poles(port: TwoPort) -> bool | None:
     if least is None or leak is None or gain is None:
         return None
     s = port.ring.function(port.ring.variable)
+    # With a passive environment y the impedance is h11 + g/(h22 + y), and h22 + y grows at most as
+    # s: an advance of g is one of the impedance.
+    if not gain.is_zero and has_advance(gain):
+        return False
     # ``poles_allow`` asks for the poles of F/s: F = B/D for h11, and F = s^2 C/D for h22.
     allowed = (poles_allow(least), poles_allow((leak * s * s).reduced()), has_no_pole_right(gain))
     if False in allowed:
@@ -703,7 +714,13 @@ def _values(m: Measured, found: Passivity) -> list[MetricValue]:
             "undecided for a sampled display" if untold else _ANSWERS[found.holds],
         )
     ]
-    if found.is_active and found.damping:
+    compensation = "hand damping that compensates it"
+    if found.is_unbounded:
+        rows += [MetricValue(compensation, "none: the activity is unbounded")]
+    elif found.is_active and found.poles_allow is False:
+        # Damping of the hand moves no pole of H_perc, and removes no advance.
+        rows += [MetricValue(compensation, "none: poles prevent passivity")]
+    elif found.is_active and found.poles_allow and found.damping:
         where = (
             f", set at {short(found.damping.omega)} rad/s"
             if found.damping.omega
@@ -711,14 +728,9 @@ def _values(m: Measured, found: Passivity) -> list[MetricValue]:
         )
         rows += [
             MetricValue(
-                f"hand damping that compensates it{where}",
-                found.damping.value,
-                m.units["b"],
-                at=found.damping.omega,
+                f"{compensation}{where}", found.damping.value, m.units["b"], at=found.damping.omega
             )
         ]
-    elif found.is_unbounded:
-        rows += [MetricValue("hand damping that compensates it", "none: the activity is unbounded")]
     return [*rows, MetricValue("stable under prescribed motion", _YES[m.evaluation.stable])]
 
 
