@@ -29,7 +29,7 @@ from haptisym.kernel.sampledloop import Plant, SampledLoop
 from haptisym.kernel.sets import SingleValue, ValueSet, solve
 from haptisym.model.valueranges import domain
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.stability.late import Lateness
+from haptisym.verbs.stability.late import CriticalDelays
 from haptisym.verbs.stability.opened import Opened, Passage
 from haptisym.verbs.stability.sampled import clocked_question, is_held
 from haptisym_check import RefusedError, check
@@ -810,27 +810,27 @@ def delayed_integrator(gain: Expr) -> Opened:
 
 def test_beyond_the_delays_that_were_searched_no_delay_is_stable_without_a_count() -> None:
     """For a gain of 1/1000 a root is on the circle at (pi - omega)/(2 omega) = 1570 s, sin(omega/2) = 1/2000."""
-    late = Lateness.of(delayed_integrator(Rational(1, 1000)), Rational(1, 2), Fraction(100))
+    late = CriticalDelays.of(delayed_integrator(Rational(1, 1000)), Rational(1, 2), Fraction(100))
     assert late is not None
     assert [*late.known(Fraction(100))] == []
-    assert (late.found, late.left, late.frontier) == ([], [], 100)
+    assert (late.passages, late.undecided, late.frontier) == ([], [], 100)
     assert [late.holds(Rational(x)) for x in (99, 100, 101, 2000)] == [True, True, None, None]
 
 
 def test_a_root_that_crosses_after_whole_samples_is_one_in_both_pieces_and_in_two_searches() -> None:
     """z^3 - z^2 + 2 sin(18 deg) has a pair at angles of 36 deg: a delay of 2 samples, or of 1 and a rest of 1."""
-    late = Lateness.of(delayed_integrator((sqrt(5) - 1) / 2), Rational(1), Fraction(4))
+    late = CriticalDelays.of(delayed_integrator((sqrt(5) - 1) / 2), Rational(1), Fraction(4))
     assert late is not None
     for _ in range(2):
         known = [*late.known(Fraction(5, 2))]
         assert known == sorted(known)
-    assert [float(x.value) for x in late.found] == [2]
-    assert [float(x.omega) for x in late.found] == pytest.approx([np.pi / 5], rel=1e-12)
-    assert late.senses == [2]
+    assert [float(x.value) for x in late.passages] == [2]
+    assert [float(x.omega) for x in late.passages] == pytest.approx([np.pi / 5], rel=1e-12)
+    assert late.root_changes == [2]
 
 
 def test_a_delay_that_puts_a_root_on_the_circle_is_not_told_by_the_sum_of_those_before_it() -> None:
     """z^2 - z/2 + 1 for a gain of 3/2 and tau = 2/3."""
     critical = Passage(ExactNumber(Rational(2, 3)), ExactNumber(Integer(1)))
-    late = Lateness(delayed_integrator(Rational(3, 2)), Rational(1, 2), [], None, [critical], [2], frontier=None)
+    late = CriticalDelays(delayed_integrator(Rational(3, 2)), Rational(1, 2), [], None, [critical], [2], frontier=None)
     assert [late.holds(Rational(x)) for x in ("1/2", "2/3", "3/4")] == [True, None, False]

@@ -1,15 +1,46 @@
-"""A sampled loop whose delay is the open parameter: all delays that put a root on the unit circle.
+"""All delays of a sampled loop that put a root of it on the unit circle: its critical delays.
 
-A delay is d whole samples and a rest theta, 0 <= theta < T, and the loop is z^d Q(z) + N(z; theta)
-= 0. On the circle, z = exp(j omega T), that asks for log(-N/Q) = j (omega d T - 2 pi k) for some
-whole k. The real part, |N| = |Q|, does not depend on d: it holds on a few curves omega(theta).
-Boxes of omega and theta are cut until none is there, or just one omega for each theta
-(``curves``). Along a curve the imaginary part tells at which delays, however many samples these
-are: for each k interval Newton in balls closes in on them (``Turn``). Which way a root then goes is
-the sign of a derivative, so that one exact count tells the number for all other delays
-(``Lateness``, where to begin).
+**Question.** In a loop with the sampling period T the delay tau of all that moves is the parameter.
+It is tau = d T + theta: d whole *samples* and a *rest* theta, 0 <= theta < T. The loop is
 
-All that is returned is proven. UndecidedError, or ``left``, for what is not.
+    z^d Q(z) + N(z; theta) = 0,
+
+with polynomials Q (the part without the controller) and N (the part that it adds; modified
+z-transform, Jury 1958), and it is stable if all roots have abs(z) < 1. At which tau does a root lie
+on the circle, at which frequency, and does it move outward or inward as tau grows?
+
+**Method.** It is the direct method for loops with a delay (Walton and Marshall, IEE Proc. D 134,
+1987), for samples. On the circle, z = exp(j omega T) with 0 < omega < pi/T. With L = log(-N/Q) the
+equation of the loop is
+
+    L(omega, theta) = j (omega d T - 2 pi k)  for some whole k.                                  (1)
+
+Its real part Re L = 0, a gain abs(N/Q) = 1, depends on neither d nor k: it holds on a few
+*unit-gain curves* omega(theta). On these its imaginary part gives, with the *phase* phi = Im L +
+omega theta,
+
+    tau = (phi + 2 pi k)/omega.                                                                  (2)
+
+1. ``unit_gain_curves`` bisects boxes of (omega, theta) until in each there is no gain of 1, or at
+   most one omega for each theta.
+2. For each curve and each k, in ascending order of (2), ``CrossingEquation`` solves (1) for omega
+   and tau, by interval Newton and bisection.
+3. In which direction the root moves is the sign of a derivative (``CrossingEquation.direction``).
+4. Roots are continuous in tau, so that their number outside of the circle changes at critical
+   delays alone: one exact count gives it for all other delays (``CriticalDelays.holds``). Where d
+   increases by 1, and theta falls from T to 0, the polynomial gets one more factor z: a root at 0.
+
+*Interval Newton* (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5): for a box
+X with the middle m, and an enclosure J of all derivatives of f over X that holds no singular
+matrix, all zeros of f in X lie in m - J^-1 f(m). If that is within the interior of X, there is
+exactly one.
+
+**Guaranteed.** All numbers are *balls*, intervals with middle and radius (``arb`` of FLINT; complex:
+``acb``), whose operations enclose all values; comparisons of balls are True only where they hold
+for all values. So whatever is returned is proven. What is not decided is an UndecidedError, None,
+or an interval of delays in ``CriticalDelays.undecided``.
+
+Begin with ``CriticalDelays``.
 """
 
 from __future__ import annotations
@@ -43,258 +74,497 @@ from haptisym.kernel.zeros import sign_of
 from haptisym.verbs.stability.characteristic import Pair
 from haptisym.verbs.stability.opened import Opened, Passage, Span
 
-_BITS, _MOST_BITS = 128, 1 << 10
-_MOST_BOXES, _DEEPEST, _MOST_STEPS = 1200, 200, 8
-_MOST_PASSAGES = 64
-# A piece of a curve whose delays after k turns spread over more samples is too wide to be followed.
-_MANY = 8
-# The next float above pi: up to the Nyquist frequency, and rather a little more.
-_PI = 3.1415926535897936
-_ROUNDING = 2.0**-50
-# How many times narrower than its frequency a piece of a curve is to be.
-_NARROW = 32
-
 Box: TypeAlias = tuple[Ball, Ball]
+"""A ball of frequencies omega, rad/s, and one of rests theta or of delays, s."""
 Sides: TypeAlias = tuple[float, float]
+"""The lower and the upper end of one side of a box."""
+
+# Working precision, bits; the first one that is tried where more may be needed.
+_BITS = 128
+# The range -1 <= x <= 1: times a number, all numbers that are no larger.
+_EITHER = arb(0, 1)
 
 
-class Log(NamedTuple):
-    """log(-N/Q): its value in the ``middle`` of a box, and its slopes ``along`` omega and with
-    theta, ``later``, all over the box."""
+# The critical delays, and stability between them.
 
-    middle: acb
-    along: acb
-    later: acb
+# Critical delays that are searched for at most: a reader needs the first few.
+_MOST_PASSAGES = 64
+# A piece of a curve whose delays for one k spread over more samples is too wide to be followed.
+_MOST_SAMPLES_OF_A_PIECE = 8
+# A float times 1 minus this is below the number that was rounded to it, by 2^-53 of it.
+_ROUNDING = 2.0**-50
 
 
-@dataclass(frozen=True, eq=False)
-class AngleCurve:
-    """A piece of a curve on which |N| = |Q|: at most one omega for each theta in a ``box`` of both.
+@dataclass(eq=False)
+class CriticalDelays:
+    """The critical delays of a loop, searched in ascending order.
 
-    ``piece`` : the rests theta for which N is the loop's, s; the box may reach beyond them.
-    ``turn`` : the angle of -N/Q plus omega theta, all over the box: the phase by which a delay of
-    turn/omega, and of each whole turn more, puts a root on the circle.
+    ``own`` : the delay of the scene, s, at which the unstable roots are counted.
+    ``curves`` : the unit-gain curves, from which all critical delays up to ``most``, s, follow
+    (None: all at any delay).
+    ``passages`` : the critical delays that were found, with their frequencies.
+    ``root_changes`` : for each of these, how many more roots are outside of the circle above it.
+    ``undecided`` : intervals of delays in which there may be others.
+    ``frontier`` : the delay, s, below which no critical delay is missing but in ``undecided``
+    (None: none is missing anywhere).
     """
 
     loop: Opened
-    piece: tuple[Fraction, Fraction]
-    box: Box
-    turn: Ball
+    own: Rational
+    curves: list[UnitGainCurve]
+    most: Fraction | None
+    passages: list[Passage] = field(default_factory=list)
+    root_changes: list[int] = field(default_factory=list)
+    undecided: list[Span] = field(default_factory=list)
+    frontier: Fraction | None = Fraction(0)
 
-    def delays(self, k: int) -> Ball:
-        """The delays, s, at which a root is on the circle after k whole turns, all over the box."""
-        return (self.turn + 2 * k * arb.pi()) / self.box[0]
+    @classmethod
+    def of(cls, loop: Opened, own: Expr, most: Fraction) -> CriticalDelays | None:
+        """Prepare the search up to a delay of ``most``, s; None where not all unit-gain curves are
+        found.
 
-    def log(self, omega: Ball, theta: Ball) -> Log | None:
-        """log(-N/Q) in a part of the box, on the branch of the curve's angle; None where it has no
-        bounds."""
-        log = log_of(self.loop, omega, theta)[1]
-        if log is None:
+        The open parameter of the loop must be a delay of all that moves, and its period rational
+        (``Opened.is_late``).
+        """
+        period = Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
+        curves, is_cut_off = list[UnitGainCurve](), False
+        # N is one function of theta as long as no term of the plant gets one more whole sample.
+        start = Fraction(0)
+        try:
+            while start < period:
+                loop_of_piece, end = loop.piece(start, period)
+                further_curves, has_later = unit_gain_curves(loop_of_piece, (start, end), most)
+                curves += further_curves
+                is_cut_off |= has_later
+                start = end
+        except UndecidedError:
             return None
-        turn = log.middle.imag + omega.mid() * theta.mid()
-        # The curve's turn is known to less than half of one: rounding finds the branch.
-        whole = round(float((self.turn.mid() - turn.mid()) / (2 * arb.pi())))
-        return log._replace(middle=log.middle + acb(0, 2 * whole * arb.pi()))
+        return cls(loop, Rational(own), curves, most if is_cut_off else None)
+
+    def known(self, end: Fraction) -> Iterator[Fraction]:
+        """Find the critical delays one after the other, up to ``end``, s; yield ``frontier`` after
+        each step. A second call goes on where the last one ended."""
+        # At a yield the working precision is that of the caller: it is set for each step alone.
+        while self._heap and len(self.passages) < _MOST_PASSAGES:
+            low, n, k = self._heap[0]
+            self._advance_frontier(low)
+            if low > end:
+                return
+            tick()
+            with flint.ctx.workprec(_BITS):
+                self._search(self.curves[n], k)
+                heapreplace(self._heap, self._next_crossings(n, k))
+            self._advance_frontier(self._heap[0][0])
+            if self.frontier is not None:
+                yield self.frontier
+        if not self._heap:
+            self.frontier = self.most
+
+    def _advance_frontier(self, low: float) -> None:
+        """Note that all critical delays below ``low``, a lower bound of all that follow, are
+        known."""
+        frontier = max(Fraction(0), Fraction(low))
+        self.frontier = frontier if self.most is None else min(frontier, self.most)
+
+    @cached_property
+    def _heap(self) -> list[tuple[float, int, int]]:
+        """For each curve the next k that is to be searched, as of ``_next_crossings``. The least
+        delay comes first, so that no critical delay below it is missing."""
+        # The first k that may have a delay >= 0 is -1: with the branches of the logarithm in
+        # ``enclose_log`` and omega theta <= pi the phase is less than 3 pi.
+        with flint.ctx.workprec(_BITS):
+            heap = [self._next_crossings(n, -2) for n in range(len(self.curves))]
+        heapify(heap)
+        return heap
+
+    def _next_crossings(self, n: int, k: int) -> tuple[float, int, int]:
+        """For the next k after the given one for which curve ``n`` has delays >= 0: a lower bound of
+        these, s; n; and k."""
+        while True:
+            k += 1
+            delays = self.curves[n].delays(k)
+            if delays.upper() > 0:
+                return float(delays.lower()) * (1 - _ROUNDING), n, k
+
+    def _search(self, curve: UnitGainCurve, k: int) -> None:
+        """Add the critical delays of a curve for one k to ``passages``, or to ``undecided``."""
+        T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
+        # The least and the largest d with d T + theta among the delays.
+        first = ((delays.lower() - theta.upper()) / T).lower().floor()
+        last = ((delays.upper() - theta.lower()) / T).upper().floor()
+        first_samples, last_samples = int(first.unique_fmpz()), int(last.unique_fmpz())
+        if last_samples - first_samples > _MOST_SAMPLES_OF_A_PIECE:
+            self.undecided.append(bounds(delays))
+            return
+        for samples in range(max(first_samples, 0), last_samples + 1):
+            equation = CrossingEquation(curve, samples, k)
+            try:
+                for pair in equation.solutions():
+                    self._add(Passage(pair.value, pair.frequency), equation.direction(pair))
+            except UndecidedError:
+                self.undecided.append(bounds(delays))
+
+    def _add(self, passage: Passage, direction: int) -> None:
+        """Add a critical delay, unless it is there already.
+
+        It is where boxes overlap, and where tau is a whole number of samples: that is the end of one
+        piece of theta and the start of the next. There N has a corner: where the directions on both
+        sides differ the root only touches the circle, or may do so.
+        """
+        # A root and its conjugate. At z = 1 and z = -1, where a root has none, no curve is proven:
+        # abs(N/Q) is even in the angle of z there, so that its slope is 0.
+        root_change = 2 * direction
+        for i, known in enumerate(self.passages):
+            # Equal to all digits that are compared.
+            same_value = not ordered(known.value, passage.value)
+            if same_value and not ordered(known.omega, passage.omega):
+                if self.root_changes[i] != root_change:
+                    raise UndecidedError("whether a root comes to the unit circle and goes back")
+                return
+        self.passages.append(passage)
+        self.root_changes.append(root_change)
+
+    def holds(self, value: Rational) -> bool | None:
+        """Whether the loop is stable with a delay, s; None where not all critical delays between it
+        and ``own`` are known, and where it is critical itself. UndecidedError where the roots at
+        ``own`` cannot be counted."""
+        # At a critical delay itself a root is on the circle: no sum of changes tells how many.
+        at = ExactNumber(value)
+        is_critical = any(not ordered(x.value, at) for x in self.passages)
+        if is_critical or not self._are_known_up_to(max(self.own, value)):
+            return None
+        low, high = (ExactNumber(x) for x in sorted((self.own, value)))
+        change = 0
+        for x, root_change in zip(self.passages, self.root_changes, strict=True):
+            if ordered(low, x.value) > 0 and ordered(x.value, high) > 0:
+                change += root_change
+        if value < self.own:
+            change = -change
+        return self._unstable_at_own + change == 0
+
+    def _are_known_up_to(self, delay: Rational) -> bool:
+        """Whether all critical delays up to one, s, are known."""
+        if self.undecided:
+            return False
+        if self.frontier is None:
+            return True
+        # ``most`` itself is among what is known: curves that were left out, and a lower bound in
+        # the heap that is as large, belong to larger delays.
+        frontier = rational(self.frontier)
+        return delay < frontier or (self.frontier == self.most and delay == frontier)
+
+    @cached_property
+    def _unstable_at_own(self) -> int:
+        """The number of roots with abs(z) >= 1 at the delay of the scene, an exact count."""
+        return sum(self.loop.at(self.own).unstable())
+
+
+# The logarithm of -N/Q, in balls.
+
+
+class LogEnclosure(NamedTuple):
+    """L = log(-N/Q) over a box of omega and theta.
+
+    ``middle`` : L at the middle of the box. ``by_omega``, ``by_theta`` : enclosures of its partial
+    derivatives all over the box. By the mean value theorem they enclose L all over the box.
+    """
+
+    middle: acb
+    by_omega: acb
+    by_theta: acb
+
+
+def enclose_log(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, LogEnclosure | None]:
+    """Whether no root is on the circle in a box, as abs(N) and abs(Q) differ all over it; and L
+    over the box, on any branch, None where it has no bounds."""
+    T = expression_ball(loop.loop.T)
+    # z - 1 over the box, and at its middle, where omega has no radius but T may have one.
+    z_1, middle = _on_circle(omega * T), _on_circle(omega.mid() * T)
+    polynomials = _enclose_sides(loop, theta.mid(), _radius(theta, T), flint.ctx.prec)
+    # As polynomials in the distance from the middle: powers of a wide ball, and balls that cancel
+    # far from 0, grow faster than the range of what they enclose.
+    N_middle, N_constant, N_linear, N_rate, Q = (
+        acb_poly(p)(acb_poly([middle, 1])) for p in polynomials
+    )
+    z = z_1 - middle
+    N = N_constant(z) + N_linear(z) * _EITHER
+    Q_value = Q(z)
+    if not abs(N).overlaps(abs(Q_value)):
+        return True, None
+    if N.contains(0) or Q_value.contains(0):
+        return False, None
+    ratio = -N_middle[0] / Q[0]
+    # A branch away from its cut, along the negative numbers, where a ball would hold both ends. Its
+    # imaginary part is between -pi and 3 pi/2.
+    log = (-ratio).log() + acb(0, arb.pi()) if ratio.real < 0 else ratio.log()
+    # d log(-N/Q)/dz is N_z/N - Q_z/Q. Its first part is enclosed for the middle theta, as narrow as
+    # can be. By the mean value theorem it changes with theta by at most the distance times its
+    # derivative (N_z theta - N_z N_theta/N)/N.
+    N_z = N_constant.derivative()(z) + N_linear.derivative()(z) * _EITHER
+    N_theta, N_z_theta = N_rate(z), N_rate.derivative()(z)
+    at_middle = N_middle.derivative()(z) / N_middle(z) - Q.derivative()(z) / Q_value
+    by_z = at_middle + (N_z_theta - N_z * N_theta / N) / N * _distance(theta)
+    # dz/d omega is j T z.
+    return False, LogEnclosure(log, acb(0, 1) * (1 + z_1) * T * by_z, N_theta / N)
+
+
+def _on_circle(angle: Ball) -> acb:
+    """z - 1 for z = exp(j angle), without cancellation at low frequencies."""
+    return acb(-2 * (angle / 2).sin() ** 2, angle.sin())
+
+
+def _radius(theta: Ball, T: Ball) -> Ball:
+    """The radius within which N is enclosed about the middle of theta: that of theta, or a tiny
+    part of T where it is smaller, as a derivative is a difference over it and would lose digits."""
+    return theta.rad().max(T.lower() * arb(2) ** (-flint.ctx.prec // 4)).mid()
+
+
+def _distance(x: Ball) -> Ball:
+    """A ball around all distances of the numbers in a ball from its middle."""
+    return x - x.mid()
+
+
+class _Sides(NamedTuple):
+    """N and Q as polynomials in z - 1, for all theta within a radius of a middle.
+
+    ``N_middle`` : N for the middle. N(z; theta) = ``N_constant`` + x ``N_linear`` with x = (theta -
+    middle)/radius, -1 <= x <= 1. ``N_rate`` : dN/dtheta, for all theta.
+    """
+
+    N_middle: arb_poly
+    N_constant: arb_poly
+    N_linear: arb_poly
+    N_rate: arb_poly
+    Q: arb_poly
 
 
 @lru_cache(maxsize=512)
-def _sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> list[arb_poly]:
-    """Polynomials in z - 1: N at the middle theta; two of which N, all over, is the first give or
-    take the second; its slope along theta; and Q."""
-    # The working precision is part of what is asked, so that the cache does not give away coarser
-    # balls.
+def _enclose_sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> _Sides:
+    """Enclose N and Q for all theta within ``radius`` of ``middle``, at the working precision
+    ``bits``."""
+    # The precision is an argument so that the cache does not return coarser balls.
     assert bits == flint.ctx.prec
 
     def numerator(theta: Ball) -> list[Ball]:
         coefficients: list[Ball] = loop.loop.sides({loop.symbol: theta})[0].coeffs()
         return coefficients
 
+    # For each coefficient a + slope x, a in a ball, -1 <= x <= 1; and its derivative by x.
     lines = over_ellipse(numerator, middle, radius)
     N, Q = loop.loop.sides({loop.symbol: middle})
-    # At z = 1 a delay changes nothing: the value there is exact, with no width and no slope.
-    start = (N[0], arb(0), arb(0))
-    columns = zip(start, *lines[1:], strict=True)
-    at, more, rates = (arb_poly(list(column)) for column in columns)
-    return [N, at, more, rates * (1 / radius), Q]
+    # At z = 1 a delay changes nothing: the coefficient of (z - 1)^0 is that for the middle.
+    first = (N[0], arb(0), arb(0))
+    columns = zip(first, *lines[1:], strict=True)
+    constant, linear, rate = (arb_poly(list(column)) for column in columns)
+    return _Sides(N, constant, linear, rate * (1 / radius), Q)
 
 
-def log_of(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, Log | None]:
-    """Whether no root is on the circle in a box, as |N| and |Q| differ; and log(-N/Q), None where
-    that has no bounds."""
-    T, bits = expression_ball(loop.loop.T), flint.ctx.prec
-    # z - 1 = exp(j angle) - 1 without cancellation at low frequencies.
-    # The middle is that of omega, times T with its radius: interval Newton steps from there.
-    x, middle = (
-        acb(-2 * (angle / 2).sin() ** 2, angle.sin()) for angle in (omega * T, omega.mid() * T)
-    )
-    # The slope is a difference over the radius: of a shorter one it would have fewer digits.
-    radius = theta.rad().max(T.lower() * arb(2) ** (-bits // 4)).mid()
-    # Shifted to the middle: powers of a wide ball, and balls that cancel far from 0, grow faster
-    # than the range of what they enclose.
-    parts = [acb_poly(p)(acb_poly([middle, 1])) for p in _sides(loop, theta.mid(), radius, bits)]
-    here, at, more, slope, below = (p(x - middle) for p in parts)
-    above = at + more * arb(0, 1)
-    if not abs(above).overlaps(abs(below)):
-        return True, None
-    if above.contains(0) or below.contains(0):
-        return False, None
-    there = -parts[0][0] / parts[-1][0]
-    # Away from the cut of the logarithm, along the negative numbers, where a ball would hold both
-    # ends.
-    log = there.log() if not there.real < 0 else (-there).log() + acb(0, arb.pi())
-    rises, risen, rising, falls = (parts[i].derivative()(x - middle) for i in (0, 1, 3, 4))
-    risen += parts[2].derivative()(x - middle) * arb(0, 1)
-    # The slope rises/here is that at the middle theta; by the mean value theorem in theta it
-    # changes by no more than its own slope along theta, (rising - risen slope/above)/above, times
-    # the way from there.
-    along = rises / here - falls / below + (rising - risen * slope / above) / above * _off(theta)
-    return False, Log(log, acb(0, 1) * (1 + x) * T * along, slope / above)
+def _phase(log: LogEnclosure, omega: Ball, theta: Ball) -> Ball:
+    """The phase Im L + omega theta all over a box, by the mean value theorem. ``log`` : L over this
+    box."""
+    middle = log.middle.imag + omega.mid() * theta.mid()
+    by_omega = log.by_omega.imag + theta
+    by_theta = log.by_theta.imag + omega
+    return middle + by_omega * _distance(omega) + by_theta * _distance(theta)
 
 
-def _off(x: Ball) -> Ball:
-    """The ball about 0 that is as wide as another: how far a point may be off the middle."""
-    return x - x.mid()
+# The unit-gain curves.
+
+# Boxes of frequency and rest that are examined at most, some seconds.
+_MOST_BOXES = 1200
+# A piece of a curve is to be so many times narrower than its frequency, so that its delays (2)
+# spread over a small part of their values.
+_NARROW = 32
 
 
-def curves(
+@dataclass(frozen=True, eq=False)
+class UnitGainCurve:
+    """A piece of a unit-gain curve: abs(N) = abs(Q) at one omega at most for each theta in a box.
+
+    ``piece`` : the rests theta, s, for which N is that of the loop; the box may reach beyond them.
+    ``phase`` : the phase Im L + omega theta all over the box, on one branch of L; its radius is less
+    than 1 rad.
+    """
+
+    loop: Opened
+    piece: tuple[Fraction, Fraction]
+    box: Box
+    phase: Ball
+
+    def delays(self, k: int) -> Ball:
+        """The delays (2), s, for one k, all over the box."""
+        return (self.phase + 2 * k * arb.pi()) / self.box[0]
+
+    def log(self, omega: Ball, theta: Ball) -> LogEnclosure | None:
+        """L in a part of the box, on the branch of ``phase``; None where it has no bounds."""
+        log = enclose_log(self.loop, omega, theta)[1]
+        if log is None:
+            return None
+        phase = log.middle.imag + omega.mid() * theta.mid()
+        # On the right branch both phases differ by less than 1 rad, and branches by 2 pi: rounding
+        # finds it.
+        turns = round(float((self.phase.mid() - phase.mid()) / (2 * arb.pi())))
+        return log._replace(middle=log.middle + acb(0, 2 * turns * arb.pi()))
+
+
+def unit_gain_curves(
     loop: Opened, piece: tuple[Fraction, Fraction], most: Fraction
-) -> tuple[list[AngleCurve], bool]:
-    """All pieces of curves for rests theta in a ``piece``, s, but those with roots on the circle at
-    delays beyond ``most`` alone; and whether there may be any of these.
+) -> tuple[list[UnitGainCurve], bool]:
+    """All pieces of unit-gain curves for rests theta in a ``piece``, s, but those that give delays
+    above ``most``, s, alone; and whether any of these were left out.
 
-    UndecidedError where a box is neither clear nor holds one piece.
+    UndecidedError where a box is neither clear nor holds one piece, as where a curve turns back in
+    theta.
     """
     start, end = piece
-    found, is_cut_off = list[AngleCurve](), False
+    curves, is_cut_off = list[UnitGainCurve](), False
     with flint.ctx.workprec(_BITS):
-        highest = float(arb(_PI) / expression_ball(loop.loop.T).lower())
-        first = (0.0, highest), (nextafter(float(start), -inf), nextafter(float(end), inf))
-        waiting = Waiting([first], most=_MOST_BOXES, what="boxes of frequency")
-        for frequencies, delays in waiting:
-            box = _ball(*frequencies), _ball(*delays)
-            clear, log = log_of(loop, *box)
-            if clear:
+        # Rounded up, so that no frequency up to pi/T is missed.
+        highest = nextafter(float((arb.pi() / expression_ball(loop.loop.T)).upper()), inf)
+        rests = nextafter(float(start), -inf), nextafter(float(end), inf)
+        waiting = Waiting([((0.0, highest), rests)], most=_MOST_BOXES, what="boxes of frequency")
+        for frequencies, rests in waiting:
+            box = _ball(*frequencies), _ball(*rests)
+            is_clear, log = enclose_log(loop, *box)
+            if is_clear:
                 continue
-            if log and _is_later(_turn(log, *box), box[0], most):
+            if log and _is_above(_phase(log, *box), box[0], most):
                 is_cut_off = True
                 continue
             curve = _followed(loop, piece, box, log) if log else box
-            if isinstance(curve, AngleCurve):
-                found.append(curve)
+            if isinstance(curve, UnitGainCurve):
+                curves.append(curve)
             elif curve is not None:
                 # Cut along theta where the box is wider there, relative to the whole, than four
                 # times along omega.
-                width = (delays[1] - delays[0]) / float(end - start)
+                width = (rests[1] - rests[0]) / float(end - start)
                 is_wide = 4 * (frequencies[1] - frequencies[0]) < width * frequencies[1]
-                waiting.add(*_halves(frequencies, delays, int(is_wide)))
+                waiting.add(*_halves(frequencies, rests, int(is_wide)))
         if waiting.rest:
             raise UndecidedError("at which frequencies the loop has a gain of 1")
-    return found, is_cut_off
+    return curves, is_cut_off
 
 
 def _ball(low: float, high: float) -> Ball:
+    """A ball around all numbers between two floats."""
     return arb(low).union(arb(high))
 
 
-def _halves(frequencies: Sides, delays: Sides, cut: int) -> list[tuple[Sides, Sides]]:
-    """A box cut in two, along omega (0) or along theta (1)."""
-    low, high = (frequencies, delays)[cut]
+def _halves(frequencies: Sides, rests: Sides, cut: int) -> list[tuple[Sides, Sides]]:
+    """A box cut in two, along omega (``cut`` 0) or along theta (1)."""
+    low, high = (frequencies, rests)[cut]
     middle = (low + high) / 2
     if cut:
         return [(frequencies, (low, middle)), (frequencies, (middle, high))]
-    return [((low, middle), delays), ((middle, high), delays)]
+    return [((low, middle), rests), ((middle, high), rests)]
 
 
-def _turn(log: Log, omega: Ball, theta: Ball) -> Ball:
-    """The angle of -N/Q plus omega theta, all over a box, by the mean value theorem."""
-    middle = log.middle.imag + omega.mid() * theta.mid()
-    return middle + (log.along.imag + theta) * _off(omega) + (log.later.imag + omega) * _off(theta)
-
-
-def _is_later(phase: Ball, omega: Ball, most: Fraction) -> bool:
-    """Whether a box has roots on the circle at delays beyond ``most`` alone, as a low frequency
-    takes long for a turn. ``phase`` : as of ``AngleCurve``."""
+def _is_above(phase: Ball, omega: Ball, most: Fraction) -> bool:
+    """Whether a box with this phase gives delays (2) above ``most``, s, and negative ones, alone, as
+    a low frequency takes long for a turn."""
+    # A wider ball may give delays of two k that cannot be told apart below.
     if not phase.rad() < 1:
         return False
-    # The first turn that is not below 0; the one before it is, so that no delay is missed.
-    first = phase + 2 * arb.pi() * (-phase / (2 * arb.pi())).upper().ceil()
-    return bool(first - 2 * arb.pi() < 0 and first > omega.upper() * fraction_ball(most))
+    turn = 2 * arb.pi()
+    # phi + 2 pi k for the first k for which it is not negative anywhere in the box; that for the
+    # one before must be negative everywhere, so that no delay >= 0 is missed.
+    first = phase + turn * (-phase / turn).upper().ceil()
+    return bool(first - turn < 0 and first > omega.upper() * fraction_ball(most))
 
 
 def _followed(
-    loop: Opened, piece: tuple[Fraction, Fraction], box: Box, log: Log | None
-) -> AngleCurve | Box | None:
-    """The piece of a curve in a box; None where there is none; a box where neither is shown.
+    loop: Opened, piece: tuple[Fraction, Fraction], box: Box, log: LogEnclosure
+) -> UnitGainCurve | Box | None:
+    """The piece of a unit-gain curve in a box; None where there is none; the box where neither is
+    proven. ``log`` : L over the box.
 
-    Interval Newton for Re log(-N/Q) = 0 in omega, for all theta of the box at once: as the slope is
-    not 0 there is at most one omega for each.
+    It is interval Newton for Re L = 0 in omega, for all theta of the box at once. As the derivative
+    is not 0 there is at most one omega for each theta.
     """
     omega, theta = box
-    while log is not None and not log.along.real.contains(0):
-        near = omega.mid() - (log.middle.real + log.later.real * _off(theta)) / log.along.real
+    current: LogEnclosure | None = log
+    while current is not None and not current.by_omega.real.contains(0):
+        # Re L at the middle omega, for all theta.
+        at_middle = current.middle.real + current.by_theta.real * _distance(theta)
+        near = omega.mid() - at_middle / current.by_omega.real
         if not near.overlaps(omega):
             return None
         before, omega = omega, omega.intersection(near)
-        # It shrinks no further: what is left is how far omega goes along the curve itself.
+        # Where it shrinks no further, what is left is how far omega goes along the curve itself.
         if 4 * omega.rad() > 3 * before.rad():
-            turn = _turn(log, before, theta)
-            is_narrow = turn.rad() < 1 and _NARROW * omega.rad() < omega.mid()
-            return AngleCurve(loop, piece, (omega, theta), turn) if is_narrow else box
-        clear, log = log_of(loop, omega, theta)
-        if clear:
+            phase = _phase(current, before, theta)
+            is_narrow = phase.rad() < 1 and _NARROW * omega.rad() < omega.mid()
+            return UnitGainCurve(loop, piece, (omega, theta), phase) if is_narrow else box
+        is_clear, current = enclose_log(loop, omega, theta)
+        if is_clear:
             return None
     return box
 
 
-@dataclass(frozen=True, eq=False)
-class Turn:
-    """The equation log(-N/Q) = j (omega d T - 2 pi k) on a curve, for d = ``samples`` and one k: in
-    the unknowns omega and delay, s. ``pairs`` are its solutions."""
+# The equation of a crossing.
 
-    curve: AngleCurve
+# Boxes of frequency and delay that are examined at most for one equation, and Newton steps in each:
+# one that holds a simple solution converges in a few.
+_MOST_PARTS, _MOST_STEPS = 200, 8
+# Working precision up to which the direction of a root is determined.
+_MOST_BITS = 1 << 10
+
+
+@dataclass(frozen=True, eq=False)
+class CrossingEquation:
+    """Equation (1) on a piece of a unit-gain curve, for d = ``samples`` and one k, as two real
+    equations in omega, rad/s, and the delay tau, s."""
+
+    curve: UnitGainCurve
     samples: int
     k: int
 
     @cached_property
     def whole(self) -> Expr:
-        """The whole samples, s."""
+        """The whole samples d T, s."""
         return self.samples * self.curve.loop.loop.T
 
     def step(self, omega: Ball, delay: Ball) -> Box | None:
-        """The step of interval Newton: a box that holds all solutions of a box; None where it has
+        """The step of interval Newton: a box that holds all solutions in a box; None where it has
         no bounds."""
         whole = expression_ball(self.whole)
-        # Newton is in omega and theta: log.middle is exactly there, whatever the radius of T.
+        # Newton is in omega and theta: L is known exactly at the middle theta, whatever the radius
+        # of d T.
         theta = delay - whole
         log = self.curve.log(omega, theta)
         if log is None:
             return None
-        off = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
-        a, b, c, d = log.along.real, log.later.real, log.along.imag - whole, log.later.imag
+        # f = L - j (omega d T - 2 pi k), and its derivatives (a, b; c, d) by omega and theta.
+        f = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
+        a, b = log.by_omega.real, log.by_theta.real
+        c, d = log.by_omega.imag - whole, log.by_theta.imag
         determinant = a * d - b * c
         if determinant.contains(0):
             return None
+        # By Cramer's rule.
         return (
-            omega.mid() - (d * off.real - b * off.imag) / determinant,
-            whole + (theta.mid() - (a * off.imag - c * off.real) / determinant),
+            omega.mid() - (d * f.real - b * f.imag) / determinant,
+            whole + (theta.mid() - (a * f.imag - c * f.real) / determinant),
         )
 
-    def pairs(self) -> Iterator[Pair]:
-        """All solutions in the curve's box whose rest is in its piece. One that is at the edge of
-        two parts of the box may come twice. UndecidedError where that is not settled, as at a
-        double one."""
+    def solutions(self) -> Iterator[Pair]:
+        """All solutions in the box of the curve whose rest is in its piece.
+
+        One at the edge of two parts of the box may come twice. UndecidedError where that is not
+        settled, as at a double one.
+        """
         omega, theta = self.curve.box
         delay, delays = theta + expression_ball(self.whole), self.curve.delays(self.k)
         if not delay.overlaps(delays):
             return
-        waiting = Waiting([(omega, delay.intersection(delays))], most=_DEEPEST)
+        waiting = Waiting([(omega, delay.intersection(delays))], most=_MOST_PARTS)
         for box in waiting:
-            found = self._closed(*box)
-            if isinstance(found, Pair):
-                if self._is_in_piece(found):
-                    yield found
-            elif found is not None:
-                omega, delay = found
+            result = self._contracted(*box)
+            if isinstance(result, Pair):
+                if self._may_be_in_piece(result):
+                    yield result
+            elif result is not None:
+                omega, delay = result
                 middle = delay.mid()
                 waiting.add(
                     (omega, delay.lower().union(middle)), (omega, middle.union(delay.upper()))
@@ -302,13 +572,13 @@ class Turn:
         if waiting.rest:
             raise UndecidedError("whether a root comes to the unit circle and goes back")
 
-    def _is_in_piece(self, pair: Pair) -> bool:
-        """Whether a solution is not proven to be outside of the piece: there another N is the
-        loop's."""
+    def _may_be_in_piece(self, pair: Pair) -> bool:
+        """Whether a solution is not proven to be outside of the piece, where another N is that of
+        the loop. One at an end is in both pieces, and ``CriticalDelays._add`` takes it once."""
         start, end = (ExactNumber(self.whole + rational(x)) for x in self.curve.piece)
         return ordered(pair.value, start) <= 0 <= ordered(pair.value, end)
 
-    def _closed(self, omega: Ball, delay: Ball) -> Pair | Box | None:
+    def _contracted(self, omega: Ball, delay: Ball) -> Pair | Box | None:
         """The one solution in a box, None where there is none, or the smaller box that is left."""
         for _ in range(_MOST_STEPS):
             after = self.step(omega, delay)
@@ -321,167 +591,22 @@ class Turn:
             omega, delay = omega.intersection(after[0]), delay.intersection(after[1])
         return omega, delay
 
-    def sense(self, pair: Pair) -> int:
-        """1 if the root leaves the unit circle outward as the delay grows, -1 if inward.
-
-        UndecidedError where balls do not tell.
-        """
-        found = at_rising_precision(lambda bits: self._sense(*pair.at(bits)), _BITS, _MOST_BITS)
-        if found is None:
+    def direction(self, pair: Pair) -> int:
+        """1 if the root at a solution leaves the unit circle outward as the delay grows, -1 if
+        inward. UndecidedError where balls do not decide."""
+        direction = at_rising_precision(
+            lambda bits: self._direction(*pair.at(bits)), _BITS, _MOST_BITS
+        )
+        if direction is None:
             raise UndecidedError("which way a root goes on the unit circle")
-        return found
+        return direction
 
-    def _sense(self, omega: Ball, delay: Ball) -> int | None:
+    def _direction(self, omega: Ball, delay: Ball) -> int | None:
+        """The direction from a box around the solution, at the working precision."""
         log = self.curve.log(omega, delay - expression_ball(self.whole))
         if log is None:
             return None
-        # With L = log(-N/Q) the root obeys d log z = L, and L changes with log z = j omega T by
-        # L_omega/(j T): so d(log z)/d theta = L_theta/(d + j L_omega/T), of which the real part is
-        # the growth of log |z|.
-        late = self.samples + acb(0, 1) * log.along / expression_ball(self.curve.loop.loop.T)
-        return sign_of((log.later / late).real) or None
-
-
-@dataclass(eq=False)
-class Lateness:
-    """The critical delays of a loop: those ``found`` by now, and up to which delay, ``frontier``,
-    they are all (None: everywhere).
-
-    ``own`` : the delay that the scene has. ``most`` : the delay up to which ``curves`` have all
-    roots on the circle (None: at all delays). ``senses`` : how many roots more are outside of the
-    circle beyond each delay. ``left`` : intervals of delays in which others may be.
-    """
-
-    loop: Opened
-    own: Rational
-    curves: list[AngleCurve]
-    most: Fraction | None
-    found: list[Passage] = field(default_factory=list)
-    senses: list[int] = field(default_factory=list)
-    left: list[Span] = field(default_factory=list)
-    frontier: Fraction | None = Fraction(0)
-
-    @classmethod
-    def of(cls, loop: Opened, own: Expr, most: Fraction) -> Lateness | None:
-        """The search, with all of its curves up to a delay of ``most``; None where these are not
-        settled."""
-        at, period = Fraction(0), Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
-        found, is_cut_off = list[AngleCurve](), False
-        try:
-            while at < period:
-                piece, last = loop.piece(at, period)
-                more, is_more_cut_off = curves(piece, (at, last), most)
-                found += more
-                is_cut_off |= is_more_cut_off
-                at = last
-        except UndecidedError:
-            return None
-        return cls(loop, Rational(own), found, most if is_cut_off else None)
-
-    def known(self, end: Fraction) -> Iterator[Fraction]:
-        """Find the critical delays one after the other, up to ``end``; yield up to where all are
-        known, after each. A second call goes on where the last one ended."""
-        # The working precision is that of the caller while this waits at a yield.
-        while self._heap and len(self.found) < _MOST_PASSAGES:
-            low, n, k = self._heap[0]
-            self._proceed(low)
-            if low > end:
-                return
-            tick()
-            with flint.ctx.workprec(_BITS):
-                self._look(self.curves[n], k)
-                heapreplace(self._heap, self._ahead(self.curves[n], n, k))
-            self._proceed(self._heap[0][0])
-            if self.frontier is not None:
-                yield self.frontier
-        if not self._heap:
-            self.frontier = self.most
-
-    def _proceed(self, low: float) -> None:
-        """Note that all critical delays below a lower bound of those that follow are known."""
-        frontier = max(Fraction(0), Fraction(low))
-        self.frontier = frontier if self.most is None else min(frontier, self.most)
-
-    @cached_property
-    def _heap(self) -> list[tuple[float, int, int]]:
-        """The next turn of each curve. The earliest comes first, so that delays are complete up to
-        its bound."""
-        with flint.ctx.workprec(_BITS):
-            heap = [self._ahead(x, n, -2) for n, x in enumerate(self.curves)]
-        heapify(heap)
-        return heap
-
-    def _ahead(self, curve: AngleCurve, n: int, k: int) -> tuple[float, int, int]:
-        """The next turn of a curve after k whose delays are not all < 0, with a lower bound on
-        them: as the heap has it."""
-        while True:
-            k += 1
-            delays = curve.delays(k)
-            if delays.upper() > 0:
-                return float(delays.lower()) * (1 - _ROUNDING), n, k
-
-    def _look(self, curve: AngleCurve, k: int) -> None:
-        """Add the critical delays of a curve after k turns to what was ``found``, or to
-        ``left``."""
-        T, theta, delays = expression_ball(self.loop.loop.T), curve.box[1], curve.delays(k)
-        first, last = (
-            int(x.floor().unique_fmpz())  # of a number without radius: just one
-            for x in (
-                ((delays.lower() - theta.upper()) / T).lower(),
-                ((delays.upper() - theta.lower()) / T).upper(),
-            )
-        )
-        if last - first > _MANY:
-            self.left.append(bounds(delays))
-            return
-        for samples in range(max(first, 0), last + 1):
-            turn = Turn(curve, samples, k)
-            try:
-                for pair in turn.pairs():
-                    self._add(Passage(pair.value, pair.frequency), turn.sense(pair))
-            except UndecidedError:
-                self.left.append(bounds(delays))
-
-    def _add(self, passage: Passage, sense: int) -> None:
-        """Add a critical delay, unless it is there: parts of curves overlap a little, and a whole
-        number of samples is at the end of one piece and at the start of the next."""
-        # A pair of roots: at z = 1 and z = -1, where there is one alone, |N/Q| is even in the
-        # angle, so that its slope is 0 and no curve is proven.
-        roots = 2 * sense
-        for i, known in enumerate(self.found):
-            same_value = not ordered(known.value, passage.value)
-            if same_value and not ordered(known.omega, passage.omega):
-                if self.senses[i] != roots:
-                    raise UndecidedError("whether a root comes to the unit circle and goes back")
-                return
-        self.found.append(passage)
-        self.senses.append(roots)
-
-    def holds(self, value: Rational) -> bool | None:
-        """Whether the loop is stable with a delay, by the exact count at its own one and the roots
-        that cross in between; None where these are not all known."""
-        # At a critical delay itself a root is on the circle, or may be: the sum tells nothing.
-        at = ExactNumber(value)
-        if not self._is_told(value) or any(not ordered(x.value, at) for x in self.found):
-            return None
-        low, high = sorted((self.own, value))
-        between = [
-            sense
-            for x, sense in zip(self.found, self.senses, strict=True)
-            if ordered(ExactNumber(low), x.value) > 0 and ordered(x.value, ExactNumber(high)) > 0
-        ]
-        return self._home + (1 if value > self.own else -1) * sum(between) == 0
-
-    def _is_told(self, value: Rational) -> bool:
-        """Whether all critical delays between the loop's own delay and another one are known."""
-        last = max(self.own, value)
-        if self.left or self.frontier is None:
-            return not self.left
-        # ``most`` itself is among what is known: what was cut off, and a lower bound in the heap
-        # that is as large, stand for larger delays.
-        frontier = rational(self.frontier)
-        return last < frontier or (self.frontier == self.most and last == frontier)
-
-    @cached_property
-    def _home(self) -> int:
-        return sum(self.loop.at(self.own).unstable())
+        # A root obeys d log z = L - 2 pi j k. L changes with log z = j omega T by L_omega/(j T). So
+        # (d + j L_omega/T) d(log z)/d theta = L_theta, and log abs(z) grows with its real part.
+        slope = self.samples + acb(0, 1) * log.by_omega / expression_ball(self.curve.loop.loop.T)
+        return sign_of((log.by_theta / slope).real) or None

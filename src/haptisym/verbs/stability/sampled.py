@@ -41,7 +41,7 @@ from haptisym.model.scene import Knob, Scene
 from haptisym.model.valueranges import searched
 from haptisym.verbs.stability.clockedloop import clock_of, clocked_roots, loop_of
 from haptisym.verbs.stability.held import drifts, moved
-from haptisym.verbs.stability.late import Lateness
+from haptisym.verbs.stability.late import CriticalDelays
 from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 
 # Intervals that are looked at on a side; the fewer where only the nearest end is asked for.
@@ -148,9 +148,11 @@ class OutwardSearch:
     left: list[Span] = field(default_factory=list)
 
     @cached_property
-    def _late(self) -> Lateness | None:
+    def _late(self) -> CriticalDelays | None:
         """The search by curves, where the parameter is a delay of all that moves; else None."""
-        return Lateness.of(self.loop, self.own, self._ends()[1]) if self.loop.is_late else None
+        return (
+            CriticalDelays.of(self.loop, self.own, self._ends()[1]) if self.loop.is_late else None
+        )
 
     def holds(self, value: Rational) -> bool | None:
         """Whether the loop is stable at a value, by an exact count; None where that stays open."""
@@ -191,16 +193,16 @@ class OutwardSearch:
                     continue
                 yield [*self.loop.at_rest, *self.found], self._open(beyond)
 
-    def _of_a_delay(self, late: Lateness) -> Iterator[tuple[list[Passage], list[Open]]]:
+    def _of_a_delay(self, late: CriticalDelays) -> Iterator[tuple[list[Passage], list[Open]]]:
         """What ``known`` yields for a delay, by the curves along which a root is on the circle."""
         _, high = self._ends()
         for known in late.known(high):
-            self.left = late.left
-            yield late.found, self._open({1: (known, STOPPED)})
+            self.left = late.undecided
+            yield late.passages, self._open({1: (known, STOPPED)})
         last = late.frontier
         is_whole = last is None or (last >= high and self.asked.high is not None)
         yield (
-            late.found,
+            late.passages,
             self._open(
                 {1: None if is_whole or last is None else (min(last, high), self._not_searched)}
             ),
