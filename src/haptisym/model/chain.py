@@ -1,20 +1,25 @@
 """The perceived dynamics H_perc of a chain of effects, and its closed forms.
 
-Question: a controller renders an environment (force over motion, H = F/X, a function of s); between
-it and the hand there are n effects (filters, delays, samplers, elastic parts). What does the hand
-feel, and in which closed form is that short? Begin reading at ``Chain``.
+**Question.** A controller renders an environment (force over motion, H = F/X, a function of s);
+between it and the hand there are n effects (filters, delays, samplers, elastic parts). What does
+the hand feel, and in which closed form is that short?
 
 **The map.** Each effect is a chain matrix (A, B; C, D) over functions of s, the transmission matrix
-of a two-port: with H on the side of the environment the hand's side has
+of a two-port (Feldtkeller 1937): with H on the side of the environment the hand's side has
 
     H' = (A H + B)/(C H + D),
 
 a Moebius map. Maps compose as matrices multiply: H_perc is the map of all effects, nearest the
 environment first, of H_rendered, what the controller renders. dH = H_perc - H_env is the distortion
 against H_env, what should be felt (mostly H_rendered = H_env). On s = j omega the ratios are r_r =
-|Re dH|/|H_env| and r_i = |Im dH|/|H_env|; a difference is noticed where a ratio exceeds a threshold
-c. All is exact: fractions of polynomials in s, pi, the parameters, delays exp(-s tau) and
-fractional powers of s (a ``Ring``).
+abs(Re dH)/abs(H_env) and r_i = abs(Im dH)/abs(H_env); a difference is noticed where a ratio exceeds
+a threshold c (Fu, van Paassen and Mulder 2019, doi:10.1016/j.ifacol.2019.12.119).
+
+**Exact.** All dynamics are quotients of polynomials in s, pi, the parameters, delays exp(-s tau) and
+fractional powers of s (a ``Ring``); all parameters are positive symbols or exact numbers. *Lowest
+terms*: numerator and denominator have no common factor as such polynomials. A *response* has real
+and imaginary part on s = j omega as real functions of omega, a *chart* all zeros, poles and signs
+of such functions, a *solution* a formula for a frequency and the conditions under which it is one.
 
 **Three closed forms** of Re and Im. In *lowest terms*, a single fraction: unique, but for n devices
 with parameters of their own of some 2^n terms. In *magnitudes and angles*, for effects in series
@@ -25,9 +30,15 @@ with parameters of their own of some 2^n terms. In *magnitudes and angles*, for 
 which grows by one magnitude and one angle for each effect. Else as Re or Im of H_perc(j omega) as
 the chain builds it. ``shortest`` chooses. Named steps (``Chain.steps``) are short for all.
 
-**Other forms** are below in sections: what a person makes of a dynamics (stiffness, mass, damping),
-crossings of a threshold, and bandwidth. Leading terms at low and high frequency are in
-``asymptotes``. ``Distortion`` (model.distortion) is the object by which all are used.
+**Guaranteed.** Formulas are identities, for all positive values of the parameters at which no
+denominator vanishes. Frequencies (``zeros``, ``sign_changes``, ``bandwidth``) are certified: none is
+missing, and each has any number of digits. What cannot be had raises SceneError and says why; None
+(``lowest``) means undecided.
+
+Begin with ``Chain``: ``dynamics`` computes H_env and H_perc. Sections below: closed forms; what a
+person makes of a dynamics (stiffness, mass, damping); crossings of a threshold and bandwidth.
+Leading terms at low and high frequency are in ``asymptotes``. ``Distortion`` (model.distortion) is
+the object by which all are used.
 """
 
 from __future__ import annotations
@@ -85,34 +96,20 @@ NOTHING_TO_FEEL = (
     "stability takes free air)"
 )
 _SAMPLE_BITS = 128
-"""Precision at which a program is tried at one point: a field that is not 0 has a ball without 0
-there, but for bad luck."""
+"""Precision, bits, at which a program is tried at one point: there the ball of a field that is not 0
+everywhere hardly ever holds 0."""
 _COSINE_OR_SINE = {Part.REAL: cos, Part.IMAG: sin}
 _PART_OF = {Part.REAL: re, Part.IMAG: im}
-
-# Which closed form is made, by the terms of numerator and denominator of the dynamics together:
-# Re and Im in lowest terms have some square of that many terms. The numbers are what is readable
-# (ten) and what takes seconds at most.
-_ALWAYS_LOWEST = 10
-"""Up to here lowest terms are taken as they are."""
-_MOST_COMPARED = 80
-"""Up to here lowest terms are compared with the form in magnitudes and angles."""
-_MOST_LOWEST = 300
-"""Up to here lowest terms are taken where the effects are not in series."""
-LOWEST_MAY_EXCEED = 1.3
-"""Lowest terms are preferred up to this many times the operations of the other form."""
-
-_SAME_FREQUENCY = 1e-9
-"""Relative: frequencies, as doubles, that differ by less are not told apart."""
-_OMEGA_SQUARED = Symbol("W", positive=True)
-"""omega^2, the unknown of a threshold polynomial."""
 
 
 @dataclass(frozen=True)
 class Chain:
-    """A display as dynamics in s, exact: ``environment``, H_env, what should be felt; ``rendered``,
-    what the controller renders for it; ``matrices``, the effects' chain matrices (A, B, C, D),
-    nearest the environment first. Stiffness, damping and mass in SI, s in rad/s."""
+    """A display as exact dynamics in s; stiffness, damping and mass in SI, s in rad/s.
+
+    ``environment`` : H_env, what should be felt.
+    ``rendered`` : H_rendered, what the controller renders for it.
+    ``matrices`` : the chain matrices (A, B, C, D) of the effects, nearest the environment first.
+    """
 
     environment: Expr
     rendered: Expr
@@ -121,11 +118,10 @@ class Chain:
     def dynamics(
         self, ring: Ring | None = None, *, free_air: bool = False
     ) -> tuple[RationalFunction, RationalFunction]:
-        """H_env and H_perc in lowest terms, in a ring that holds them (the smallest one unless
-        given).
+        """H_env and H_perc in lowest terms, in ``ring`` or else in that of the chain.
 
-        Raises SceneError where H_perc is not a dynamics, and, unless ``free_air``, where H_env is
-        zero everywhere.
+        SceneError where H_perc is infinite at every frequency, and, unless ``free_air``, where
+        H_env is zero everywhere: then there is no ratio to it.
         """
         ring = ring or self.ring
         environment = ring.convert(self.environment).reduced()
@@ -134,8 +130,12 @@ class Chain:
         return environment, self.perceived(range(len(self.matrices)), ring)
 
     def perceived(self, effects: Iterable[int], ring: Ring | None = None) -> RationalFunction:
-        """H_perc in lowest terms with these effects alone, given by their indices in ``matrices``;
-        in the ring of the whole chain unless given another."""
+        """H_perc in lowest terms with some of the effects alone, in ``ring`` or else in that of the
+        chain.
+
+        ``effects`` : their indices in ``matrices``, ascending. SceneError where H_perc is infinite
+        at every frequency.
+        """
         ring = ring or self.ring
         H = ring.convert(self.rendered)
         for i in effects:
@@ -146,8 +146,8 @@ class Chain:
     @cached_property
     def ring(self) -> Ring:
         """The smallest ring that holds all dynamics of the chain, and ``stand_in``."""
-        # The threshold's symbol comes along so that crossings have formulas in it; a variable that
-        # does not occur costs nothing.
+        # With the symbol of a threshold crossings have formulas in it; a variable that does not
+        # occur costs nothing.
         return Ring.of([*self.entries(), self.stand_in])
 
     @cached_property
@@ -157,7 +157,7 @@ class Chain:
         return unused(symbol_c, self.parameters)
 
     def entries(self) -> tuple[Expr, ...]:
-        """All dynamics in it: H_env, what is rendered, and the entries of the matrices."""
+        """All dynamics of the chain: H_env, H_rendered, and the entries of the matrices."""
         entries = [self.environment, self.rendered]
         for matrix in self.matrices:
             entries += matrix
@@ -165,27 +165,32 @@ class Chain:
 
     @property
     def parameters(self) -> tuple[Symbol, ...]:
-        """The symbols in it except s, in the order of their names."""
-        found = {x for entry in self.entries() for x in entry.free_symbols}
-        return tuple(sorted(found - {s}, key=str))
+        """The symbols of the chain except s, in the order of their names."""
+        symbols = {x for entry in self.entries() for x in entry.free_symbols}
+        return tuple(sorted(symbols - {s}, key=str))
 
     @property
     def harmonics(self) -> tuple[Expr, ...]:
-        """The first harmonics in it whose sizes are still symbols."""
-        return tuple(sorted({x for e in self.entries() for x in e.atoms(Harmonic)}, key=str))
+        """The first harmonics (describing functions of friction, backlash and the like) in the chain
+        whose sizes are still symbols."""
+        harmonics = {x for entry in self.entries() for x in entry.atoms(Harmonic)}
+        return tuple(sorted(harmonics, key=str))
 
     @property
     def described(self) -> frozenset[Symbol]:
-        """The symbols in its first harmonics: sizes that can be set, not varied."""
+        """The symbols in the first harmonics: sizes that can be set, but not be searched, as no
+        quotient of polynomials has them."""
         return frozenset().union(*(x.free_symbols for x in self.harmonics))
 
     def program(self, fields: Sequence[str]) -> Program:
-        """The straight-line program of some fields of ``programs.values.Values``; what is 0 for all
-        arguments is written as 0."""
+        """The straight-line program, a list of elementary operations, that computes some fields of
+        ``programs.values.Values`` from omega and the parameters. A field that is 0 for all arguments
+        is written as 0."""
         return self._program(fields, ())
 
     def _program(self, fields: Sequence[str], harmonics: tuple[Expr, ...]) -> Program:
-        """The program with these first harmonics as inputs, and all others computed."""
+        """As ``program``, with ``harmonics`` as further inputs, and all other first harmonics
+        computed."""
         from haptisym.programs.balls import BallPoint  # a certified answer needs no program
 
         inputs = (*self.parameters, *harmonics)
@@ -195,29 +200,32 @@ class Chain:
         # whose ball holds 0 at this arbitrary point need the exact, slower test.
         point = tuple(1.25 + n / 8 for n in range(len(program.inputs)))
         balls = BallPoint(program, point).balls(_SAMPLE_BITS)
-        zero = [name for name in fields if balls[name].contains(0) and self.vanishes(name)]
-        return write(fields, zero) if zero else program
+        vanishing = [name for name in fields if balls[name].contains(0) and self.vanishes(name)]
+        return write(fields, vanishing) if vanishing else program
 
     def vanishes(self, field: str) -> bool:
-        """Whether a field, as "perceived_real", is 0 at all frequencies and for all parameters:
-        True and False are both decided exactly."""
+        """Whether a field is 0 at all frequencies and for all parameters, decided exactly.
+
+        ``field`` : of ``programs.values.Values``, a kind and a part, as "perceived_real": real or
+        imaginary part of H_perc ("perceived"), H_env ("environment") or dH/H_env ("relative"). All
+        others, as "real" and "ratio_real", vanish where that part of dH does.
+        """
         kind, _, part = field.rpartition("_")
-        env, perc = self.dynamics(free_air=kind == "perceived")
-        # All other fields, as ``real`` and ``ratio_real``, vanish where that part of dH does.
-        dynamics = perc - env
+        environment, perceived = self.dynamics(free_air=kind == "perceived")
+        dynamics = perceived - environment
         if kind == "relative":
-            dynamics = dynamics / env
+            dynamics = dynamics / environment
         elif kind == "environment":
-            dynamics = env
+            dynamics = environment
         elif kind == "perceived":
-            dynamics = perc
+            dynamics = perceived
         response = on_axis(dynamics)
         return (response.raw_real if part == "real" else response.raw_imag).is_zero
 
     @cached_property
     def steps(self) -> Steps:
-        """All fields of ``programs.values.Values`` in named steps, as a page shows them; H_perc is
-        given as H_env + dH."""
+        """All fields of ``programs.values.Values`` in named steps, as a page shows them: equations
+        with names for what occurs more than once. H_perc is given as H_env + dH."""
         from haptisym.programs.steps import DISTORTION, Steps, page_steps
 
         fields = (*DISTORTION, "environment_real", "environment_imag")
@@ -235,15 +243,18 @@ class Chain:
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def part_of_distortion(self, part: Part, environment: Expr) -> Expr:
-        """Re or Im dH, where ``environment`` is that part of H_env(j omega): that of H_perc, in
-        magnitudes and angles if the effects are in series, minus it."""
+        """Re or Im of dH = H_perc - H_env, that of H_perc in magnitudes and angles if the effects are
+        in series, else as the chain builds it.
+
+        ``environment`` : that part of H_env(j omega).
+        """
         if not self.in_series:
             return _PART_OF[part](self.formula, evaluate=False) - environment
         return self._part_of_product(part, [self.rendered, *self._gains]) - environment
 
     def part_of_relative(self, part: Part) -> Expr:
-        """Re or Im of dH/H_env = H_perc/H_env - 1, in magnitudes and angles if the effects are in
-        series."""
+        """Re or Im of dH/H_env = H_perc/H_env - 1, that of the quotient in magnitudes and angles if
+        the effects are in series, else as the chain builds it."""
         one = Integer(part is Part.REAL)
         if not self.in_series:
             H = self.environment.xreplace({s: I * omega})
@@ -277,17 +288,18 @@ class Chain:
         return magnitude * _COSINE_OR_SINE[part](angle)
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
-        """A chain with the same ratios whose H_env has no zeros on s = j omega; and whether the
-        parts have changed places, r_r of this chain being r_i of that one.
+        """A chain with the same ratios whose H_env has no zeros on s = j omega, and whether the
+        parts have changed places: r_r of this chain is then r_i of that one.
 
-        All dynamics are divided by the product Z of the factors of H_env that can vanish there:
-        (A H + B)/(C H + D) over Z is the map of [[A, B/Z], [C Z, D]] applied to H/Z. Re dH and Im
-        dH of the quotient are those of dH over |Z|, up to the sign, where Z(j omega) is real, and
-        change places where it is imaginary.
+        At a frequency where H_env vanishes the ratio abs(Re dH)/abs(H_env) is then a value and not
+        0/0. All dynamics are divided by the product Z of the factors of H_env that can vanish
+        there:
+
+        - (A H + B)/(C H + D) over Z is the map of [[A, B/Z], [C Z, D]] applied to H/Z.
+        - Z(j omega) is real, or it is imaginary. If real, Re dH and Im dH of the quotient are those
+          of dH over abs(Z), up to the sign; if imaginary, they change places.
         """
         H_env = self.ring.convert(self.environment).reduced()
-        # At a frequency where H_env vanishes the ratio, |Re dH|/|H_env|, is then a value and not
-        # 0/0.
         Z = self.ring.function(_axis_zeros(self.ring, H_env.numerator))
         if Z.numerator.is_constant():
             return self, False
@@ -300,7 +312,7 @@ class Chain:
         """The chain with all dynamics divided by Z, in lowest terms."""
 
         def times(x: Expr, power: int) -> Expr:
-            """A dynamics times that power of Z, in lowest terms."""
+            """A dynamics times that power of Z, in lowest terms; 0 stays as it is."""
             return (self.ring.convert(x) * Z**power).reduced().expression() if x else x
 
         matrices = []
@@ -313,20 +325,22 @@ class Chain:
         return self.map(lambda entry: in_place(entry, values))
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:
-        """The same chain with values for some of its symbols, for what searches the others;
+        """As ``put``, for what searches values of the other symbols.
+
         SceneError where numbers are put in and a first harmonic, which is no quotient of
-        polynomials, keeps a symbol."""
-        found = self.put(values)
-        if found.harmonics and any(x.is_number for x in values.values()):
-            names = ", ".join(sorted(map(str, found.described)))
+        polynomials, keeps a symbol.
+        """
+        chain = self.put(values)
+        if chain.harmonics and any(x.is_number for x in values.values()):
+            names = ", ".join(sorted(map(str, chain.described)))
             raise SceneError(
                 f"{names}: a number of a describing function can be set, not varied: write "
                 f"another value into the scene (with_values), and ask again"
             )
-        return found
+        return chain
 
     def map(self, change: Callable[[Expr], Expr]) -> Chain:
-        """The chain with every dynamics in it changed by a function."""
+        """The chain with a function applied to every dynamics in it."""
         matrices = []
         for a, b, c, d in self.matrices:
             matrices.append((change(a), change(b), change(c), change(d)))
@@ -334,7 +348,7 @@ class Chain:
 
 
 def unused(symbol: Symbol, taken: Iterable[Symbol]) -> Symbol:
-    """The symbol, with as many _ after its name as it takes to be none of others by name."""
+    """The symbol, with as many _ after its name as it takes that no symbol of ``taken`` has it."""
     name, names = symbol.name, {x.name for x in taken}
     while name in names:
         name += "_"
@@ -345,8 +359,12 @@ def unused(symbol: Symbol, taken: Iterable[Symbol]) -> Symbol:
 def _writer(
     environment: Expr, rendered: Expr, matrices: tuple[Matrix, ...], inputs: tuple[Symbol, ...]
 ) -> Callable[[Sequence[str], Collection[str]], Program]:
-    """The function that writes programs of a chain, by the fields wanted and those known to be 0,
-    all from the same steps; cached, as several sets of fields are asked of one chain."""
+    """Return a function that writes programs of a chain, from the fields wanted and those known to
+    be 0.
+
+    All of its programs share their first steps, which are computed here: it is cached, as several
+    sets of fields are asked of one chain.
+    """
     from haptisym.programs.distortion import stable_program
 
     return stable_program(environment, rendered, matrices, inputs)
@@ -354,8 +372,12 @@ def _writer(
 
 def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
     """The product of the irreducible factors of a polynomial that are real or imaginary on s = j
-    omega, s itself and those in s^2: to vanish there takes one equation, of any other factor
-    two."""
+    omega: s itself, and those in s^2.
+
+    These can vanish there, as it takes one equation. Any other factor f takes two, Re f = Im f = 0,
+    for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would share it, and
+    an irreducible f would be even or odd; with parameters it has one for isolated values alone.
+    """
     zeros_on_axis = ring.constant(1)
     if not polynomial:
         return zeros_on_axis
@@ -406,6 +428,18 @@ def _moebius(H: RationalFunction, matrix: Sequence[RationalFunction]) -> Rationa
 
 # Closed forms of Re and Im: the choice between them, and magnitudes and angles.
 
+# Which closed form is made, by the number of terms of numerator and denominator of the dynamics
+# together: Re and Im in lowest terms have about its square. The numbers are what is readable (ten)
+# and what takes seconds at most; they choose between equal formulas alone.
+_ALWAYS_LOWEST = 10
+"""Up to here lowest terms are taken as they are."""
+_MOST_COMPARED = 80
+"""Up to here lowest terms are compared with the form in magnitudes and angles."""
+_MOST_LOWEST = 300
+"""Up to here lowest terms are taken where the effects are not in series."""
+LOWEST_MAY_EXCEED = 1.3
+"""Lowest terms are preferred up to this many times the operations of the other form."""
+
 
 def shortest(
     dynamics: RationalFunction,
@@ -414,12 +448,13 @@ def shortest(
     *,
     in_series: bool,
 ) -> tuple[Expr, bool]:
-    """The shorter of two forms of Re or Im of a dynamics; and whether that is the one in lowest
-    terms.
+    """The shorter of two equal forms of Re or Im of a dynamics; and whether that is the one in
+    lowest terms. Lowest terms are preferred where they are short, and not made where that would
+    take long.
 
-    ``lowest`` : makes the form in lowest terms; ``others`` : makes the other one, in magnitudes and
-    angles if all effects are ``in_series``, else Re or Im of H_perc as the chain builds it. Lowest
-    terms are preferred where they are short, and not made where that would take long.
+    ``lowest`` : makes the form in lowest terms.
+    ``others`` : makes the other one, in magnitudes and angles if all effects are ``in_series``, else
+    Re or Im of H_perc as the chain builds it.
     """
     terms = len(dynamics.numerator) + len(dynamics.denominator)
     if terms <= _ALWAYS_LOWEST or (terms <= _MOST_LOWEST and not in_series):
@@ -433,8 +468,11 @@ def shortest(
 
 
 def _polar(product: Expr) -> tuple[Expr, Expr]:
-    """Magnitude and angle, rad, of a product of factors on s = j omega. The magnitude may be
-    negative: its sign is then no part of the angle."""
+    """Magnitude and angle, rad, of a product of factors on s = j omega.
+
+    The magnitude is real, and negative where a sine of a hold is: the product is the magnitude times
+    exp(j angle) all the same.
+    """
     numerator, denominator = product.as_numer_denom()
     factors = [(x, 1) for x in Mul.make_args(numerator)]
     factors += [(x, -1) for x in Mul.make_args(denominator)]
@@ -445,16 +483,16 @@ def _polar(product: Expr) -> tuple[Expr, Expr]:
         base, power = (factor, Integer(1)) if is_exponential else factor.as_base_exp()
         if not power.is_Integer:
             base, power = factor, Integer(1)
-        of_one, phase = _polar_of_one(base)
+        base_magnitude, base_angle = _polar_of_one(base)
         n = sign * power
-        magnitude *= of_one**n
-        angle += phase * n
+        magnitude *= base_magnitude**n
+        angle += base_angle * n
     return magnitude, angle
 
 
 def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
-    """Magnitude (which may be negative) and angle, rad, of one factor on s = j omega: a delay, a
-    power of s, the numerator of a hold, or any polynomial."""
+    """Magnitude and angle, as of ``_polar``, of one factor: a delay, a power of s, the numerator of
+    a hold, or any polynomial."""
     if isinstance(x, exp):
         # A delay exp(s a): magnitude 1, angle omega a.
         advance = x.args[0] / s
@@ -473,9 +511,9 @@ def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
                 return 2 * sign * sin(phase / 2), (pi + phase) / 2
     ring = Ring.of([x])
     response = on_axis(ring.convert(x))
-    a = response.real.function.reduced().expression()
-    b = response.imag.function.reduced().expression()
-    return sqrt(a**2 + b**2), atan2(b, a)
+    real = response.real.function.reduced().expression()
+    imag = response.imag.function.reduced().expression()
+    return sqrt(real**2 + imag**2), atan2(imag, real)
 
 
 # What a person makes of a dynamics. Equations are those of Fu, van Paassen and Mulder (2019),
@@ -484,12 +522,10 @@ def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
 
 @dataclass(frozen=True)
 class Properties:
-    """What a person makes of a dynamics at a frequency (section 2.3): closed forms in omega.
+    """What a person makes of a dynamics H at a frequency (section 2.3): closed forms in omega.
 
-    ``real``, ``imag``: Re H and Im H, N/m. ``stiffness`` = Re H, N/m; ``mass`` = -Re H/omega^2, kg;
-    ``damping`` = Im H/omega, N s/m. ``spring_inertia_force`` = X Re H (eq. 5) and ``damping_force``
-    = j X Im H (eq. 6): phasors of the force, N, for a motion of complex amplitude X. For a rotation
-    read N m/rad, kg m^2, N m s/rad and N m.
+    ``real``, ``imag`` : Re H and Im H, N/m; for a rotation N m/rad. Forces (eqs. 5 and 6) are
+    phasors, N or N m, for a motion of the complex ``amplitude`` X.
     """
 
     real: Expr
@@ -526,11 +562,12 @@ class Properties:
 
 @dataclass(frozen=True)
 class ParameterJND:
-    """How much a single parameter must change to be noticed, for a threshold c: dk = c |H|, db =
-    c |H|/omega, dm = c |H|/omega^2.
+    """How much a single parameter must change to be noticed, for a threshold c: dk = c abs(H), db =
+    c abs(H)/omega, dm = c abs(H)/omega^2, in N/m, N s/m and kg (for a rotation N m/rad, N m s/rad,
+    kg m^2).
 
-    N/m, N s/m and kg (for a rotation N m/rad, N m s/rad, kg m^2). Derived from eq. (4): a change of
-    one parameter by p moves Re H by dk or -omega^2 dm, or Im H by omega db.
+    By eq. (4) a change is noticed where Re H or Im H moves by c abs(H); dk moves Re H by dk, dm by
+    -omega^2 dm, and db moves Im H by omega db.
     """
 
     stiffness: Expr
@@ -539,17 +576,27 @@ class ParameterJND:
 
 
 def properties(response: Response, frequency: Expr = omega, amplitude: Symbol = X) -> Properties:
-    """The properties of a dynamics by its response on s = j omega; ``frequency`` : what stands for
-    omega in them, ``amplitude`` : for the amplitude of the motion."""
+    """The properties of a dynamics from its response on s = j omega.
+
+    ``frequency`` : what stands for omega in them; ``amplitude`` : what stands for the amplitude of
+    the motion.
+    """
     named = {omega: frequency}
     real = in_place(response.real.factored(), named)
     imag = in_place(response.imag.factored(), named)
     return Properties(real, imag, frequency, amplitude)
 
 
-def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None) -> Expr | None:
-    """The formula among the solutions ``found`` that is the lowest frequency: for these ``values``
-    of all parameters, or without them for all values at which it is in force.
+_SAME_FREQUENCY = 1e-9
+"""Frequencies, as doubles, that differ relatively by less are not distinguished: far above their
+rounding, far below what a formula means to a reader."""
+
+
+def lowest(
+    solutions: Sequence[Solution], values: Mapping[Symbol, Expr] | None = None
+) -> Expr | None:
+    """The formula of the lowest frequency among ``solutions``: for these ``values`` of all
+    parameters, or without them for all values at which it is in force.
 
     None : which one is lowest is not decided, or none is in force.
 
@@ -560,16 +607,17 @@ def lowest(found: Sequence[Solution], values: Mapping[Symbol, Expr] | None = Non
     (None, sqrt(k - m))
     """
     # A solution without omega is an equation that has no formula.
-    if any(x.omega is None for x in found):
+    if any(x.omega is None for x in solutions):
         return None
     if values is None:
-        for x in found:
-            if all(x is other or _is_lower(x, other) for other in found):
+        for x in solutions:
+            if all(x is other or _is_lower(x, other) for other in solutions):
                 return x.omega
         return None
     by_frequency = []
-    for x in found:
+    for x in solutions:
         with_values = x.at(values)
+        # None, or without omega: with these values the solution is not in force.
         if with_values and with_values.omega is not None:
             if with_values.conditions or not with_values.omega.is_real:
                 return None
@@ -591,12 +639,12 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     assert other.omega is not None
     if not set(one.conditions) <= set(other.conditions):
         return False
-    # Both are positive where they are in force: they are in the order of their squares. Of the two
-    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. The root is not
-    # negative where it is real, so that the signs of the other factors decide.
-    gap = factor_terms((other.omega**2 - one.omega**2).expand())
     if (one.omega - other.omega).is_negative:
         return True
+    # Both are positive where they are in force: they are in the order of their squares. Of the two
+    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. The square root is
+    # not negative where it is real, so that the signs of the other factors decide.
+    gap = factor_terms((other.omega**2 - one.omega**2).expand())
     for factor in Mul.make_args(gap):
         is_root = factor.is_Pow and factor.exp == Rational(1, 2)
         if not is_root and not factor.is_positive:
@@ -604,8 +652,12 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     return True
 
 
-# Changeovers, crossings of a threshold and bandwidth. A ratio comes as its square, a rational
-# function of omega.
+# Changeovers, crossings of a threshold and bandwidth. A ratio r is given as its square, a function
+# of omega: in squares there is no square root of |H_env|^2, and zeros and signs stay those of
+# polynomials.
+
+_OMEGA_SQUARED = Symbol("W", positive=True)
+"""omega^2, the unknown of a threshold polynomial."""
 
 Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
 """Formulas, each with the conditions under which it is in force; or, where all are numbers,
@@ -633,8 +685,8 @@ class CrossingSolutions(NamedTuple):
 
 
 def part_named(given: Any) -> Part:
-    """Return the part that is given, or that has the given name, "real" or "imag"; SceneError for
-    anything else."""
+    """Return the part that is given itself or by its name, "real" or "imag"; SceneError for anything
+    else."""
     if given in [x.value for x in Part]:
         return Part(given)
     if not isinstance(given, Part):
@@ -643,8 +695,11 @@ def part_named(given: Any) -> Part:
 
 
 def threshold(given: Any, named: Mapping[str, str]) -> Expr:
-    """Read a threshold c: a fraction > 0, as a number or in symbols of its own. ``named`` : the
-    names that are taken, and what they mean. SceneError for any other."""
+    """Read a threshold c: a fraction > 0, as a number or in symbols of its own.
+
+    ``named`` : the names that its symbols must not have, and what they mean. SceneError for anything
+    else.
+    """
     with within("c"):
         value = quantity(given, Dimension.RATIO).value
     if (value.is_number and sign_of_number(value) <= 0) or value.is_positive is False:
@@ -659,7 +714,6 @@ def threshold(given: Any, named: Mapping[str, str]) -> Expr:
 
 def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
     """r^2 - c^2 in lowest terms: positive exactly where a ratio r exceeds a threshold c > 0."""
-    # In squares there is no square root of |H_env|^2: zeros and signs stay those of polynomials.
     f = squared_ratio.function
     square = f.ring.convert(c**2)
     numerator = f.numerator * square.denominator - square.numerator * f.denominator
@@ -674,12 +728,16 @@ def crossings(
     by: Callable[[RealFunction], tuple[Solution, ...]] = solve,
 ) -> tuple[Solution, ...]:
     """The frequencies at which a ratio equals a threshold, as formulas with the conditions under
-    which they are in force; ``stand_in`` : the symbol that the ring has for a threshold, ``by`` :
-    what solves r^2 = c^2."""
+    which they are in force.
+
+    ``stand_in`` : the symbol that the ring has for a threshold.
+    ``by`` : what solves r^2 - c^2 = 0, given its left-hand side.
+    """
     if not c.free_symbols:
         return by(excess(squared_ratio, c))
     solutions = by(excess(squared_ratio, stand_in))
-    # Squaring loses the sign of c: the condition c >= 0 goes along, and is left out where known.
+    # r^2 = c^2 is r = c for c >= 0 alone: that is one more condition, which ``put`` leaves out where
+    # it is known to hold.
     in_c = []
     for x in solutions:
         conditional = replace(x, conditions=(*x.conditions, stand_in))
@@ -690,15 +748,15 @@ def crossings(
 
 
 def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ...]:
-    """All positive zeros of a function without free parameters, on a band if one is given, as
-    certified numbers; none is missed."""
+    """All positive zeros of a function without free parameters, certified: on a band, rad/s, if one
+    is given. SceneError without a band where there may be infinitely many, as with a delay."""
     points = (p for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
     return tuple(p.omega for p in points if float(p.omega))
 
 
 def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
     """All positive frequencies at which a function without free parameters changes its sign, poles
-    of odd order among them, as certified numbers."""
+    of odd order among them, certified. SceneError as of ``zeros``."""
     # N D has the sign of N/D and no poles: a zero at which it changes its sign is a zero of N or a
     # pole, both of odd order.
     same_sign = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
@@ -707,8 +765,8 @@ def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
 
 
 def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
-    """The zeros and poles of a function, under the name 0, on a band, or on all frequencies at
-    which it has zeros."""
+    """The chart of a function, under the key 0, on a band, or on all frequencies at which it has
+    zeros."""
     low, high = _band_ends(band) if band else (Integer(0), _above_all_zeros(f))
     return chart({0: f}, low, high)
 
@@ -727,8 +785,8 @@ def _band_ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
 
 
 def _above_all_zeros(f: RealFunction) -> Expr:
-    """A frequency, rad/s, above which a function has no zero; SceneError where none is known, as
-    with a delay."""
+    """A frequency > 0, rad/s, above which a function has no zero; SceneError where none is known, as
+    with a delay. Any frequency will do for the function 0."""
     if f.function.is_zero:
         return Integer(1)
     # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.
@@ -736,7 +794,8 @@ def _above_all_zeros(f: RealFunction) -> Expr:
         raise SceneError(
             "with a delay there may be infinitely many crossings: give a band, as band=(0, 100)"
         )
-    # The sign that holds for all omega >= ``radius``.
+    # Without delays the highest power of the numerator exceeds all others together for omega >=
+    # ``radius``: the function is not 0 there.
     at_infinity = asymptotic_sign(f.function)
     if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
         raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
@@ -744,9 +803,11 @@ def _above_all_zeros(f: RealFunction) -> Expr:
 
 
 def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol) -> Poly | Expr:
-    """The polynomial in W (W_ where that is a parameter) = omega^2 that vanishes where a ratio
-    equals a threshold; with delays or fractional powers an expression in omega. ``stand_in`` : the
-    ring's symbol for a threshold."""
+    """The polynomial in W = omega^2 (W_ where W is a parameter) that vanishes where a ratio equals a
+    threshold; with delays or fractional powers an expression in omega.
+
+    ``stand_in`` : the symbol that the ring has for a threshold.
+    """
     f = excess(squared_ratio, stand_in if c.free_symbols else c)
     numerator = f.expression().as_numer_denom()[0]
     polynomial = numerator.expand().xreplace({stand_in: c})
@@ -761,12 +822,14 @@ def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol)
 def bandwidth(
     squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None
 ) -> RealNumber | Expr:
-    """The upper end of the interval, from 0 or from the band's low end, on which no ratio exceeds
-    c, rad/s; 0 where there is no such interval, oo where it has no end.
+    """The upper end, rad/s, of the interval from 0 or from the low end of the band on which no ratio
+    exceeds c; 0 where there is no such interval, oo where it has no end.
 
-    SceneError where a parameter has no value, and, without a band, for a delay.
+    SceneError where a parameter has no value, and, without a band, where there may be infinitely
+    many crossings, as with a delay.
     """
-    if free := unknown(*squared_ratios.values()) | c.free_symbols:
+    free = unknown(*squared_ratios.values()) | c.free_symbols
+    if free:
         named = ", ".join(sorted(map(str, free)))
         raise SceneError(
             f"a bandwidth needs values for {named}; crossings(part, c) has the formulas"
@@ -778,8 +841,8 @@ def bandwidth(
         low, high = Integer(0), max(map(_above_all_zeros, functions.values()))
     table = chart(functions, low, high)
     unnoticed = table.where(lambda signs: all(x <= 0 for x in signs.values()))
-    # The bandwidth is the end of the interval that begins at the low end: one further up, behind
-    # frequencies at which a ratio exceeds c, is none.
+    # It is the end of the first interval, if that begins at the low end: an interval further up,
+    # behind frequencies at which a ratio exceeds c, is no bandwidth.
     end = table.reach(unnoticed)
     if end is None:
         return Integer(0)

@@ -38,7 +38,14 @@ exactly one.
 **Guaranteed.** All numbers are *balls*, intervals with middle and radius (``arb`` of FLINT; complex:
 ``acb``), whose operations enclose all values; comparisons of balls are True only where they hold
 for all values. So whatever is returned is proven. What is not decided is an UndecidedError, None,
-or an interval of delays in ``CriticalDelays.undecided``.
+or an interval of delays in ``CriticalDelays.undecided``. One comparison is of finite precision:
+``ordered(x, y)`` is 1 for x < y and -1 for x > y, proven, and 0 where hundreds of bits do not
+distinguish the numbers; these are taken for equal.
+
+**Words.** A ``Pair`` is a proven solution (omega, tau) of an equation, which it refines to any number
+of bits by steps of interval Newton; a ``Passage`` is its delay and its frequency as numbers. An
+``Opened`` is a loop with an open parameter, here tau; its ``loop.sides`` are N and Q as polynomials
+in z - 1, of which N is given for theta in place of tau.
 
 Begin with ``CriticalDelays``.
 """
@@ -128,7 +135,8 @@ class CriticalDelays:
         """
         period = Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
         curves, is_cut_off = list[UnitGainCurve](), False
-        # N is one function of theta as long as no term of the plant gets one more whole sample.
+        # A term of the plant may have a further delay of its own. N is one function of theta as long
+        # as none of these sums gets one more whole sample: ``end`` is where the first one does.
         start = Fraction(0)
         try:
             while start < period:
@@ -207,15 +215,14 @@ class CriticalDelays:
     def _add(self, passage: Passage, direction: int) -> None:
         """Add a critical delay, unless it is there already.
 
-        It is where boxes overlap, and where tau is a whole number of samples: that is the end of one
-        piece of theta and the start of the next. There N has a corner: where the directions on both
-        sides differ the root only touches the circle, or may do so.
+        It is found twice where boxes overlap, and where tau is a whole number of samples, the end of
+        one piece of theta and the start of the next. There N has a corner: if the directions on both
+        sides differ the root only touches the circle.
         """
         # A root and its conjugate. At z = 1 and z = -1, where a root has none, no curve is proven:
         # abs(N/Q) is even in the angle of z there, so that its slope is 0.
         root_change = 2 * direction
         for i, known in enumerate(self.passages):
-            # Equal to all digits that are compared.
             same_value = not ordered(known.value, passage.value)
             if same_value and not ordered(known.omega, passage.omega):
                 if self.root_changes[i] != root_change:
@@ -460,14 +467,14 @@ def _halves(frequencies: Sides, rests: Sides, cut: int) -> list[tuple[Sides, Sid
 
 
 def _is_above(phase: Ball, omega: Ball, most: Fraction) -> bool:
-    """Whether a box with this phase gives delays (2) above ``most``, s, and negative ones, alone, as
-    a low frequency takes long for a turn."""
-    # A wider ball may give delays of two k that cannot be told apart below.
+    """Whether all delays >= 0 that a box gives by (2) are above ``most``, s: a low frequency takes
+    long for a turn. ``phase`` : all over the box."""
+    # The phase must be narrow against a turn for the test of one k below.
     if not phase.rad() < 1:
         return False
     turn = 2 * arb.pi()
-    # phi + 2 pi k for the first k for which it is not negative anywhere in the box; that for the
-    # one before must be negative everywhere, so that no delay >= 0 is missed.
+    # phi + 2 pi k for the first k for which it is nowhere negative in the box. For k - 1 it must be
+    # negative everywhere, so that no delay >= 0 is missed.
     first = phase + turn * (-phase / turn).upper().ceil()
     return bool(first - turn < 0 and first > omega.upper() * fraction_ball(most))
 
