@@ -736,7 +736,7 @@ def crossings(
     if not c.free_symbols:
         return by(excess(squared_ratio, c))
     solutions = by(excess(squared_ratio, stand_in))
-    # r^2 = c^2 is r = c for c >= 0 alone: that is one more condition, which ``put`` leaves out where
+    # r^2 = c^2 is r = c for c >= 0 alone: that is one more condition, which ``at`` leaves out where
     # it is known to hold.
     in_c = []
     for x in solutions:
