@@ -1086,7 +1086,7 @@ SOFT = environments.kelvin_voigt(200, 2)
 @pytest.mark.parametrize(
     ("between", "band", "jnd", "starts"),
     [
-        ((), (0, 15), "99.9 %", []), ((), (0, 15), 1, ["The threshold of the real part is 100 %", "The threshold of the imaginary part is 100 %"]),
+        ((), (0, 15), "99.9 %", []), ((), (0, 15), 1, ["The threshold of the real and the imaginary part is 100 %"]),
         ((), (0, 15), {"real": 0.5, "imag": 12}, ["The threshold of the imaginary part is 1200 %"]), ((), (0, 15), {"shape": "polygon", "corners": [[2, 0], [0, 2], [-2, -2]]}, []),
         ((HOLD,), (0, 150), 0.1, ["sampled (sampler)"]), ((HOLD,), (0, "25 Hz"), 0.1, ["sampled (sampler)"]),
         ((HOLD,), (0, "25.01 Hz"), 0.1, ["The band exceeds 25 Hz, the Nyquist frequency of sampler", "sampled (sampler)"]),
@@ -1094,7 +1094,7 @@ SOFT = environments.kelvin_voigt(200, 2)
         ((HOLD, LAG, effects.compliance(k=9)), (0, 15), 0.1, ["sampler holds a force that compliance returns", "sampled (sampler)"]),
         ((effects.compliance(k=9), HOLD), (0, 15), 0.1, ["sampled (sampler)"]),
         ((HOLD, effects.zero_order_hold("1 ms", name="b")), (0, 15), 0.1, ["sampler holds a force that b returns", "sampled (sampler, b)"]),
-        ((effects.sampled_loop("1/50 s", "tustin", name="loop"),), (0, 158), 2, ["The threshold of the real", "The threshold of the imag", "The band exceeds", "sampled (loop)"]),
+        ((effects.sampled_loop("1/50 s", "tustin", name="loop"),), (0, 158), 2, ["The threshold of the real and the imaginary part is 200 %", "The band exceeds", "sampled (loop)"]),
     ],
 )  # fmt: skip
 def test_what_a_scene_stands_for_beyond_its_formulas_is_said_from_its_limit_on(

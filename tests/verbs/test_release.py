@@ -282,7 +282,7 @@ def test_a_limit_cycle_that_attracts_is_how_the_display_rattles(name: str) -> No
     ("effects", "why"),
     [
         ((hs.effects.encoder("1 mm", "1 cm"), hs.effects.backlash("1 mm", "1 cm")), "encoder, backlash are several elements"),
-        ((hs.effects.sampled_loop("1 ms", "tustin"), LATE[1], hs.effects.encoder("1 mm", "1 cm")), "is not what the clock reads"),
+        ((hs.effects.sampled_loop("1 ms", "tustin"), LATE[1], hs.effects.encoder("1 mm", "1 cm")), "encoder is not what the clock reads. Place it directly after"),
         ((hs.effects.encoder("1 mm", "1 cm"), LATE[1]), ""),
         ((LATE[1],), ""),
     ],

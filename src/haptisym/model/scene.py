@@ -994,17 +994,16 @@ def _large_thresholds(scene: Scene) -> list[str]:
     """A caveat for each threshold of 100 % or more: most likely per cent were meant."""
     if scene.threshold.region.corners:
         return []
-    words = []
-    for part in Part:
+    large: dict[Rational, list[str]] = {}
+    for part, name in ((Part.REAL, "real"), (Part.IMAG, "imaginary")):
         c = scene.threshold[part]
-        if c.free_symbols or not isinstance(c, Rational) or c < 1:
-            continue
-        words.append(
-            f"The threshold of the {'real' if part is Part.REAL else 'imaginary'} part is "
-            f"{float(100 * c):.5g} % of |H_env|: "
-            'a JND of 12 % is written 0.12 or "12 %".'
-        )
-    return words
+        if isinstance(c, Rational) and c >= 1:
+            large.setdefault(c, []).append(name)
+    return [
+        f"The threshold of the {' and the '.join(names)} part is {float(100 * c):.5g} % of "
+        '|H_env|: a JND of 12 % is written 0.12 or "12 %".'
+        for c, names in large.items()
+    ]
 
 
 def first_harmonics(scene: Scene, *, in_hand: bool = False) -> list[str]:

@@ -231,6 +231,11 @@ _MOST_EVENTS_AT_ONCE = 12
 _MOST_EVENTS = 100_000
 
 
+class EndlessSwitchingError(SceneError):
+    """An element switches so often that a run does not end; its first argument says which, and
+    until when."""
+
+
 class Engine:
     """A network, a prescribed motion, and everything recorded so far; ``advance`` goes on."""
 
@@ -550,11 +555,10 @@ class Engine:
         """Change the element whose guard has fallen; SceneError where events do not end."""
         self.events += 1
         if self.events > _MOST_EVENTS:
-            raise SceneError(
-                f"{guard.element.name}: more than {_MOST_EVENTS} switches before "
-                f"{self.t:.4g} s: noise that crosses its "
-                "steps, or a loop that chatters; smooth a recording (--lowpass), or simulate "
-                "a shorter time"
+            raise EndlessSwitchingError(
+                f"{guard.element.name}: more than {_MOST_EVENTS} switches before {self.t:.4g} s",
+                ": noise that crosses its steps, or a loop that chatters; smooth a recording "
+                "(--lowpass), or simulate a shorter time",
             )
         # Events at one instant may follow from each other, but not for ever.
         last, count = self.stalled

@@ -36,7 +36,7 @@ from haptisym.model.quantities import MotionKind as Kind
 from haptisym.model.scene import Scene, chosen_hand, clocks
 from haptisym.model.scenefile import as_scene
 from haptisym.programs.values import Array
-from haptisym.verbs.simulate.engine import Engine
+from haptisym.verbs.simulate.engine import EndlessSwitchingError, Engine
 from haptisym.verbs.simulate.entry import Extra, build, check_extras, in_time, same_kind
 from haptisym.verbs.simulate.network import (
     MOTION,
@@ -485,7 +485,17 @@ def release(
     same_kind(f"hand {hand.name}", hand.motion, scene)
     length = None if duration is None else positive("duration", duration, Dimension.TIME)
     with ONE_THREAD, limited(limit):
-        return _Run(scene, hand, size, closed_form(scene, hand), extras).go(length, progress)
+        try:
+            return _Run(scene, hand, size, closed_form(scene, hand), extras).go(length, progress)
+        except EndlessSwitchingError as error:
+            if not held(linear(scene), hand).shakes:
+                raise
+            # A motion that grows crosses ever more steps in each period.
+            why = (
+                f": the linear model is unstable in {hand.name} (haptisym stability), the motion "
+                "grows; simulate a shorter time (--duration)"
+            )
+            raise EndlessSwitchingError(error.args[0], why) from None
 
 
 def _the_hand(scene: Scene, given: str | Hand | None) -> Hand:

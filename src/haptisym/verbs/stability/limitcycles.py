@@ -87,10 +87,15 @@ def unsearched_cycles(scene: Scene) -> str:
     if not elements:
         return ""
     reads_first = scene.effects[0].model == SAMPLED_LOOP and scene.effects[1:2] == (elements[0],)
-    if clocks(scene) and (not reads_first or elements[0].model == FRICTION):
+    if clocks(scene) and elements[0].model == FRICTION:
         return f"{lead}: {elements[0].name} is not what the clock reads; {way_out}."
+    if clocks(scene) and not reads_first:
+        return (
+            f"{lead}: {elements[0].name} is not what the clock reads. Place it directly after the "
+            f"sampled controller (haptisym scenes wheel-with-encoder), or {way_out}."
+        )
     if not (has_arrays() and find_spec("scipy")):
-        return f"{lead}: NumPy and SciPy are not installed."
+        return f"{lead}: NumPy or SciPy is missing: pip install 'haptisym[simulate]'."
     return ""
 
 
