@@ -112,6 +112,8 @@ def test_a_page_with_its_drawings_loads_without_a_complaint_asks_for_nothing_and
     for width in (1280, 400, 320):
         opened.look(width)
         assert opened.value("document.documentElement.scrollWidth") <= width
+        # A figure is as wide as the page at most; what is wider than that scrolls in its own box.
+        assert opened.value("[...document.querySelectorAll('figure')].every(x => x.scrollWidth <= x.clientWidth)")
     colour = "getComputedStyle(document.body).backgroundColor"
     light = opened.value(colour)
     opened.look(1280, dark=True)
