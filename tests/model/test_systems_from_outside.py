@@ -880,6 +880,8 @@ def test_answers_are_formulas_to_a_notebook() -> None:
         "steps": LAGGED.steps(),
         "derivation": hs.derive(LAGGED),
         "solved": hs.solve_for(hs.distort(k, LAG), "crossing", T),
+        "asymptote": LAGGED.asymptote(),
+        "slow": LAGGED.low_frequency,
     }
     for name, x in found.items():
         shown = x._repr_latex_()
@@ -887,6 +889,8 @@ def test_answers_are_formulas_to_a_notebook() -> None:
         assert hs.latex(x), name
         assert pickle.loads(pickle.dumps(x)) == x, name
     assert hs.latex(solution) == r"\omega = \frac{\sqrt{\frac{c}{1 - c}}}{T},\quad 1 - c > 0"
+    listed = hs.latex(hs.distort(k, LAG).crossings("real"))
+    assert listed == "\\begin{align*}\n  &" + hs.latex(solution) + "\n\\end{align*}"
 
 
 def test_a_certified_number_keeps_all_its_digits_in_sympy_and_mpmath() -> None:

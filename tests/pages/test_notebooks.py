@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 from marks import often, required
 from pagereader import Page, equations, value
-from sympy import Rational, pi
+from sympy import Rational, Symbol, pi
 
 import haptisym as hs
 from haptisym.kernel.reals import ExactNumber
@@ -189,6 +189,9 @@ def test_katex_reads_every_formula() -> None:
         "delayed": hs.distort(E.mass_spring_damper(m, b, k), F.delay(tau)),
         "long": hs.load_scene("steering-wheel").symbolic_distortion(),
         "fractional": E.spring_pot(80, "0.2", 120),
+        "marks": hs.distort(
+            hs.s * Symbol(r"\mu_{a}"), 1 / (1 + hs.s * Symbol("k'_1") ** 2 * Symbol("xdot"))
+        ).low_frequency,
         "wave": F.wave_variables("10 N*s/m", "20 ms", name="a long name of a link"),
     }
     listed = []

@@ -133,6 +133,11 @@ def test_a_formula_is_written_as_a_person_writes_it(expression, expected):
         ("mass", r"\mathrm{mass}"),
         ("ω_n", r"\omega_n"),
         ("H_é", r"H_{\text{\'{e}}}"),
+        ("k_{env}", r"k_{\mathrm{env}}"),
+        (r"\mu_{1}", r"\mu_1"),
+        ("k'", "k'"),
+        ("k'_1", "{k'}_1"),
+        ("xdot", r"\dot{x}"),
         ("x^2}", r"\text{x\textasciicircum{}2\}}"),
     ],
 )

@@ -25,6 +25,7 @@ from sympy import Add, Expr, Integer, Mul, Rational, oo, pi
 
 from haptisym.kernel.dynamics import Ring, on_axis, ring_of
 from haptisym.kernel.errors import SceneError, quoted
+from haptisym.kernel.objects import viewed
 from haptisym.kernel.rings import Polynomial, RationalFunction, omega, s
 
 # How many coefficients of numerator and denominator an expansion looks at before it gives up: far
@@ -43,6 +44,9 @@ class Asymptote(NamedTuple):
     real: Expr
     imag: Expr
 
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
 
 class LowFrequency(NamedTuple):
     """The perceived dynamics of slow motions: H_perc(s) = stiffness + damping s + mass s^2 + terms
@@ -51,6 +55,9 @@ class LowFrequency(NamedTuple):
     stiffness: Expr
     damping: Expr
     mass: Expr
+
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
 
 
 def asymptote(difference: RationalFunction, at: Any) -> Asymptote:

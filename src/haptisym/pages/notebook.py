@@ -8,7 +8,7 @@ nearest of its bases that is in the table.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import singledispatch
 from html import escape
 from typing import Any
@@ -23,6 +23,7 @@ from haptisym.kernel.reals import ExactNumber, RealNumber, Way, printed
 from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.solutions import Solution
+from haptisym.model.asymptotes import Asymptote, LowFrequency
 from haptisym.model.catalogue import Effect, Environment
 from haptisym.model.chain import Changeovers, CrossingSolutions
 from haptisym.model.distortion import Distortion
@@ -47,8 +48,8 @@ from haptisym.writing.plain import said
 
 @singledispatch
 def latex(value: Any, *, digits: int = DIGITS) -> str:
-    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``) or of an answer
-    (its tables).
+    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``), of an answer (its
+    tables), or of several formulas or numbers (an ``align*`` with a line for each).
 
     Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus;
     nothing in them is rounded.
@@ -84,6 +85,12 @@ def _(value: Distortion, *, digits: int = DIGITS) -> str:
 @latex.register
 def _(value: Answer, *, digits: int = DIGITS) -> str:
     return tables(value.document(), digits)
+
+
+@latex.register
+def _(value: Derivation, *, digits: int = DIGITS) -> str:
+    # Of a distortion in symbols there is no table of values.
+    return tables(value.document(), digits) or latex(value.distortion)
 
 
 # Notebooks.
@@ -157,6 +164,22 @@ def _solutions(x: Changeovers | CrossingSolutions) -> str:
         for y in found
     ]
     return _aligned(lines or [r"&\text{none}"])
+
+
+def _listed(x: Sequence[Any]) -> str:
+    """Return several formulas or numbers, a line each."""
+    lines = [latex(y) for y in x]
+    for y, line in zip(x, lines, strict=True):
+        if r"\begin{align" in line or r"\begin{t" in line:
+            raise TypeError(f"no LaTeX for several of {type(y).__name__}: write each by itself")
+    return _aligned([f"&{line}" for line in lines] or [r"&\text{none}"])
+
+
+def _parts(x: Asymptote | LowFrequency) -> str:
+    """Return a few expressions, a line each, with what they are."""
+    return _aligned(
+        rf"&\text{{{name}:}} & & {formula(y)}" for name, y in zip(x._fields, x, strict=True)
+    )
 
 
 def _aligned(lines: Iterable[str]) -> str:
@@ -288,6 +311,10 @@ _LATEX: Mapping[type, Callable[[Any], str]] = {
     Steps: _steps,
     Changeovers: _solutions,
     CrossingSolutions: _solutions,
+    Asymptote: _parts,
+    LowFrequency: _parts,
+    tuple: _listed,
+    list: _listed,
     Threshold: _threshold,
     RealNumber: _number,
     Solution: _solution,

@@ -228,10 +228,14 @@ def set_name(name: boxes.Name) -> str:
 
     >>> set_name(named("omega_n")), set_name(named("omega_n_filter")), set_name(named("k1"))
     ('\\omega_n', '\\omega_{n,\\mathrm{filter}}', 'k_1')
+    >>> set_name(named("xdot")), set_name(named(r"\mu_{hand}")), set_name(named("k'"))
+    ('\\dot{x}', '\\mu_{\\mathrm{hand}}', "k'")
     """
     head, subscript = _word(name.head), ",".join(map(_word, name.below))
     if not subscript:
         return head
+    # A prime is a superscript: a power behind the subscript would be a second one.
+    head = f"{{{head}}}" if head.endswith("'") else head
     is_plain = len(subscript) == 1 or subscript[1:].isalpha()
     return f"{head}_{subscript}" if is_plain else f"{head}_{{{subscript}}}"
 
@@ -239,6 +243,9 @@ def set_name(name: boxes.Name) -> str:
 def _word(word: boxes.Word) -> str:
     """A part of a name in LaTeX."""
     letters = word.letters
+    if marked := _MARKED.fullmatch(letters):
+        base = _word(boxes.Word(marked[1], upright=False))
+        return f"{base}{marked[3]}" if marked[3] else rf"\{marked[2]}{{{base}}}"
     # Omicron looks like o, so LaTeX has no command for it.
     if letters in GREEK or letters in CAPITALS:
         return "o" if letters == "omicron" else rf"\{letters}"
@@ -247,6 +254,10 @@ def _word(word: boxes.Word) -> str:
     return _SIGNS.get(letters) or rf"\text{{{_escaped(letters)}}}"
 
 
+# A letter with what SymPy reads as a mark over it, as xdot, or with primes, as k'.
+_MARKED = re.compile(
+    rf"([A-Za-z]|{'|'.join((*GREEK, *CAPITALS))})(?:(d?dot|hat|bar|tilde|vec)|('+))"
+)
 _OPERATORS = re.compile("(arc)?(sin|cos|tan)|(sin|cos|tan|cot)h?|ln|max|min")
 RELATIONS = {"≈": r"\approx", "≠": r"\ne", "≤": r"\le", "≥": r"\ge"}
 

@@ -95,6 +95,9 @@ from haptisym.writing.boxes import (
 _LETTER_OF = {"force": "F", "amplitude": "A"}
 
 
+_COMMAND = re.compile(rf"\\(?=({'|'.join((*GREEK, *CAPITALS))})(?![A-Za-z]))")
+
+
 @cache
 def named(text: str) -> Name:
     """A symbol's name taken apart: ``_`` starts subscripts, and so does what follows a first letter
@@ -105,9 +108,11 @@ def named(text: str) -> Name:
     >>> named("Mm").below[0].letters, named("k12").below[0].letters, named("force_friction").head.letters
     ('m', '12', 'F')
     """
+    # A name may be written in LaTeX.
+    plain = re.sub(r"_\{([^{}]*)\}", r"_\1", _COMMAND.sub("", text))
     # k1 and Mm are a letter with a subscript, as k_1 and M_m are; so is any word that ends in
     # digits. Xi and Pi are letters themselves. A name of underscores alone stays as it is.
-    head, *below = [word for word in text.split("_") if word] or [text]
+    head, *below = [word for word in plain.split("_") if word] or [text]
     parted = re.fullmatch(r"(.*[^\d])(\d+)", head) or re.fullmatch("([A-Z])([a-z])", head)
     if parted and head not in CAPITALS:
         head, below = parted[1], [parted[2], *below]
@@ -117,7 +122,8 @@ def named(text: str) -> Name:
 def _word(text: str) -> Word:
     """A part of a name: a letter, which slants, or a word, which does not."""
     letters = greek(text) or text if len(text) == 1 else text
-    is_letter = (len(letters) == 1 and letters.isascii()) or letters in GREEK or letters in CAPITALS
+    stem = letters.rstrip("'")
+    is_letter = (len(stem) == 1 and stem.isascii()) or stem in GREEK or stem in CAPITALS
     return Word(letters, not is_letter and not letters.isdigit())
 
 
