@@ -1,18 +1,35 @@
-"""The formulas of a scene for the parameters that a user wants to keep as symbols.
+"""The formulas of a haptic display for the parameters that a user wants to keep as symbols.
 
-A scene is a haptic display: an environment to be felt, H_env(s), effects (filters, delays, samplers
-...) behind which it is felt as H_perc(s), a band of frequencies and a threshold c. With dH = H_perc
-- H_env, on s = j omega a change is noticed where r_r = |Re dH|/|H_env| or r_i = |Im dH|/|H_env|
-exceeds c.
+**Question.** A *scene* is a haptic display: an environment to be felt, with the dynamics H_env(s)
+(force over motion), effects (filters, delays, samplers ...) behind which it is felt as H_perc(s), a
+band of frequencies and a threshold c. Let dH = H_perc - H_env be the distortion. On s = j omega the
+ratios
 
-Begin with ``derive``. The ``Derivation`` that it returns has all closed forms by name
-(``QUANTITIES``), the distortion in named steps, and crossings and changeovers as formulas for omega
-or, where none can be read, as equations. All are exact.
+    r_r = abs(Re dH)/abs(H_env)   and   r_i = abs(Im dH)/abs(H_env)
 
-A *system* is "env", the environment, or "perc", what is felt. A *criterion* is one condition r <= c
-of the JND (``judge.crossings``): that of the real or the imaginary part, or of a region; the
-*excess* is r^2 - c^2. Two further forms have modules of their own: leading terms for fast devices
-(``expansion``), and the dimensionless form (``groups``).
+decide what is noticed: a change where one of them exceeds c (Fu, van Paassen and Mulder 2019,
+doi:10.1016/j.ifacol.2019.12.119). Which formulas have H_perc, dH and the ratios, and at which omega
+is a threshold crossed, for the parameters as symbols?
+
+**Returned.** ``derive`` makes a ``Derivation``. It has
+
+- all closed forms by their names (``QUANTITIES``),
+- the distortion in named steps, which stay short where closed forms do not,
+- crossings, r = c, and changeovers, Re H = 0, as formulas for omega, each with the conditions under
+  which it holds, or as equations where no formula is short enough to read.
+
+All are exact: identities of rational functions of s or omega, the parameters, delays and fractional
+powers of s. A crossing is found as a zero of the *excess* r^2 - c^2: for r >= 0 and c > 0 it has
+the sign of r - c, without square roots and absolute values. Zeros at which the excess only touches
+0 are among them. What has no formula raises SceneError, which says why.
+
+**Words.** A *system* is "env", the environment, or "perc", what is felt. A *criterion* is one
+condition r <= c of the JND, the just-noticeable difference (``judge.crossings``): that of the real
+part, of the imaginary part, or of a *region* of both, whose excess may be a *lattice*, a maximum of
+minima of functions. A ``RealFunction`` is a function of omega in lowest terms. Leading terms for
+fast devices are in ``expansion``, the dimensionless form in ``groups``.
+
+Begin with ``derive``.
 """
 
 from __future__ import annotations
@@ -49,6 +66,65 @@ from haptisym.programs.steps import Steps
 from haptisym.verbs.derive.expansion import Expansion, expansion
 from haptisym.verbs.derive.groups import Groups, groups
 
+
+def derive(
+    scene: Scene | Distortion | str | Path,
+    keep: Iterable[str | Symbol] | str | Symbol | None = None,
+) -> Derivation:
+    """Derive the formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as
+    a page of text.
+
+    ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
+    ``keep`` : the parameters that stay symbols, by symbol or name, thresholds among them; the others
+    have the values of the scene. None for all of them, () for none. SceneError for a name that the
+    scene does not have, and for names with a distortion, all of whose symbols stay.
+
+    >>> found = derive("fu2019", keep=["omega_n"])
+    >>> found
+    <Derivation "Numerical example of Fu, van Paassen and ...": omega_n as symbols>
+    >>> found["H_perc"]
+    omega_n**2*(9*s**2 + 75*s + 500)/(5*omega_n**2 + 5*omega_n*s + 5*s**2)
+    >>> [x.omega for x in derive("fu2019").changeovers("env")]
+    [sqrt(k)/sqrt(m)]
+    >>> from haptisym import distort, effects, environments, symbols
+    >>> derive(distort(environments.mass_spring_damper(k=100), effects.first_order_lag(symbols("w"))))["Im dH"]
+    -100*omega*w/(omega**2 + w**2)
+    """
+    if isinstance(scene, Distortion):
+        return _derived(scene, keep)
+    scene = as_scene(scene)
+    if keep is None:
+        return Derivation(scene, tuple(x.symbol for x in scene.parameters))
+    listed = [keep] if isinstance(keep, str | Symbol) else keep
+    names = several("keep", listed, "give names of parameters")
+    # A knob is a parameter, or with ``parts`` a threshold: that of these parts.
+    kept = [scene.knobs[str(name)].felt() for name in names]
+    thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
+    return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
+
+
+def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
+    """The derivation of a distortion, of which all symbols stay symbols."""
+    if keep is not None:
+        raise SceneError("keep: a distortion keeps its symbols: leave it out")
+    if d.value is not None:
+        raise SceneError(f"omega is {d.value}: derive the distortion without it")
+    environment, elements, rendered = d.elements or _elements(d.chain)
+    made = Scene(environment, elements, rendered=rendered, title="Distortion")
+    return Derivation(made, (), of_scene=False)
+
+
+def _elements(chain: Chain) -> Elements:
+    """The environment, the effects, and what is rendered in place of the environment (None: the
+    environment), made from the dynamics of a chain.
+
+    For a distortion that does not know its elements, as one into which values were put.
+    """
+    felt, rendered = map(environments.expression, (chain.environment, chain.rendered))
+    ports = tuple(effects.two_port(*matrix) for matrix in chain.matrices)
+    return felt, ports, None if chain.rendered == chain.environment else rendered
+
+
 Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 """Irreducible factors as equations, each with its multiplicity."""
 
@@ -57,13 +133,12 @@ Factors: TypeAlias = tuple[tuple[Equation, int], ...]
 class Derivation(Answer):
     """The formulas of a scene.
 
-    ``scene`` : the scene. ``kept`` : the parameters that stay symbols; the others have the scene's
-    values. ``kept_thresholds`` : the parts, real and imaginary, whose threshold stays the symbol c.
+    ``kept`` : the parameters that stay symbols; the others have the values of the scene.
+    ``kept_thresholds`` : the parts, real and imaginary, whose threshold stays the symbol c.
 
-    ``derivation["Re dH"]`` is a closed form, under the names of ``QUANTITIES``; ``steps`` is the
-    distortion in short named steps; ``crossings`` and ``changeovers`` are solved where a formula is
-    readable, and otherwise the equation to solve. An argument ``of`` of a method is a Part or a
-    criterion; the field ``of`` is what the page shows.
+    ``derivation["Re dH"]`` is a closed form, under a name of ``QUANTITIES``. An argument ``of`` of a
+    method is a criterion, or the part that names it, Part.REAL or Part.IMAG. (The field ``of`` is
+    another thing: what the page shows.)
     """
 
     scene: Scene
@@ -76,17 +151,21 @@ class Derivation(Answer):
     of_scene: bool = True
     """Whether it is of a scene, and not of a distortion."""
 
+    # What the base class needs: the schema of the document, and what writes the page and draws the
+    # figure, by name.
     _schema: ClassVar[str] = "haptisym.derivation/1"
     _page: ClassVar[str] = "haptisym.pages.derive:page"
     _figure: ClassVar[str] = "haptisym.figures.evaluation:DERIVATION"
 
     def _line(self) -> str:
+        """What ``repr`` shows."""
         # A derivation of a distortion keeps nothing, as it has no values: all symbols stay.
         symbols = self.kept or self.chain.parameters
         kept = ", ".join(p.name for p in symbols) or "nothing"
         return f"{titled(self.scene.title)}: {kept} as symbols"
 
     def _body(self) -> dict[str, Any]:
+        """The document of ``to_json``."""
         body: dict[str, Any] = resolve_name("haptisym.pages.derive:body")(self)
         return body
 
@@ -104,7 +183,8 @@ class Derivation(Answer):
 
     @cached_property
     def distortion(self) -> Distortion:
-        """The closed forms, exact."""
+        """H_perc, dH and the ratios of ``chain``, as closed forms."""
+        # What each symbol or value measures, by which results have units.
         measured = dimensions(
             (p.symbol if p.symbol in self.kept else p.value, p.dimension)
             for p in self.scene.parameters
@@ -113,8 +193,8 @@ class Derivation(Answer):
 
     @cached_property
     def environment(self) -> Distortion:
-        """The closed forms of the environment without any effects: for these no chain matrices are
-        multiplied."""
+        """The closed forms of the environment alone. They are those of ``distortion``, but need no
+        product of chain matrices, which may be long."""
         H = self.chain.environment
         return Distortion.of(Chain(H, H, ()))
 
@@ -150,7 +230,8 @@ class Derivation(Answer):
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """The criterion of a part, or this derivation's own in place of an equal one of the scene.
+        """The criterion of a part, or of the name of a criterion, as it is in ``criteria``: with c in
+        place of a threshold that is kept.
 
         SceneError where a threshold is kept as c although the JND is not one number for each part:
         c would have no meaning.
@@ -161,16 +242,16 @@ class Derivation(Answer):
         return next(x for x in self.criteria if x.name == name)
 
     def threshold(self, of: Part | Criterion) -> Expr:
-        """The threshold of a part: the symbol c, or the scene's number."""
+        """The threshold of a criterion: the symbol c, or the number of the scene."""
         return self.criterion(of).threshold
 
     def excess(self, of: Part | Criterion) -> RealFunction:
-        """r^2 - c^2: positive exactly where the ratio exceeds its threshold."""
+        """The excess r^2 - c^2: positive exactly where the ratio exceeds its threshold. SceneError for
+        a criterion that is no single formula, as that of a polygon."""
         return self._excess(of, self.distortion)
 
     def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
-        """r^2 - c^2 of a distortion; SceneError for a criterion that is no single formula, as that
-        of a polygon."""
+        """As ``excess``, for a distortion that is equal to that of this derivation."""
         function = self.criterion(of).function(d)
         if isinstance(function, RealFunction):
             return function
@@ -180,10 +261,10 @@ class Derivation(Answer):
         )
 
     def piece(self, of: LatticePiece) -> RealFunction:
-        """One function of a JND region whose excess is a maximum of minima of several (a lattice).
+        """One of the functions of which the excess of a region is the maximum of minima (a lattice).
 
-        ``of`` : what it is called on a chart: as ``name`` the region's criterion, the minimum
-        (``term``), and the ``place`` in that.
+        ``of`` : its key on a chart: the criterion of the region (``name``), which of the minima
+        (``term``), and its ``place`` in that.
         """
         criterion = next(x for x in self.criteria if x == of.name)
         lattice = criterion.function(self.distortion)
@@ -193,42 +274,46 @@ class Derivation(Answer):
         return function
 
     def crossings(self, of: Part | Criterion, *, readable: bool = False) -> tuple[Solution, ...]:
-        """The frequencies at which the ratio crosses its threshold, as formulas; where a factor has
-        none that can be read, the equation itself, or with ``readable`` nothing."""
-        # Delays whose sum alone is felt are one delay there: an equal function, of fewer angles.
+        """The positive frequencies at which the ratio equals its threshold, as formulas with their
+        conditions.
+
+        Where a factor of the excess has no formula that is short enough to read, its equation stands
+        in place of one; with ``readable`` nothing does.
+        """
+        # Delays of which only the sum is felt are one delay there: an equal function, with fewer
+        # angles to solve for.
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
-        """Re H of a system, on s = j omega: k - m omega^2 of a spring and a mass."""
-        return (
-            self.environment.env_response.real
-            if system == "env"
-            else self.distortion.perc_response.real
-        )
+        """Re H of a system, "env" or "perc", on s = j omega: k - m omega^2 of a spring and a mass."""
+        if system == "env":
+            return self.environment.env_response.real
+        return self.distortion.perc_response.real
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
-        """The frequencies at which Re H of a system vanishes, as formulas or equations."""
+        """The positive frequencies at which Re H of a system, "env" or "perc", is 0, as formulas or
+        equations: there it changes from a spring to a mass, or back."""
         return solve(self.stiffness(system))
 
     def sensitivity(self, of: Part | Criterion, parameter: Symbol) -> Expr:
-        """d omega/d parameter at a crossing, by the implicit function theorem: -(dF/d
-        parameter)/(dF/d omega) for the equation F = 0 of the crossing.
+        """d omega/d parameter at a crossing, a formula in omega.
 
-        At a touch dF/d omega is 0 too and the derivative does not exist: the formula holds at
-        simple crossings only.
+        By the implicit function theorem it is -(dF/d parameter)/(dF/d omega) for the equation F = 0
+        of the crossing. The formula holds at simple crossings alone: where the ratio only touches
+        its threshold dF/d omega is 0, and the derivative need not exist.
         """
         return self.equation(of).slope(parameter).expression()
 
     def equation(self, of: Part | Criterion) -> Equation:
-        """F = 0 at the crossings: F is the numerator of r^2 - c^2."""
+        """The equation F = 0 of the crossings: F is the numerator of the excess."""
         return _equation(self.excess(of))
 
     def factors(self, of: Criterion | LatticePiece | str) -> Factors:
-        """The irreducible factors of numerator and denominator of r^2 - c^2, of one function of a
-        region (``piece``), or of Re H of a system.
+        """The irreducible factors of numerator and denominator of a function, as equations: it
+        changes its sign only where one of them is 0, at a zero or, as Re H may, at a pole.
 
-        The function changes its sign only where one of them is 0: at a zero, or at a pole, as Re H
-        may. (r^2 does not change its sign at a pole.)
+        ``of`` : for the excess, its criterion; for one function of a region, its key as of
+        ``piece``; for Re H, the system, "env" or "perc".
         """
         if isinstance(of, str):
             f = self.stiffness(of)
@@ -241,6 +326,8 @@ class Derivation(Answer):
             # In omega^2, unless there are functions of omega, as cos(omega tau).
             _, pairs = f.axis.factors(polynomial, in_square=not f.axis.functions)
             for factor, multiplicity in pairs:
+                # A factor is a polynomial in the tangents of half angles: as a reader has them, in
+                # sines and cosines.
                 written = f.axis.in_half_angles(factor)
                 factors.append((Equation(written.ring, written.numerator), multiplicity))
         return tuple(factors)
@@ -268,30 +355,32 @@ class Derivation(Answer):
 
 
 def _equation(f: RealFunction) -> Equation:
-    """f = 0, by the numerator of f in the form in which it is written for a reader."""
+    """The equation f = 0, by the numerator of f in the form in which it is written for a reader: in
+    omega, sines and cosines."""
     written = f.written
     return Equation(written.ring, written.numerator)
 
 
 def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
-    """The function that gives the polynomial with the sign of r^2 - c^2, as a product of factors:
-    the numerator of the excess, whose denominator is positive, |H_env|^2 times squares."""
+    """Return what gives the threshold polynomial of a part, in factors: up to a positive number the
+    numerator of the excess. It has the sign of the excess, whose denominator is abs(H_env)^2 times
+    a square."""
 
     def polynomial(d: Derivation) -> Expr:
         f = d.excess(part).written
         unit, factors = f.ring.factors(f.numerator)
         # Of a constant factor the sign alone matters.
         product = f.ring.one.expression() * (1 if unit > 0 else -1)
-        for factor, n in factors:
-            product *= f.ring.expression(factor) ** n
+        for factor, multiplicity in factors:
+            product *= f.ring.expression(factor) ** multiplicity
         return product
 
     return polynomial
 
 
 def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
-    """The function that gives an attribute of the distortion, by its path; of a real function the
-    factored form."""
+    """Return what gives an attribute of the distortion, by its path of attributes; of a real
+    function the factored form."""
 
     def form(d: Derivation) -> Expr:
         value = attrgetter(path)(d.distortion)
@@ -301,10 +390,12 @@ def _of_distortion(path: str) -> Callable[[Derivation], Expr]:
 
 
 def _jnd(name: str) -> Callable[[Derivation], Expr]:
-    """The function that gives the JND of a parameter, by its name, that a threshold amounts to:
-    always with the symbol c, so that one formula holds for every number."""
+    """Return what gives the change of a parameter, "stiffness", "damping" or "mass", that a threshold
+    amounts to. It has the symbol c always, so that one formula holds for every threshold."""
     return lambda d: getattr(d.distortion.parameter_jnd(c), name)
 
+
+# The closed forms by name.
 
 _PERCEIVED = {
     "k": "stiffness",
@@ -354,57 +445,3 @@ def bare(name: str) -> str:
 def listed_name(name: str) -> str | None:
     """The quantity that a name stands for, as QUANTITIES lists it; None if it is none."""
     return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
-
-
-def derive(
-    scene: Scene | Distortion | str | Path,
-    keep: Iterable[str | Symbol] | str | Symbol | None = None,
-) -> Derivation:
-    """The formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as a
-    page of text.
-
-    ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
-    ``keep`` : the parameters that stay symbols, by symbol or name; None for all of them and the
-    threshold, () for none. A name that the scene does not have raises SceneError, as do names
-    with a distortion, whose symbols stay.
-
-    >>> found = derive("fu2019", keep=["omega_n"])
-    >>> found
-    <Derivation "Numerical example of Fu, van Paassen and ...": omega_n as symbols>
-    >>> found["H_perc"]
-    omega_n**2*(9*s**2 + 75*s + 500)/(5*omega_n**2 + 5*omega_n*s + 5*s**2)
-    >>> [x.omega for x in derive("fu2019").changeovers("env")]
-    [sqrt(k)/sqrt(m)]
-    >>> from haptisym import distort, effects, environments, symbols
-    >>> derive(distort(environments.mass_spring_damper(k=100), effects.first_order_lag(symbols("w"))))["Im dH"]
-    -100*omega*w/(omega**2 + w**2)
-    """
-    if isinstance(scene, Distortion):
-        return _derived(scene, keep)
-    scene = as_scene(scene)
-    if keep is None:
-        return Derivation(scene, tuple(x.symbol for x in scene.parameters))
-    listed = [keep] if isinstance(keep, str | Symbol) else keep
-    names = several("keep", listed, "give names of parameters")
-    kept = [scene.knobs[str(name)].felt() for name in names]
-    thresholds = tuple(part for part in Part if any(part in x.parts for x in kept))
-    return Derivation(scene, tuple(x.symbol for x in kept if not x.parts), thresholds)
-
-
-def _derived(d: Distortion, keep: Iterable[str] | None) -> Derivation:
-    """The derivation of a distortion, of which all symbols stay symbols."""
-    if keep is not None:
-        raise SceneError("keep: a distortion keeps its symbols: leave it out")
-    if d.value is not None:
-        raise SceneError(f"omega is {d.value}: derive the distortion without it")
-    environment, elements, rendered = d.elements or _elements(d.chain)
-    made = Scene(environment, elements, rendered=rendered, title="Distortion")
-    return Derivation(made, (), of_scene=False)
-
-
-def _elements(chain: Chain) -> Elements:
-    """The dynamics of a chain as environments and two-ports: into those of which it was made values
-    have not been put."""
-    felt, rendered = map(environments.expression, (chain.environment, chain.rendered))
-    ports = tuple(effects.two_port(*matrix) for matrix in chain.matrices)
-    return felt, ports, None if chain.rendered == chain.environment else rendered
