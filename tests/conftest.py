@@ -20,6 +20,7 @@ from typing import Any
 from zlib import crc32
 
 os.environ.setdefault("SYMPY_CACHE_SIZE", "20000")  # many scenes in one process
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small: a second thread waits at full speed
 
 # Several processes run the tests, and tests start the command many times: without bytecode on disk each of
 # them would compile anew what it imports. So it is written here, also where Python was asked not to.

@@ -360,6 +360,8 @@ def test_the_exact_core_gives_the_same_digits_without_numpy_and_matplotlib() -> 
         assert told[name] == answers(name)
 
 
+@pytest.mark.slow
+@pytest.mark.core
 def test_evaluating_deriving_and_stability_load_neither_numpy_nor_matplotlib() -> None:
     loaded = python("""
         import sys

@@ -13,9 +13,9 @@ import pytest
 import strategies
 import sympy
 from answers import floats, intervals, is_outside_model, is_transparent, number_below, of_part, percepts_at, told
-from hypothesis import assume, given
+from hypothesis import assume
 from hypothesis import strategies as st
-from marks import RARELY
+from marks import rarely
 from oracles import DIGITS, MP, Case, Element, Facts, Hertz, digits_of, excess_roots, in_square, rounded, sign
 from paper import ask, paper
 from strategies import Drawn, Scale, Seeded, cases, element, evaluate, number, rationals, scaled, scene
@@ -654,12 +654,12 @@ def with_effects(case: Case, chain: list[hs.Effect]) -> hs.Evaluation:
     return hs.evaluate(hs.Scene(plain.environment, tuple(chain), plain.band, plain.threshold))
 
 
-@given(cases(), rationals())
+@rarely(cases(), rationals())
 def test_other_units_of_force_change_nothing(case: Case, force: Fraction) -> None:
     assert_same(evaluate(case), evaluate(scaled(case, force=force)))
 
 
-@given(cases(), rationals())
+@rarely(cases(), rationals())
 def test_other_units_of_time_scale_every_frequency(case: Case, time: Fraction) -> None:
     assert_same(evaluate(case), evaluate(scaled(case, time=time)), slower=time)
 
@@ -679,7 +679,9 @@ NOTHING: dict[str, Callable[[], hs.Effect]] = {
 """Effects that do nothing."""
 
 
-@given(cases(order=3), st.lists(st.tuples(st.sampled_from(sorted(NOTHING)), st.integers(0, 3)), min_size=1, max_size=3))
+@rarely(
+    cases(order=3), st.lists(st.tuples(st.sampled_from(sorted(NOTHING)), st.integers(0, 3)), min_size=1, max_size=3)
+)
 def test_what_does_nothing_changes_nothing(case: Case, idle: list[tuple[str, int]]) -> None:
     chain = [*map(effect_of, case.between)]
     for name, at in idle:
@@ -693,7 +695,7 @@ def test_what_does_nothing_alone_distorts_nothing(name: str) -> None:
     assert hs.distort(hs.environments.mass_spring_damper(m, b, k), NOTHING[name]()).distortion == 0
 
 
-@given(cases(order=3), st.data())
+@rarely(cases(order=3), st.data())
 def test_a_series_effect_may_be_split(case: Case, data: st.DataObject) -> None:
     one, other = data.draw(rationals()), data.draw(rationals())
     names = {"a": f"{one.numerator}/{one.denominator}", "b": f"{other.numerator}/{other.denominator}"}
@@ -704,7 +706,7 @@ def test_a_series_effect_may_be_split(case: Case, data: st.DataObject) -> None:
     assert_same(with_effects(case, [whole, *chain]), with_effects(case, [*halves, *chain]))
 
 
-@given(cases(order=3), rationals(), rationals())
+@rarely(cases(order=3), rationals(), rationals())
 def test_two_shunts_are_one(case: Case, one: Fraction, other: Fraction) -> None:
     chain = [*map(effect_of, case.between)]
     apart = [effects.shunt(m=one, b=other), effects.shunt(m=other, k=one)]
@@ -714,7 +716,7 @@ def test_two_shunts_are_one(case: Case, one: Fraction, other: Fraction) -> None:
 
 
 @pytest.mark.slow
-@given(cases(order=3), rationals(), rationals())
+@rarely(cases(order=3), rationals(), rationals())
 def test_two_springs_in_a_row_are_one(case: Case, one: Fraction, other: Fraction) -> None:
     chain = [*map(effect_of, case.between)]
     apart = [effects.compliance(k=one), effects.compliance(k=other)]
@@ -724,7 +726,7 @@ def test_two_springs_in_a_row_are_one(case: Case, one: Fraction, other: Fraction
     )
 
 
-@given(cases(order=4, between=PURE))
+@rarely(cases(order=4, between=PURE))
 def test_the_order_of_pure_series_effects_does_not_matter(case: Case) -> None:
     assert_same(evaluate(case), evaluate(case.with_(between=case.between[::-1])))
 
@@ -738,7 +740,7 @@ def test_the_order_of_a_lag_and_a_shunt_does_matter() -> None:
     assert (hs.distort(environment, mass, lag).perceived - (1 + s**2) / (s + 1)).equals(0)
 
 
-@given(cases(order=3), st.data())
+@rarely(cases(order=3), st.data())
 def test_a_series_effect_and_its_inverse_change_nothing(case: Case, data: st.DataObject) -> None:
     extra: Element = element(Drawn(data.draw), "first-order-lag")
     cutoff = extra.values["omega_c"]
@@ -747,8 +749,7 @@ def test_a_series_effect_and_its_inverse_change_nothing(case: Case, data: st.Dat
     assert_same(evaluate(case), with_effects(case, [effect_of(extra), inverse, *chain]))
 
 
-@RARELY
-@given(cases(order=3), rationals(-1, 2))
+@rarely(cases(order=3), rationals(-1, 2))
 def test_a_smaller_threshold_leaves_less_of_the_band_transparent(case: Case, factor: Fraction) -> None:
     strict = case.with_(c={part: c * factor for part, c in case.c.items()})
     wide, narrow = (evaluate(case), evaluate(strict)) if factor < 1 else (evaluate(strict), evaluate(case))
@@ -758,8 +759,7 @@ def test_a_smaller_threshold_leaves_less_of_the_band_transparent(case: Case, fac
         assert any(x.low.omega.bounds(150)[0] <= low and high <= x.high.omega.bounds(150)[1] for x in wide.transparent)
 
 
-@RARELY
-@given(cases(order=3), st.fractions(Fraction(1, 5), Fraction(4, 5), max_denominator=97))
+@rarely(cases(order=3), st.fractions(Fraction(1, 5), Fraction(4, 5), max_denominator=97))
 def test_a_band_in_two_halves_has_the_crossings_of_the_whole(case: Case, share: Fraction) -> None:
     low, high = case.band
     middle = low + (high - low) * share

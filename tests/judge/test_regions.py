@@ -12,7 +12,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from jnds import jnds
-from marks import RARELY
+from marks import rarely
 from mpmath import mp, mpf
 from oracles import DIGITS, MP, Case
 from regions import margin, outside
@@ -127,7 +127,7 @@ def between(found: hs.Evaluation) -> list[float]:
     return [a + share * (b - a) for a, b in pairwise(ends) if b - a > 1e-6 * b for share in (0.03, 0.35, 0.8, 0.98)]
 
 
-@given(cases(order=3), jnds())
+@rarely(cases(order=3), jnds())
 def test_a_region_is_left_exactly_where_plain_arithmetic_says_so(case: Case, jnd: dict[str, Any]) -> None:
     found = judged(jnd, scene(case))
     spans = [(float(x.low.omega), float(x.high.omega)) for x in found.transparent]
@@ -143,7 +143,7 @@ def test_a_region_is_left_exactly_where_plain_arithmetic_says_so(case: Case, jnd
 
 
 @pytest.mark.slow
-@given(cases(order=3), jnds())
+@rarely(cases(order=3), jnds())
 def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd: dict[str, Any]) -> None:
     assume("shape" in jnd)
     found = judged(jnd, scene(case))
@@ -167,8 +167,7 @@ def test_a_part_is_named_exactly_where_it_alone_would_be_outside(case: Case, jnd
     assume(checked)
 
 
-@RARELY
-@given(cases(order=3))
+@rarely(cases(order=3))
 def test_more_regions_agree_where_one_holds_the_other(case: Case) -> None:
     """The diamond lies in the disc, the disc in the square: who is transparent in the smaller is so in the larger."""
     plain = scene(case)

@@ -29,7 +29,7 @@ def words(found: Any) -> str:
     return html.unescape(re.sub(r"<[^>]*>", "", re.sub(r"<p>Source: .*?</p>", "", found["html"])))
 
 
-@pytest.mark.few("fu2019", "sidestick", "steering-wheel", "desktop-device-soft-tissue", "stick-with-friction")
+@pytest.mark.few("fu2019", "sidestick", "steering-wheel")
 @pytest.mark.parametrize("name", SCENES)
 def test_answers_speak_of_the_page_and_never_of_the_command_line(name: str) -> None:
     found = asked("evaluate", scene=SCENES[name])

@@ -126,6 +126,7 @@ def test_every_shipped_scene_is_certified(name: str, symbolic: bool) -> None:  #
     assert against_truth(d, omega, values, found).max() <= 1.0
 
 
+@pytest.mark.few("encoder", "backlash")
 @pytest.mark.parametrize("model", ["encoder", "backlash", "dead-zone", "saturation"])
 def test_a_describing_function_is_compiled_with_its_sizes_as_arguments(model: str) -> None:
     """Below the size, where nothing passes, at it, and above: of arrays, in every arithmetic, and by ``lambdify``."""

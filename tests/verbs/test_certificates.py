@@ -88,7 +88,7 @@ def test_certificates_of_random_scenes_with_delays_and_powers_are_accepted(
     assert verdict(evaluation_of(text), text).startswith("Proven")
 
 
-@pytest.mark.few("imposed", "on the axis")
+@pytest.mark.few("imposed")
 @pytest.mark.parametrize("name", HELD)
 def test_certificates_about_stability_are_accepted_and_claim_what_was_counted(name: str) -> None:
     proof, text = of_stability(name)

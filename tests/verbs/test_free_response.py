@@ -9,7 +9,6 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from marks import EXAMPLES
 from scipy.linalg import expm
 from scipy.optimize import brentq, minimize_scalar
 
@@ -160,7 +159,8 @@ def pair(sigma: float, omega: float) -> str:
     return f"(s^2 + {2 * sigma}*s + {sigma}^2 + {omega}^2)"
 
 
-@pytest.mark.parametrize("seed", range(max(5, EXAMPLES)))
+@pytest.mark.few(5)
+@pytest.mark.parametrize("seed", range(25))
 def test_every_period_and_every_overshoot_of_a_pair_is_its_closed_form_with_the_tolerance_of_its_table(
     seed: int,
 ) -> None:

@@ -406,7 +406,7 @@ def test_a_document_holds_what_the_answer_says_and_is_certified_where_nothing_wa
 
 
 def test_the_three_statements_about_a_late_spring_are_told_each_by_its_name() -> None:
-    found = hs.stability("delayed-spring", ["light-touch", "postural-arm"], digits=20).to_dict()
+    found = hs.stability("delayed-spring", ["light-touch", "postural-arm"], "k", digits=20).to_dict()
     assert found["imposed"] == {"stable": True, "unstable": 0}
     assert [(x["stable"], x["unstable"]) for x in found["held"]] == [(False, 2), (True, 0)]
     every = found["every_passive_hand"]
@@ -683,7 +683,7 @@ def test_a_hand_on_a_lever_has_the_square_of_its_length_times_mass_damping_and_s
     assert "cannot be mixed" in said
     assert "--lever" in said
     by_hand = hs.Hand("arm", "0.012465 kg*m^2", "0.145125 N*m*s/rad", "3.0375 N*m/rad")
-    answers = [hs.stability(wheel, x).to_dict()["held"][0] for x in ("postural-arm at 15 cm", by_hand)]
+    answers = [hs.stability(wheel, x, "k").to_dict()["held"][0] for x in ("postural-arm at 15 cm", by_hand)]
     for x in answers:
         x.pop("hand")
     assert answers[0] == answers[1]

@@ -232,6 +232,7 @@ def test_friction_holds_what_is_let_go() -> None:
     assert run.agrees is None
 
 
+@pytest.mark.dear("False")
 @pytest.mark.parametrize("sampled", [False, True])
 def test_an_encoder_of_the_scene_is_the_encoder_of_the_test(sampled: bool) -> None:  # noqa: FBT001
     wall, hand = hs.environments.mass_spring_damper(k=100), hs.Hand("own", m="0.5 kg", b=2, k=7)

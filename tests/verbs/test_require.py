@@ -909,6 +909,7 @@ def test_a_limit_leaves_the_parts_of_an_answer_that_were_found(ask: Callable[...
     assert False in seen
 
 
+@pytest.mark.slow
 def test_slices_of_a_map_that_were_not_reached_are_undecided() -> None:
     with timed_by(count().__next__):
         found = hs.design_map(PAPER, ["zeta", "omega_n"], [("0.1", "0.5"), (50, 500)], slices=3, limit=6000)

@@ -258,7 +258,7 @@ def test_a_passive_display_is_stable_in_every_hand_that_is_tried() -> None:
 )  # fmt: skip
 def test_a_box_of_hands_holds_a_sampled_wall_or_does_not(K: int, b: list[int], share: str) -> None:
     """Up to 1605.35 N/m with nothing, about 2 (0.8 + b_h)/T in a hand."""
-    [row] = hs.stability(spring(K), hs.Hand("mine", b=b)).to_dict()["held"]
+    [row] = hs.stability(spring(K), hs.Hand("mine", b=b), "environment.k").to_dict()["held"]
     assert row["whole_box"] == share
 
 

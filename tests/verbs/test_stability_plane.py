@@ -312,7 +312,7 @@ def test_thresholds_are_sides_of_a_plane_that_move_no_root() -> None:
 
 def test_margins_of_a_delayed_spring_are_those_of_its_loop() -> None:
     """m s^2 + b s + k + g K exp(-s (tau + more)) in the arm that was measured."""
-    [found] = hs.stability("delayed-spring", "postural-arm").to_dict()["held"]
+    [found] = hs.stability("delayed-spring", "postural-arm", "k").to_dict()["held"]
     m, b, k, K, tau = 0.554, 6.45, 135.0, 100.0, 0.036
     own: dict[str, Any] = found["margins"]
 
@@ -527,9 +527,9 @@ def test_of_a_factor_that_is_not_told_without_end_is_told_how_far_it_is_known() 
 
 
 def test_what_shakes_or_renders_nothing_has_no_margin() -> None:
-    assert hs.stability("delayed-spring", "light-touch").margins == (None,)
+    assert hs.stability("delayed-spring", "light-touch", "k").margins == (None,)
     loop = F.sampled_loop("1 ms", "backward-difference"), F.shunt(m="0.2 kg", b="0.1 N*s/m")
-    [free] = hs.stability(hs.Scene(E.kelvin_voigt(k=0, b=0), loop), "light-touch").margins
+    [free] = hs.stability(hs.Scene(E.kelvin_voigt(k=0, b=0), loop), "light-touch", "environment.k").margins
     assert free
     assert free.row() == {
         "gain": {"below": None, "above": None, "omega": None},

@@ -275,11 +275,12 @@ k = BAR
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("bar", "expected"),
     [
         ('"50 N*m/rad +- 2 %"', ("all", None)),  # cells of three numbers beside a resonance may be left open
-        pytest.param('["350 N*m/rad", "360 N*m/rad"]', ("some",), marks=pytest.mark.slow),  # critical at 356.5
+        ('["350 N*m/rad", "360 N*m/rad"]', ("some",)),  # critical at 356.5
     ],
 )  # fmt: skip
 def test_with_a_resonance_nothing_wrong_is_told_of_a_box_of_hands_and_bars(

@@ -23,12 +23,10 @@ def limits(scene: hs.Scene) -> np.ndarray:
     return ZWidth.of(scene, ()).limits([], DAMPINGS)
 
 
-@pytest.mark.dear("5")
-@pytest.mark.parametrize("damping", [0, "0.5", 2, 5])
+@pytest.mark.parametrize("damping", [0, "0.5", 5])
 def test_the_limit_of_a_wall_is_the_proven_one(damping: str) -> None:
     scene = DISPLAY.with_values({"environment.b": damping, "environment.k": 10})
-    found = hs.stability(scene, "none", free=["environment.k"]).critical[0]["environment.k"]
-    [piece] = found.feasible
+    [piece] = hs.require(scene, "environment.k", that="stable", hand="none").feasible
     assert ZWidth.of(scene, ()).limit([], float(damping)) == pytest.approx(float(piece.last.value), rel=1e-9)
 
 
@@ -45,11 +43,11 @@ def test_a_device_is_found_again_from_its_walls() -> None:
 def test_the_intervals_hold_the_device_about_as_often_as_they_say() -> None:
     random, true = np.random.default_rng(5), limits(DISPLAY)
     held = 0
-    for _ in range(12):
+    for _ in range(6):
         walls = list(zip(true * np.exp(0.05 * random.normal(size=len(true))), DAMPINGS, strict=True))
         [x] = hs.fit_zwidth(DISPLAY, walls, [B]).estimates
         held += x.low <= 1.0 <= x.high
-    assert held >= 8  # 95 % are promised, of many walls; resampled sets of six are a little narrow
+    assert held >= 4  # 95 % are promised, of many walls; resampled sets of six are a little narrow
 
 
 def test_what_the_walls_do_not_tell_apart_is_said() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import settings
+from hypothesis import given, settings
 
 import haptisym as hs
 
@@ -32,8 +32,10 @@ def examples(count: int) -> settings:
     return settings(max_examples=max(count, EXAMPLES) if EXAMPLES else -(-count // 5), deadline=None)
 
 
-RARELY = settings(max_examples=max(EXAMPLES // 5, 3), deadline=None)
-"""Of a property whose one example takes long: a fifth of the examples that are asked for."""
+def rarely(*strategies: Any, **named: Any) -> Callable[[Any], Any]:
+    """``given``, of a property whose one example takes long: a fifth of the examples that are asked for."""
+    few = settings(max_examples=max(EXAMPLES // 5, 3), deadline=None)
+    return lambda test: few(given(*strategies, **named)(test))
 
 
 def often(cases: Iterable[Any], quick: Callable[[Any], bool]) -> list[Any]:
