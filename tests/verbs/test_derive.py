@@ -22,7 +22,7 @@ from refusals import refusal
 from regions import margin
 from strategies import CATALOGUE, Seeded, case
 from strategies import scene as random_scene
-from sympy import Float, I, Rational, Symbol, cosh, count_ops, exp, lambdify, oo, sinh, sqrt, symbols
+from sympy import Float, I, Rational, Symbol, asin, cosh, count_ops, exp, lambdify, oo, sinh, sqrt, symbols
 
 import haptisym as hs
 from haptisym.commands.terminal import spelt
@@ -607,6 +607,11 @@ def test_a_bandwidth_is_that_of_the_evaluation() -> None:
         scene = hs.load_scene(name)
         assert scene.distortion().bandwidth(scene.threshold.real).digits(20) == hs.evaluate(scene).bandwidth.digits(20)
     assert hs.distort(100 + Symbol("s")).bandwidth(0.1) == oo
+    # Behind a delay of 1/50 s, Im of exp(-j x) is -sin x and exceeds first; no ratio of it exceeds 2.
+    late = hs.distort(100 + 0 * s, exp(-s / 50))
+    assert late.bandwidth(0.1).digits(20) == str((50 * asin(Rational(1, 10))).evalf(20))
+    with pytest.raises(hs.SceneError, match="no ratio exceeds c up to 25600 rad/s.*give a band"):
+        late.bandwidth(2.1)
     assert hs.distort(100 + 0 * Symbol("s"), 2 + 0 * Symbol("s")).bandwidth(0.1) == 0
 
 

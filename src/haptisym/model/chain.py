@@ -819,14 +819,19 @@ def threshold_polynomial(squared_ratio: RealFunction, c: Expr, stand_in: Symbol)
     return Poly(polynomial.subs(omega, sqrt(square)), square)
 
 
+_WIDENED = 4
+"""How many bands, each eight times as wide as the one before, are searched for the end of a
+bandwidth behind a delay: up to eighty turns of the longest."""
+
+
 def bandwidth(
     squared_ratios: Mapping[Part, RealFunction], c: Expr, band: tuple[Any, Any] | None
 ) -> RealNumber | Expr:
     """The upper end, rad/s, of the interval from 0 or from the low end of the band on which no ratio
     exceeds c; 0 where there is no such interval, oo where it has no end.
 
-    SceneError where a parameter has no value, and, without a band, where there may be infinitely
-    many crossings, as with a delay.
+    SceneError where a parameter has no value, and, without a band, where no ratio exceeds c within
+    some eighty turns of a delay.
     """
     free = unknown(*squared_ratios.values()) | c.free_symbols
     if free:
@@ -835,17 +840,31 @@ def bandwidth(
             f"a bandwidth needs values for {named}; crossings(part, c) has the formulas"
         )
     functions = {part: excess(f, c) for part, f in squared_ratios.items()}
+    turning = [x.rate for f in functions.values() for x in f.axis.angles if not x.constant]
     if band:
-        low, high = _band_ends(band)
+        bands = [_band_ends(band)]
+    elif turning:
+        # Behind a delay the highest crossing is not known; the first one is mostly within its first
+        # turns, and there are no more zeros than are searched.
+        first = 1 / max(map(abs, turning), key=float)
+        bands = [(Integer(0), first * 8**n) for n in range(_WIDENED)]
     else:
-        low, high = Integer(0), max(map(_above_all_zeros, functions.values()))
-    table = chart(functions, low, high)
-    unnoticed = table.where(lambda signs: all(x <= 0 for x in signs.values()))
-    # It is the end of the first interval, if that begins at the low end: an interval further up,
-    # behind frequencies at which a ratio exceeds c, is no bandwidth.
-    end = table.reach(unnoticed)
-    if end is None:
-        return Integer(0)
+        bands = [(Integer(0), max(map(_above_all_zeros, functions.values())))]
+    for low, high in bands:
+        table = chart(functions, low, high)
+        unnoticed = table.where(lambda signs: all(x <= 0 for x in signs.values()))
+        # It is the end of the first interval, if that begins at the low end: an interval further
+        # up, behind frequencies at which a ratio exceeds c, is no bandwidth.
+        end = table.reach(unnoticed)
+        if end is None:
+            return Integer(0)
+        if band or end is not table.points[-1].omega:
+            return end
+    if turning:
+        raise SceneError(
+            f"no ratio exceeds c up to {float(high):.5g} rad/s, and with a delay none is known to "
+            f"be the last: give a band, as band=(0, {float(10 * high):.5g})"
+        )
     # Above the last point of a chart without a band no ratio crosses c any more: there, as from
     # ``_above_all_zeros`` on, each function has one sign.
-    return oo if end is table.points[-1].omega and not band else end
+    return oo

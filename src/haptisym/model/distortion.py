@@ -689,7 +689,8 @@ class Distortion(Shown):
         """Return the end of the interval from 0 (or the band's low end) on which neither ratio
         exceeds c; 0 for none, oo for all.
 
-        Certified. SceneError where the ratios depend on symbols.
+        Certified. SceneError where the ratios depend on symbols, and without a band behind a delay
+        where no ratio exceeds c within some eighty turns of it.
         """
         return bandwidth(self.squared_ratios, self._threshold(c), band)
 
