@@ -439,8 +439,8 @@ def require(ask: Ask) -> Answer:
     SCENE is a scene file (TOML) or the name of a shipped scene.
 
     Required is that the display is transparent on its whole band, stable in a hand, steady in it (a drift is allowed), or
-    passive. The result is a proven
-    union of intervals, with what limits it at each end.
+    passive. To require a bandwidth, end the band of the scene there. The result is a proven union of intervals, with what
+    limits it at each end.
 
     \b
     Examples:

@@ -14,11 +14,13 @@ from math import ceil
 from sympy import Expr
 
 from haptisym.judge.bindings import IN_HANDS, STABLE, Binding, Kind
+from haptisym.judge.bounds import ANY_ENVIRONMENT
 from haptisym.judge.crossings import Criterion
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import ExactNumber, RealNumber, Sliver, Way, in_unit
 from haptisym.kernel.sets import STOPPED, SingleValue
 from haptisym.model.jnd import Part
+from haptisym.model.quantities import Dimension
 from haptisym.model.scene import THRESHOLD, Knob, clocks
 from haptisym.model.valueranges import searched
 from haptisym.pages import words as w
@@ -62,8 +64,35 @@ def page(r: Requirement) -> Document:
     caption = (worst, required(r.criteria), "; hatched: undecided." if r.undecided else ".")
     blocks = (*_nearest(r), *_ends(r), *_formulas(r), doc.Figure("requirement", caption, r.figure))
     return w.page_about(
-        r.scene, _answer(r), blocks, _proven(r), "Which values satisfy it", r.asides()
+        r.scene,
+        _answer(r),
+        blocks,
+        _proven(r),
+        "Which values satisfy it",
+        r.asides(),
+        () if r.feasible or r.undecided else tuple(_further(r)),
     )
+
+
+def _further(r: Requirement) -> Iterator[str]:
+    """Yield the command of a map of two parameters, where no value of one is enough: a delay or
+    another time first, which no filter makes up for."""
+    others = [
+        x
+        for x in r.scene.parameters
+        if x.place.startswith("effects.") and x.path != r.free.path and not r.free.parts
+    ]
+    # sorted is stable: among times, and among all others, the order of the scene.
+    others.sort(key=lambda x: x.dimension is not Dimension.TIME)
+    judged = [x.name for x in r.criteria if x.name not in (*IN_HANDS, "passive")]
+    options = [f"--that {goal}" for goal in r.that if r.that != ("transparent",)]
+    if ANY_ENVIRONMENT.name in judged:
+        options.append("--any-environment")
+    elif judged in ([part.value] for part in Part):
+        options.append(f"--part {judged[0]}")
+    for x in others[:1]:
+        free = f"--free {r.free.name} --free {x.name} --range LO HI --range LO HI"
+        yield " ".join(["haptisym require SCENE", free, *options])
 
 
 def required(criteria: tuple[Criterion, ...]) -> str:
