@@ -330,6 +330,11 @@ def test_columns_can_be_named_and_lines_chosen(file: Callable[..., Path]) -> Non
     assert read_answers(file(text), columns, {"who": "a"}).rows == ROWS
     with pytest.raises(hs.SceneError, match="no line has who = c"):
         read_answers(file(text), columns, {"who": "c"})
+    twice = "".join(f"{x},{10 * x},{k},{TRIALS}\n" for x, k in zip(LEVELS, COUNTS, strict=True))
+    for unit, size in (("level", 1), ("level (dB)", 10), ("level dB", 10)):
+        header = unit if size > 1 else "level dB"
+        found = read_answers(file(f"level,{header},k,n\n{twice}"), {"level": unit}, {})
+        assert [x.level for x in found.rows] == pytest.approx([size * x for x in LEVELS])
 
 
 def test_people_that_are_put_together_are_told(file: Callable[..., Path]) -> None:

@@ -324,7 +324,9 @@ def read_answers(
 def _found(named: Mapping[str, str], columns: Sequence[ColumnHeader]) -> AnswerColumns:
     """The columns of answers, by their headers without units; those that the caller names may have
     them."""
-    bare = [x.text if x.unit == "%" else x.name for x in columns]
+    # "level" and "level (dB)" have one name without units: the one that is named has them.
+    given = {x.name for x in columns if x.text in named.values()}
+    bare = [x.text if x.unit == "%" or x.name in given else x.name for x in columns]
     short = {x.text: name for x, name in zip(columns, bare, strict=True)}
     return find_columns(bare, {key: short.get(x, x) for key, x in named.items()})
 
