@@ -1004,7 +1004,7 @@ def proven(e: Evaluation) -> Iterator[Phrase]:
                 where,
             )
         )
-        yield "Proven: everything else."
+        yield w.proof(e.scene, "everything else")
         return
     if e.movement is not None and e.movement.undecided:
         yield w.undecided("what a fit to this movement reports, where no number stands")
@@ -1262,6 +1262,6 @@ def _proven_peaks(found: Peaks) -> Iterator[Phrase]:
         yield w.undecided(
             ("whether a slope changes its sign at ", where, ", at the precision limit")
         )
-        yield "Proven: all others."
+        yield w.proof(found.scene, "all others")
     else:
         yield w.proof(found.scene, "all local maxima inside the band, and all digits printed")

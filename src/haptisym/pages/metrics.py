@@ -290,13 +290,13 @@ def formulated(words: str) -> Phrase:
 def _proven(m: Metrics) -> Iterator[Phrase]:
     """Yield what is proven of the measures."""
     if not m.decided:
-        yield "Proven: all else."
+        yield w.proof(m.scene, "all else")
     elif not m.certified:
         yield w.undecided(
             "whether some function is tangent to its limit, crosses it twice or stays clear "
             "of it, at the precision limit"
         )
-        yield "Proven: all else."
+        yield w.proof(m.scene, "all else")
     else:
         yield w.proof(m.scene, "every limit, band and number")
 

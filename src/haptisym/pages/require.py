@@ -263,7 +263,7 @@ def _proven(r: Requirement) -> Iterator[Phrase]:
         )
         yield w.undecided((named(r.free.symbol.name), " from ", where, f": {why}" if why else ""))
         if not _is_all(r):
-            yield "Proven: all other values in the range."
+            yield w.proof(r.scene, "all other values in the range")
         return
     # An end that is a Sliver is known by an enclosure, not as a closed number.
     exact = any(isinstance(end.value, Sliver) for piece in r.feasible for end in piece.ends)

@@ -157,4 +157,4 @@ def _proven(found: Sensitivities) -> Iterator[Phrase]:
         yield w.proof(found.scene, "all derivatives and all digits printed")
     else:
         yield w.undecided("what is marked so")
-        yield "Proven: all else."
+        yield w.proof(found.scene, "all else")

@@ -625,6 +625,6 @@ def _proven(found: Stability) -> Iterator[Phrase]:
     delays = ", with every delay exact" if any(x.has(exp) for x in matrices) else ""
     of = ", for the exact sampled loop" if found.sampled is not None else delays
     if not found.certified:
-        yield f"Proven: {what}, but for what is marked undecided."
+        yield w.proof(found.scene, f"{what}, but for what is marked undecided")
         return
     yield w.proof(found.scene, f"{what}{of}")
