@@ -28,7 +28,8 @@ ON_PAGE = {
     r"haptisym stability decides (that|that loop) in a hand": r"the question about a hand, below, decides \1",
     r"a hand closes the loop \(haptisym stability\)": "a hand closes the loop (the question about a hand, below)",
     r", haptisym simulate runs the loop|; haptisym\.verify compares them with independent evaluations": "",
-    r" --of prints (it|one of: [^.]*)\.": "",
+    r"; --of [^.;]*prints (it|one)(?=\.)|; --of &quot;[^.]*?&quot; prints (it|one)(?=\.)": "",
+    r" --of prints one of: [^.]*\.": "",
     r"in --json": "in the JSON",
     r"this needs NumPy.*": "this needs NumPy, which the page lacks; install haptisym and ask its command line",
     r"this scene is measured: .*|a table of lines, not a scene: .*": "the page does not take measured responses; install "

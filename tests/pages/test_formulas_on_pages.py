@@ -14,7 +14,7 @@ import mpmath
 import numpy as np
 import pytest
 from mathreader import expression
-from sympy import Expr, Symbol, atan2, lambdify, sympify
+from sympy import Expr, Number, Symbol, atan2, lambdify, sympify
 
 import haptisym as hs
 from haptisym.kernel.rings import X, omega, s
@@ -249,6 +249,30 @@ def test_a_threshold_polynomial_that_no_readable_coefficients_leave_true_is_told
     assert shown == {f"p_{x[0].lower()}": f"p_{x[0].lower()} = ({x} dH)^2 - 0.01 |H_env|^2" for x in ("Re", "Im")}
     told = words_and_lines(sections[1].blocks)[0]
     assert "Not written is Re dH with numbers" in told
+
+
+LEVER = hs.Scene(
+    E.kelvin_voigt(800, 2),
+    (
+        F.sampled_loop("1 ms", "backward-difference", delay=2),
+        F.first_order_lag(250),
+        F.encoder("0.02 mm", "1 mm"),
+        F.shunt(m="0.35", b="1.2"),
+    ),
+    (0, 60),
+)
+
+
+def test_no_common_factor_makes_the_numbers_in_its_sum_so_many_times_as_large() -> None:
+    """One of 8e-57 stood before a sum of numbers up to 7e69."""
+    found = [x.value for section in shown(LEVER).values() for x in lines(section) if isinstance(x.value, Expr)]
+    sizes = [abs(float(y)) for x in found for y in x.atoms(Number) if y]
+    assert len(sizes) > 50
+    assert 1e-10 < min(sizes) < max(sizes) < 1e20
+    relative = next(x for x in lines(shown(LEVER)["Distortion"]) if said(x.left) == "Re(dH/H_env)")
+    d = hs.evaluate(LEVER).distortion
+    exact = (d.perceived / d.environment - 1).subs(s, 40j).evalf()
+    assert float(relative.value.subs(omega, 40).evalf()) == pytest.approx(float(exact.as_real_imag()[0]), rel=1e-4)
 
 
 # Quantities of a distortion

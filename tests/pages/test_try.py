@@ -38,6 +38,32 @@ def test_answers_speak_of_the_page_and_never_of_the_command_line(name: str) -> N
         assert not OF_THE_COMMAND_LINE.search(words(own)), OF_THE_COMMAND_LINE.search(words(own))
 
 
+LONG = """[environment]
+model = "kelvin-voigt"
+k = 800
+b = 2
+[[effects]]
+model = "sampled-loop"
+T = "1 ms"
+method = "backward-difference"
+[[effects]]
+model = "delay"
+tau = "2 ms"
+[[effects]]
+model = "first-order-lag"
+omega_c = 250
+"""
+
+
+def test_what_is_too_long_to_be_expanded_is_named_in_whole_sentences() -> None:
+    found = asked("derive", scene=LONG)
+    assert "Longer than" in words(found)
+    assert not OF_THE_COMMAND_LINE.search(words(found))
+    assert not re.search(r"[;,]\s*</p>", html.unescape(found["html"]))
+    page = " ".join(str(hs.derive(hs.parse_scene(LONG))).split())
+    assert 'operations: Re dH and Im dH; --of "Re dH" prints one.' in page
+
+
 def test_a_family_is_answered_for_each_environment_and_its_sliders_are_those_of_the_chosen_one() -> None:
     text = SCENES["palpation-device"]
     found = asked("evaluate", scene=text, environment="liver")

@@ -483,7 +483,14 @@ def _written_out(d: Derivation) -> doc.Section:
         return _section("Expanded", notes=[("Closed forms of this chain are long.", option)])
     names = ("Re dH", "Im dH", "|H_env|^2")
     short = [name for name in names if d.operations(name) <= LONGEST]
-    return _section("Expanded, common factors cancelled", (_named(name, d[name]) for name in short))
+    notes: list[Phrase] = []
+    if long := [name for name in names if name not in short]:
+        way = f'--of "{long[0]}" prints' if d.of_scene else f'derivation["{long[0]}"] has'
+        what = listed((quantity(name),) for name in long)
+        see = doc.Brief(f"; {way} {'one' if len(long) > 1 else 'it'}")
+        notes.append((f"Longer than {LONGEST} operations: ", what, see, "."))
+    rows = (_named(name, d[name]) for name in short)
+    return _section("Expanded, common factors cancelled", rows, notes)
 
 
 def _when(d: Derivation) -> doc.Section:

@@ -17,7 +17,7 @@ from math import comb, prod
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias
 
-from sympy import Abs, Add, Expr, Function, I, Mul, Pow, S, Symbol, pi, sqrt
+from sympy import Abs, Add, Expr, Function, I, Integer, Mul, Pow, S, Symbol, pi, sqrt
 
 from haptisym.judge.crossings import noticed
 from haptisym.judge.evaluation import Evaluation
@@ -489,6 +489,24 @@ def _faithful(exact: Expr, band: Band, digits: Sequence[int]) -> tuple[Expr, str
     return faithful(lambda n: exact if n is None else approximate(exact, n), band, digits)
 
 
+def _distributed(form: Expr, factor: Expr) -> Expr:
+    """Return a formula times a number, with all numbers of its products inside of their sums: a
+    common factor of long numbers would make others of 50 digits.
+
+    >>> _distributed((omega * (6 * omega + 4) + 8) / (2 * omega), Integer(1))
+    (omega*(3*omega + 2) + 4)/omega
+    """
+    if isinstance(form, Add):
+        return Add(*(_distributed(x, factor) for x in form.args))
+    number, rest = form.as_coeff_Mul()
+    factors = Mul.make_args(rest)
+    sums = [x for x in factors if isinstance(x, Add)]
+    inside = max(sums, key=lambda x: len(x.args), default=None)
+    if inside is None:
+        return factor * form
+    return Mul(*(_distributed(x, factor * number) if x is inside else x for x in factors))
+
+
 def _monic(exact: Expr) -> Expr:
     """A quotient as a number times factors with leading coefficient 1; a polynomial as it is."""
     # Roots and absolute values are no quotients of polynomials, nor are sines or complex numbers.
@@ -496,7 +514,7 @@ def _monic(exact: Expr) -> Expr:
         return exact
     variable = s if exact.has(s) else omega
     if exact.has(Function, I):
-        return exact
+        return _distributed(exact, Integer(1))
     function = PolynomialRing(variable).convert(exact).reduced()
     if function.denominator.is_constant():
         return exact
