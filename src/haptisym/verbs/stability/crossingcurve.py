@@ -1,25 +1,31 @@
-"""Which values of q put a root of a loop on the imaginary axis, and where, if q is in coefficients
-alone? All of them, from one equation in omega.
+"""All values of a parameter q that put a root of a loop on the imaginary axis, and the frequencies of
+these roots, for a q that is in coefficients alone.
 
-C(s; q) is the characteristic function of the loop (``loops``), here a polynomial in q. Values of q
-with C(j omega; q) = 0, omega > 0, are two real equations, Re C = 0 and Im C = 0, in the two
-unknowns omega and q. q is eliminated:
+**Question.** C(s; q) is the characteristic function of the loop (``loops``), here a polynomial in q
+whose coefficients are polynomials in s, delays exp(-s lag) and powers s^alpha. For which real q is
+C(j omega; q) = 0 at some omega > 0? These are the *critical values*, at which the number of roots
+in Re s >= 0 may change.
 
-- *Degree 1*, C = A + q B: the equation is q = g(j omega) with g = -A/B. As q is real, the critical
-  values are q = Re g where Im g = 0. Where A/B is real on all of the axis, the condition is instead
-  that d(Re g)/d omega = 0: there is a root on the axis for each q between two such values.
+**Method.** Re C = 0 and Im C = 0 are two real equations in omega and q. q is eliminated, which
+leaves a *condition*, one function of omega that is 0 at each root, and the *value* of q there:
+
+- *Degree 1*, C = A + q B: the equation is q = g(j omega) with g = -A/B. As q is real, the condition
+  is Im g = 0 and the value Re g. (The D-decomposition; Neimark 1948.) Where A/B is real on all of
+  the axis there is a root on it for each q that Re g takes: these intervals of q end where d(Re
+  g)/d omega = 0, which then is the condition.
 - *Higher degrees*: at a frequency at which Re C and Im C have a common root q, their resultant by
   q, a function of omega, is 0. The last remainder of Euclid's algorithm before it, c0 + c1 q with
   functions c0 and c1 of omega, is u Re C + v Im C with polynomials u and v in q, so that it has the
   common root too: q = -c0/c1. (Up to a factor it is the first subresultant; von zur Gathen and
   Gerhard, Modern Computer Algebra, chapter 6.)
 
-Begin with ``curve_of``, which makes the ``CrossingCurve`` of a loop, and ``CrossingCurve.roots``,
-which returns all critical values up to a frequency, proven. They are complete for 0 < omega <= that
-frequency, but for those of a common factor of Re C and Im C (``_by_resultant`` says why no verdict
-depends on them). Roots at omega = 0 and from infinity are found elsewhere (``critical``).
+**Guaranteed.** ``CrossingCurve.roots`` returns all critical values with 0 < omega <= a given
+frequency, proven, but for those of a common factor of Re C and Im C (``_by_resultant`` says why no
+verdict depends on them). Roots at omega = 0 and from infinity are found elsewhere (``critical``).
 UndecidedError where elimination gives no single q for each frequency, or where a root that touches
 the axis cannot be distinguished from one that stays away.
+
+Begin with ``curve_of``, which makes the ``CrossingCurve`` of a loop, and with its ``roots``.
 
 **Functions of omega** here are rational functions of an ``Axis``: quotients of polynomials in
 omega, t = tan(omega lag/2) for each *unit delay* (all delays of a loop are sums of whole multiples
@@ -51,24 +57,48 @@ from haptisym.kernel.rings import Polynomial, RationalFunction, coefficients
 from haptisym.kernel.roots import Point, chart
 from haptisym.verbs.stability.loops import CriticalRoot, Loop
 
+_UNDECIDED = "where roots meet the imaginary axis"
+
+
+def curve_of(loop: Loop) -> CrossingCurve | None:
+    """The curve of a loop with q in its coefficients; None where C does not depend on q.
+
+    Its condition is the function 0 where A/B is one real number: a single q then puts roots on the
+    axis, at every omega. UndecidedError where elimination does not give one q for each frequency.
+    """
+    # A, B, ...: those of q^0, q^1, ...
+    of_powers = loop.coefficients
+    if len(of_powers) < 2:
+        return None
+    if len(of_powers) == 2:
+        ratio = RationalFunction(loop.ring, *of_powers).reduced()
+        # Not reduced: over |B|^2, so that their signs are those of their numerators.
+        response = on_axis(ratio)
+        value, condition = -response.raw_real, response.raw_imag
+        square = squared_modulus(ratio).function
+        curve = CrossingCurve(condition, value, square, is_linear=True)
+    else:
+        curve = _by_resultant(loop)
+    return curve if not curve.condition.is_zero else _of_real_ratio(curve)
+
+
 # The names under which the functions of a curve are on a chart (``kernel.roots``).
 _CONDITION, _VALUE, _SHARED = "condition", "value", "shared"
 _REMAINDER = ("c0", "c1")
 
-_UNDECIDED = "where roots meet the imaginary axis"
-
 
 @dataclass(frozen=True)
 class CrossingCurve:
-    """A loop has a root at j omega, for some real q, where ``condition`` is 0, and then q =
-    ``value``.
+    """Where a loop has a root at j omega for some real q: at the zeros of ``condition``, and there q
+    = ``value``.
 
     ``square`` : the square of that q, at a zero of the condition. For A + q B it is |A/B|^2:
     whether it is above or below a number at high frequency is often known, although the value
     itself, -Re(A/B), swings with the phase of the delays. ``critical`` bounds with it the
-    frequencies that a window of q can have.
-    ``is_linear`` : whether C is A + q B and g = value - j condition. ``remainder`` : c0 and c1 where
-    it is not proven once for all that both are 0 at no zero of the condition; else empty.
+    frequencies at which q can be in an interval.
+    ``is_linear`` : whether C is A + q B and g = value - j condition.
+    ``remainder`` : c0 and c1 where it is not proven once for all that both are 0 at no zero of the
+    condition; else empty.
 
     Condition, value and square are functions of omega whose denominators are squares or sums of
     squares, so that the sign of such a function is that of its numerator, as ``asymptotic_sign``
@@ -91,21 +121,22 @@ class CrossingCurve:
         """
         value = RealFunction(self.value.reduced())
         functions = {_CONDITION: RealFunction(self.condition.reduced()), _VALUE: value}
+        # The remainder may be empty.
         for name, function in zip(_REMAINDER, self.remainder, strict=False):
             functions[name] = RealFunction(function.reduced())
         points = chart(functions, Integer(0), reach).points
         if any(_CONDITION in point.undecided for point in points):
             raise UndecidedError("whether a root touches the imaginary axis")
         roots = list[CriticalRoot]()
+        # The first point is omega = 0.
         for point in points[1:]:
-            # At a pole of the value no q puts a root on the axis: A + q B has B = 0 and A not 0
-            # there, and c0 + c1 q, 0 at every common root, has c1 = 0 and c0 not 0. The first point
-            # is omega = 0.
-            order_of_value = point.orders.get(_VALUE, 0)
             if point.orders.get(_CONDITION, 0) <= 0:
                 continue
             if self.remainder and all(_may_vanish(name, point) for name in _REMAINDER):
                 raise UndecidedError(_UNDECIDED)
+            # At a pole of the value no q puts a root on the axis: A + q B has B = 0 and A not 0
+            # there, and c0 + c1 q, 0 at every common root, has c1 = 0 and c0 not 0.
+            order_of_value = point.orders.get(_VALUE, 0)
             if order_of_value >= 0:
                 q = ExactNumber(Integer(0)) if order_of_value else ValueAt(value, point.omega)
                 roots.append(CriticalRoot(q, omega=point.omega, sense=self._sense(point)))
@@ -113,23 +144,25 @@ class CrossingCurve:
 
     @property
     def radius(self) -> Expr | None:
-        """A frequency, rad/s, above which the condition has no zero; None where it has zeros at
-        arbitrarily high frequencies, or none of both is proven."""
+        """A frequency, rad/s, above which the condition has no zero; None where none is proven, as
+        where it has zeros at arbitrarily high frequencies."""
         at_infinity = sign_without_zeros(self.condition)
         is_settled = at_infinity.sense in (Sense.POSITIVE, Sense.NEGATIVE)
         return at_infinity.radius if is_settled else None
 
     def _sense(self, point: Point) -> int | None:
-        """How many pairs of roots go to the right at a zero of the condition; None where C is not
-        linear in q.
+        """How many pairs of roots go to the right at a zero of the condition as q increases, -1 for
+        one that goes to the left; None where C is not linear in q.
 
         The root is where g(s) = q. g is analytic, so it maps what is on the right of the axis, seen
         along increasing omega, to the right of the curve g(j omega). Where Im g rises through 0
-        that is the side of larger q: as q increases the root goes to the right. Where Im g falls it
-        goes to the left, and where Im g has no change of sign none crosses. Im g = -condition.
+        that is the side of larger q: as q increases the root goes to the right. (At a simple zero
+        ds/dq = 1/g', and d Im g(j omega)/d omega = Re g'.) Where Im g falls it goes to the left,
+        and where Im g has no change of sign none crosses.
         """
         if not self.is_linear:
             return None
+        # The condition is -Im g: it falls where Im g rises.
         return (point.before[_CONDITION] - point.after[_CONDITION]) // 2
 
 
@@ -138,32 +171,11 @@ def _may_vanish(name: str, point: Point) -> bool:
     return point.orders.get(name, 0) > 0 or name in point.undecided
 
 
-def curve_of(loop: Loop) -> CrossingCurve | None:
-    """The curve of a loop with q in its coefficients; None where C does not depend on q.
-
-    Its condition is the function 0 where A/B is one real number: a single q then puts roots on the
-    axis, at every omega. UndecidedError where elimination does not give one q for each frequency.
-    """
-    of_powers = loop.coefficients
-    if len(of_powers) < 2:
-        return None
-    if len(of_powers) == 2:
-        ratio = RationalFunction(loop.ring, *of_powers).reduced()
-        # Raw: as they come, over |B|^2 and not reduced.
-        response = on_axis(ratio)
-        value, condition = -response.raw_real, response.raw_imag
-        square = squared_modulus(ratio).function
-        curve = CrossingCurve(condition, value, square, is_linear=True)
-    else:
-        curve = _by_resultant(loop)
-    return curve if not curve.condition.is_zero else _of_real_ratio(curve)
-
-
 def _of_real_ratio(curve: CrossingCurve) -> CrossingCurve:
     """The curve where A/B is real on all of the axis: roots lie on the axis for all values of g,
     and leave it in pairs where two meet, at the extrema of g."""
     slope = RealFunction(curve.value.reduced()).derivative().function
-    # Over the square of its denominator.
+    # Over the square of its denominator, so that its sign is that of its numerator.
     numerator, square = slope.numerator * slope.denominator, slope.denominator**2
     condition = slope.ring.function(numerator, square)
     return CrossingCurve(condition, curve.value, curve.square)
@@ -191,11 +203,14 @@ def _by_resultant(loop: Loop) -> CrossingCurve:
     An h of q alone is 0 where there is no loop.
     """
     axis = loop.ring.axis
+    # As polynomials in omega, pi, q, then t of each angle, then each omega^alpha; ``index`` : the
+    # number of the variable q.
     [(real, imag)] = axis.parts([loop.numerator])
     index = axis.meanings.index(loop.symbol)
     common = real.gcd(imag)
-    sizes = common.degrees()
-    if sizes[index] and any(sizes[axis.size + len(axis.angles) :]):
+    degrees = common.degrees()
+    has_power = any(degrees[axis.size + len(axis.angles) :])
+    if degrees[index] and has_power:
         raise UndecidedError(_UNDECIDED)
     real, imag = real / common, imag / common
     resultant = real.resultant(imag, f"x{index}")
@@ -221,8 +236,8 @@ def _by_resultant(loop: Loop) -> CrossingCurve:
 def _at_half_turns(
     resultant: Polynomial, real: Polynomial, imag: Polynomial, index: int, axis: Axis
 ) -> RationalFunction:
-    """The resultant of two polynomials by the variable of that number, as a function of omega that
-    has its zeros at half turns too.
+    """The resultant of two polynomials by the variable q, the one of number ``index``, as a function
+    of omega that has its zeros at half turns too.
 
     Let M be the larger degree of both in a tangent t, and n and m their degrees in q.
 
@@ -256,7 +271,7 @@ def _at_half_turns(
 
 
 def _coefficient(polynomial: Polynomial, index: int, power: int) -> Polynomial:
-    """The coefficient of a power of the variable of that number, 0 where there is none."""
+    """The coefficient of a power of the variable of number ``index``, 0 where there is none."""
     rows = coefficients(polynomial, index)
     return rows[power] if power < len(rows) else 0 * polynomial
 
@@ -296,7 +311,7 @@ def _are_never_zero_together(f: Polynomial, g: Polynomial, axis: Axis) -> bool:
 def _linear_remainder(
     f: Polynomial, g: Polynomial, index: int
 ) -> tuple[Polynomial, Polynomial] | None:
-    """The first remainder of degree 1 in the variable x of that number, c0 + c1 x, in Euclid's
+    """The first remainder of degree 1 in the variable x of number ``index``, c0 + c1 x, in Euclid's
     algorithm for f and g, as (c0, c1): f or g itself if it is one already. None where no remainder
     has degree 1."""
     if len(coefficients(f, index)) < len(coefficients(g, index)):
@@ -311,8 +326,8 @@ def _linear_remainder(
 
 
 def _pseudo_remainder(f: Polynomial, g: Polynomial, index: int) -> Polynomial:
-    """What division of f by g leaves, times powers of g's leading coefficient, so that no fraction
-    arises."""
+    """The remainder of f by g in the variable of number ``index``, times powers of g's leading
+    coefficient, so that no fraction arises."""
     a, b = coefficients(f, index), coefficients(g, index)
     x = f.context().gens()[index]
     while len(a) >= len(b) and not f.is_zero():
