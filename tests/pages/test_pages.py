@@ -185,6 +185,12 @@ def test_a_document_of_latex_is_the_one_that_was_read_and_accepted(name: str) ->
 COMMAND = re.compile(r"(?<!by )haptisym\\? [a-z]+|(?<![-{}\w])-(?:\{\})?-[a-z]+")
 
 
+def test_caveats_name_commands_in_a_terminal_alone() -> None:
+    found = hs.evaluate("sampled-wall")
+    assert re.search(r"closes the loop\s+\(haptisym\s+stability\)\.", str(found))
+    assert "closes the loop." in " ".join(latex(found.document()).split())
+
+
 @pytest.mark.few(4)
 @pytest.mark.parametrize("name", CASES)
 def test_a_document_has_no_command_to_type(name: str) -> None:

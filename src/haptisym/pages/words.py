@@ -8,6 +8,7 @@ upper ones, into a set for its ends. Begin with ``page_about``, of which most pa
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -462,8 +463,18 @@ def noted(remarks: Iterable[Phrase]) -> tuple[doc.Notes, ...]:
 
 
 def caveats(found: Iterable[str]) -> tuple[doc.Notes, ...]:
-    """Limits of the results, a remark each."""
-    return noted((Strong("Note:"), f" {caveat}") for caveat in found)
+    """Limits of the results, a remark each; the commands in them are for a page in brief alone."""
+
+    def said(caveat: str) -> Phrase:
+        # A split by a pattern with one group gives words and clauses with a command in turn.
+        parts = _COMMAND.split(caveat)
+        return tuple(doc.Brief(x) if i % 2 else x for i, x in enumerate(parts))
+
+    return noted((Strong("Note:"), " ", said(caveat)) for caveat in found)
+
+
+_COMMAND = re.compile(r"([;:] haptisym [^.;]*| \(haptisym [^)]*\))")
+"""A clause, or a remark in brackets, that names a command."""
 
 
 def of_linear_model(scene: Scene | SceneFamily, *, in_hand: bool = False) -> str:
