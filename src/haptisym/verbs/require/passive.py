@@ -1,7 +1,8 @@
 """For which values of one parameter a display is passive: stable in the hand of any passive
 operator.
 
-H_perc/s must be positive real: Im H_perc(j omega) >= 0 at all omega > 0, and no pole may forbid it.
+H_perc/s must be positive real: Im H_perc(j omega) >= 0 at all omega > 0, and neither a pole nor an
+advance exp(s tau) may forbid it (``judge.passivity``).
 Begin with ``solve_passive`` and ``solve_sampled``.
 
 *Of a rational display*: exact verdicts between critical values. *With delays or powers of s* by
