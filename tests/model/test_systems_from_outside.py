@@ -30,6 +30,7 @@ from sympy import (
     asin,
     cbrt,
     cos,
+    coth,
     exp,
     lambdify,
     log,
@@ -40,6 +41,8 @@ from sympy import (
     sqrt,
     symbols,
     sympify,
+    tan,
+    tanh,
 )
 from sympy.physics.control import (
     Feedback,
@@ -52,6 +55,7 @@ from sympy.physics.control import (
     lti,
 )
 from sympy.physics.control.tests import test_lti
+from sympy.physics.units import newton, second
 
 import haptisym as hs
 from haptisym.kernel.rings import c, omega
@@ -407,7 +411,8 @@ def test_a_value_is_put_in_exactly_in_every_way_of_writing_it(value: Any, exact:
         (lambda: LAGGED.at({k: np.array([1, 2])}), "k: "), (lambda: LAGGED.at({k: -3}), "k: .*>= 0"), (lambda: LAGGED.at({k: s}), "k: .*s"),
         (lambda: LAGGED.at({k: omega}), "k: .*omega"), (lambda: LAGGED.at({k: I}), "k: .*I"), (lambda: LAGGED.at({k: "100 foo"}), "k: "),
         (lambda: LAGGED.subs(k), "subs"), (lambda: LAGGED.subs(1, 2, 3), "subs"), (lambda: LAGGED.at({"omega": -1}), "omega"),
-        (lambda: LAGGED.at({"omega": "1 m"}), "omega: "), (lambda: LAGGED.at({T: Symbol("b")}), "two different symbols"),
+        (lambda: LAGGED.at({"omega": "1 m"}), "omega: "), (lambda: LAGGED.at({T: Symbol("b")}), "assumptions differ"),
+        (lambda: LAGGED.at({T: 2 * second}), "give text"), (lambda: hs.distort(k * newton, LAG), "give text"),
         (lambda: hs.distort(100, 1 / (s**2 + 9)).at({"omega": 3}).real, "divided by zero"),
     ],
 )  # fmt: skip
@@ -891,6 +896,14 @@ def test_answers_are_formulas_to_a_notebook() -> None:
     assert hs.latex(solution) == r"\omega = \frac{\sqrt{\frac{c}{1 - c}}}{T},\quad 1 - c > 0"
     listed = hs.latex(hs.distort(k, LAG).crossings("real"))
     assert listed == "\\begin{align*}\n  &" + hs.latex(solution) + "\n\\end{align*}"
+
+
+@pytest.mark.parametrize("written", [tanh(T * s), 1 / coth(T * s), -I * tan(I * T * s)])
+def test_hyperbolic_functions_are_delays(written: Expr) -> None:
+    """The tangent of j omega T is j tan(omega T)."""
+    found = hs.distort(k, rendered=k * (1 + written))
+    assert (found.imag - k * tan(omega * T)).subs({k: 2, T: 3, omega: Rational(1, 7)}).evalf() == pytest.approx(0)
+    assert found.real == 0
 
 
 def test_a_certified_number_keeps_all_its_digits_in_sympy_and_mpmath() -> None:

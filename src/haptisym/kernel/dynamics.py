@@ -15,7 +15,22 @@ from itertools import combinations
 from math import inf, lcm
 from operator import mul
 
-from sympy import Add, Expr, I, Integer, Mul, Rational, Symbol, cosh, exp, gcd, perfect_power, sinh
+from sympy import (
+    Add,
+    Expr,
+    I,
+    Integer,
+    Mul,
+    Rational,
+    Symbol,
+    cosh,
+    coth,
+    exp,
+    gcd,
+    perfect_power,
+    sinh,
+    tanh,
+)
 
 from haptisym.kernel.axis import Axis
 from haptisym.kernel.errors import SceneError
@@ -86,7 +101,7 @@ class Ring(PolynomialRing):
         return cls(symbols, _units(lags), sorted(orders, key=str), j=I in atoms)
 
     def convert(self, expression: Expr) -> RationalFunction:
-        if expression.func in (cosh, sinh):
+        if expression.func in _HYPERBOLIC:
             return self.convert(_exponentials(expression))
         if expression.func is exp:
             delays = (self._delayed(lag, n) for lag, n in _lags(expression).items())
@@ -162,7 +177,7 @@ def _named(expressions: Iterable[Expr]) -> Iterator[Expr]:
             continue
         if x.is_Symbol or x is I:
             yield x
-        elif x.func in (cosh, sinh):
+        elif x.func in _HYPERBOLIC:
             waiting.append(_exponentials(x))
             continue
         elif x.func is exp or _is_fractional(x) or _is_root(x):
@@ -196,13 +211,12 @@ def _independent(numbers: set[Integer]) -> set[Integer]:
     return factors
 
 
+_HYPERBOLIC = (cosh, sinh, tanh, coth)
+
+
 def _exponentials(expression: Expr) -> Expr:
     """Hyperbolic functions as exponentials."""
-    if not expression.has(cosh, sinh):
-        return expression
-    return expression.replace(cosh, lambda x: (exp(x) + exp(-x)) / 2).replace(
-        sinh, lambda x: (exp(x) - exp(-x)) / 2
-    )
+    return expression.rewrite(_HYPERBOLIC, exp) if expression.has(*_HYPERBOLIC) else expression
 
 
 def _lags(exponential: Expr) -> dict[Expr, int]:

@@ -120,7 +120,9 @@ class PolynomialRing:
         clash = conflicting([*in_order])
         if clash is not None:
             raise SceneError(
-                f"two different symbols are both named {clash}: give one of them another name"
+                f"two different symbols are both named {clash}: their assumptions differ, as of "
+                f'Symbol("{clash}") and Symbol("{clash}", positive=True): declare both equally, or '
+                f"give one of them another name"
             )
         self.symbols = tuple(in_order)  # a parameter, or a root of one or of a number
         self.functions = tuple(functions)

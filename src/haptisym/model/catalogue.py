@@ -54,6 +54,7 @@ from haptisym.model.quantities import (
     evaluate,
     in_laplace,
     number,
+    refuse_units,
 )
 
 Matrix: TypeAlias = tuple[Expr, Expr, Expr, Expr]
@@ -874,6 +875,8 @@ _BAND = "give its two ends, as (0, 15)"
 
 def given_environment(key: str, given: object) -> Environment:
     """An environment, or any system that ``interop`` takes; SceneError for anything else."""
+    with within(key):
+        refuse_units(given)
     read = (
         given
         if isinstance(given, Environment) or not is_system(given)

@@ -43,6 +43,7 @@ from sympy import (
     Symbol,
     cos,
     cosh,
+    coth,
     exp,
     expand,
     fraction,
@@ -53,6 +54,8 @@ from sympy import (
     sin,
     sinh,
     sympify,
+    tan,
+    tanh,
     together,
     zoo,
 )
@@ -748,6 +751,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
       ...
     haptisym.kernel.errors.SceneError: "15 N" is not a stiffness. Stiffnesses: N/m, N/mm, N*m/rad.
     """
+    refuse_units(given)
     if isinstance(given, str):
         return _from_text(given, dimension)
     if isinstance(given, Expr | RealNumber):
@@ -759,6 +763,17 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     # A bool is an int of Python, and is no number here; it is shown as TOML writes it.
     shown = str(given).lower() if isinstance(given, bool) else quoted(given)
     raise SceneError(f"{shown} is not a quantity: give a number, or a string of number and unit")
+
+
+def refuse_units(given: object) -> None:
+    """SceneError for a quantity with a unit of Pint or SymPy, with how to write it."""
+    parts = preorder_traversal(given) if isinstance(given, Expr) else ()
+    is_of_sympy = any(type(x).__module__.startswith("sympy.physics.units") for x in parts)
+    if is_of_sympy or (hasattr(given, "magnitude") and hasattr(given, "units")):
+        raise SceneError(
+            f'{quoted(given)} has units of another package: give text, as "100 N/m", or a number '
+            f"in SI units"
+        )
 
 
 def number(given: Number, dimension: Dimension) -> Quantity:
@@ -958,6 +973,7 @@ def in_laplace(given: Expr, variable: Symbol | None = None, frequency: Symbol = 
     """
     # A user's own Symbol("s") is the Laplace variable where no other one is named. With an
     # assumption, as real, it was meant as a parameter, and two symbols called s are ambiguous.
+    refuse_units(given)
     known, free = (variable or s).name, given.free_symbols
     laplace = {x for x in free if x.name == known}
     if len(laplace) > 1 or (known != s.name and s.name in {x.name for x in free}):
@@ -999,7 +1015,7 @@ def in_laplace(given: Expr, variable: Symbol | None = None, frequency: Symbol = 
     return _without_i(form, given, waves) if form.has(I) else form
 
 
-_ANALYTIC = Add | Mul | Pow | exp | cos | sin | cosh | sinh
+_ANALYTIC = Add | Mul | Pow | exp | cos | sin | tan | cosh | sinh | tanh | coth
 
 
 def _turned(given: Expr, waves: set[Symbol]) -> Expr:
