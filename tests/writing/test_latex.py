@@ -17,7 +17,7 @@ from pdflatex import check_layout, compiled, set_document
 from sympy import Abs, Float, I, Integer, Rational, Symbol, cos, exp, pi, sqrt
 from texreader import equations, value
 
-from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, symbols
+from haptisym import Scene, Threshold, effects, environments, evaluate, load_scene, scene_names, stability, symbols
 from haptisym.judge.evaluation import Evaluation
 from haptisym.kernel.reals import Way, in_unit, printed
 from haptisym.kernel.rings import X, omega, s
@@ -444,6 +444,11 @@ def test_the_table_for_a_paper_has_the_numbers_of_its_answer_and_needs_booktabs_
         for c in evaluate(PAPER).crossings
     ]
     assert "7.978917" in tables["compare"]
+    assert len({re.search(r"label\{(.*)\}", x)[1] for x in tables.values()}) == len(tables)
+    # Verdict, and the limit of each parameter that has one, of the hand that was asked about.
+    [sets] = stability("fu2019", "firm-grip").critical
+    assert "firm-grip: stable &" in tables["stability"]
+    assert tables["stability"].count(r" \\") == 1 + sum(bool(x.ends) for x in sets.values())
     body = "\n\n".join(tables.values())
     head = r"\documentclass{article}\usepackage[landscape,margin=1cm]{geometry}\usepackage{booktabs}"
     check_layout(compiled(f"{head}\n\\begin{{document}}\n{body}\n\\end{{document}}\n", tmp_path))

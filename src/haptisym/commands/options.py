@@ -473,7 +473,8 @@ def keep_pages(found: Answer, ask: Ask) -> Callable[[], Any]:
         keep("LaTeX", ask.latex, lambda: write_whole(ask.latex, latex(page()), "ascii"))
     if getattr(ask, "latex_table", None) is not None:
         tabular: Callable[..., str] = resolve_name("haptisym.writing.latex:tabular")
-        text = tabular(page(), ask.digits, lines=found._is_in_lines)
+        kind = found._schema.partition(".")[2].partition("/")[0]
+        text = tabular(page(), ask.digits, kind=kind, lines=found._is_in_lines)
         keep("LaTeX table", ask.latex_table, lambda: write_whole(ask.latex_table, text, "ascii"))
     if ask.report is not None:
         save = resolve_name("haptisym.pages.report:save")

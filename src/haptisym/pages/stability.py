@@ -8,6 +8,7 @@ three stands for another. Begin with ``page``.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf, log10
 from typing import TYPE_CHECKING
 
@@ -263,17 +264,17 @@ def _only_near(found: Stability, held: Held) -> bool:
 
 
 def _stable(held: Held) -> Phrase:
+    """Return whether the display is stable in one hand, in a word."""
+    return _in_a_word(held, "yes", "no")
+
+
+def _in_a_word(held: Held, stable: str = "stable", unstable: str = "unstable") -> Phrase:
     """Return the verdict on one hand in a word."""
-    drifts = held.shakes is False and held.drifts
-    return (
-        Strong("undecided")
-        if held.stable is None
-        else "yes"
-        if held.stable
-        else "drifts"
-        if drifts
-        else Strong("no")
-    )
+    if held.stable is None:
+        return Strong("undecided")
+    if held.stable:
+        return stable
+    return "drifts" if held.shakes is False and held.drifts else Strong(unstable)
 
 
 def _count(held: Held) -> str:
@@ -303,13 +304,17 @@ def _box(hand: Hand, box: HandsOfBox) -> Phrase:
 def _limits(found: Stability) -> Iterator[Block]:
     """Yield the stable values of each parameter, one varied at a time, the nearest limit first;
     those without a limit in a line."""
-    lines: list[tuple[str, Knob, ValueSet]] = []
+    lines: list[tuple[Phrase, Knob, ValueSet]] = []
     notes: list[Phrase] = []
     for x, sets in zip(found.held, found.critical, strict=True):
         rows = [(found.scene.knobs[path], values) for path, values in sets.items()]
         shown = sorted(((knob, y) for knob, y in rows if y.ends), key=lambda row: _reach(*row))
-        # The name of the hand stands in the first of its rows alone.
-        lines += [("" if i else x.hand.name, *row) for i, row in enumerate(shown)]
+        # Name and verdict stand in the first two of its rows alone.
+        leads: list[Phrase] = [x.hand.name, _in_a_word(x)]
+        if len(shown) == 1:
+            leads = [(x.hand.name, ": ", _in_a_word(x))]
+        leads += [""] * len(shown)
+        lines += [(lead, *row) for lead, row in zip(leads, shown, strict=False)]
         notes += _notes(x, rows)
     holds = "does not shake for" if any(x.drifts for x in found.held) else "stable for"
     limits = w.table(
@@ -328,6 +333,8 @@ def _limits(found: Stability) -> Iterator[Block]:
             ("pole at limit (", FREQUENCY_UNIT, ")"), lambda x: listed(_place(y) for y in x[2].ends)
         ),
     )
+    # In a paper stand the limits: the table of the hands is what was asked.
+    limits = replace(limits, main=True)
     if lines or notes:
         blocks = (limits,) if lines else ()
         yield doc.Section(

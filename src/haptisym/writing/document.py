@@ -154,11 +154,12 @@ class Column:
 @dataclass(frozen=True)
 class Table:
     """Rows below headings. ``caption`` : what a table is called in a report; in text the section's
-    title has it."""
+    title has it. ``main`` : whether it goes into a paper though it is not the first of its page."""
 
     columns: tuple[Column, ...]
     rows: tuple[tuple[Phrase, ...], ...]
     caption: Phrase = ""
+    main: bool = False
 
     def cut(self, *, full: bool) -> Table:
         """The table without the columns that are there in full only, unless it is ``full``, and
@@ -166,7 +167,7 @@ class Table:
         wanted = [i for i, column in enumerate(self.columns) if full or not column.full]
         kept = [i for i in wanted if not self._is_blank(i)]
         rows = tuple(tuple(row[i] for i in kept) for row in self.rows)
-        return Table(tuple(self.columns[i] for i in kept), rows, self.caption)
+        return replace(self, columns=tuple(self.columns[i] for i in kept), rows=rows)
 
     def _is_blank(self, i: int) -> bool:
         """Whether a column holds nothing, not even a heading."""
@@ -367,9 +368,8 @@ class Style:
                 cells.append(self.phrase(row[i]))
                 if column.hertz and two:
                     cells.append(self._hertz(row[i]))
-        return Table(tuple(columns), tuple(map(tuple, rows)), self.phrase(table.caption)).cut(
-            full=self.full
-        )
+        words = tuple(columns), tuple(map(tuple, rows)), self.phrase(table.caption)
+        return Table(*words, table.main).cut(full=self.full)
 
     def _hertz(self, cell: Phrase) -> Phrase:
         """The frequency of a cell in Hz."""

@@ -662,21 +662,26 @@ def tables(document: Document, digits: int = doc.DIGITS) -> str:
     return fragment([*_tables(document.blocks), *_asides(document)])
 
 
-def tabular(document: Document, digits: int | None = None, *, lines: bool = False) -> str:
-    """The table of a document that goes into a paper: the first one; with ``lines``, or where there
-    is none, the lines of the answer in two columns.
+def tabular(
+    document: Document, digits: int | None = None, *, kind: str = "", lines: bool = False
+) -> str:
+    """The table of a document that goes into a paper: its main one, or the first; with ``lines``,
+    or where there is none, the lines of the answer in two columns.
 
-    One ``tabular`` in units of the scene, which needs booktabs alone. Its caption and a label are
-    comments. ``digits`` : of each number; None for those of a page.
+    One ``tabular`` in units of the scene, which needs booktabs alone. Its caption and a label,
+    which begins with the ``kind`` of answer, are comments. ``digits`` : of each number; None for
+    those of a page.
     """
     document = document.prepared(full=False, digits=digits or doc.DIGITS)
-    table = next(_tables(document.blocks), None)
+    listed = sorted(_tables(document.blocks), key=lambda x: not x.main)
+    table = next(iter(listed), None)
     if lines or table is None:
         facts = next(x for x in document.blocks if isinstance(x, doc.Facts))
         table = doc.Table((doc.Column(""), doc.Column("")), facts.rows, document.title)
     heads, rows = _cells(table)
     caption = phrase(table.caption).replace("\n", " ")
-    label = re.sub(r"\W+", "-", document.title.lower(), flags=re.ASCII).strip("-")
+    named = f"{kind} {document.title}".lower()
+    label = re.sub(r"\W+", "-", named, flags=re.ASCII).strip("-")
     comments = [f"% \\caption{{{caption}}}", f"% \\label{{tab:{label[:40].rstrip('-')}}}"]
     # Columns as wide as they are: paragraphs would need another package.
     columns = " ".join("l" for _ in table.columns)
