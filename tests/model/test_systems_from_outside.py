@@ -919,7 +919,12 @@ def test_a_certified_number_keeps_all_its_digits_in_sympy_and_mpmath() -> None:
         assert abs(N(2 * x + w - w - 2 * exact, 5)) < 1e-57
         again = pickle.loads(pickle.dumps(x * w))
         assert again == w * x
+        assert {x: 1, sympify(x): 2} == {x: 2}
         assert abs(N(again.subs(w, 1) - exact, 5)) < 1e-57
+    # A first zero of each of two searches: the second one is at pi minus the angle of the first.
+    further, *_ = hs.distort(100, exp(-s / 50)).crossings("imag", 0.1, band=(20, 300))
+    assert N(further + late - 50 * pi, 5, chop=1e-50) == 0
+    assert further - late != 0
     assert sorted([lagged, late, 6, Rational(53, 10)]) == [late, Rational(53, 10), 6, lagged]
     assert late < 50 * asin(Rational(1, 9)) < lagged <= lagged < float("inf")
     put_in = hs.distort(100, 1 / (1 + s / 50) ** 3).at({"omega": lagged})

@@ -216,11 +216,12 @@ class RealNumber(Viewed, ABC):
 
     def __format__(self, how: str) -> str:
         """The number in a format of floats (and its digits, of ``Decimal``), correctly rounded."""
-        if not how[-1:].isalpha() and how[-1:] != "%" and "." not in how:
-            return format(str(self), how)
-        # Floats are shown with six decimals unless asked otherwise.
-        how = how if "." in how else f"{how[:-1]}.6{how[-1]}"
-        count = 400 + int(how.partition(".")[2].rstrip("eEfFgGn%") or 0)
+        if "." not in how:
+            if not how.endswith(tuple("eEfFgG%")):
+                return format(str(self), how)
+            # Floats are shown with six decimals unless asked otherwise.
+            how = f"{how[:-1]}.6{how[-1]}"
+        count = 400 + int("0" + "".join(filter(str.isdigit, how.partition(".")[2])))
         return self.settled(lambda x: format(_decimal(x, Context(prec=count)), how))
 
     @abstractmethod
@@ -323,9 +324,14 @@ class Proven(NumberSymbol):  # type: ignore[misc]
         return (self.number,)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Proven) and self.number == other.number
+        own = other.number if isinstance(other, Proven) else other
+        if not isinstance(own, RealNumber):
+            return False
+        # Zeros of two searches may be counted alike and differ.
+        return self.number == own and not ordered(self.number, own)
 
-    __hash__ = NumberSymbol.__hash__
+    def __hash__(self) -> int:
+        return hash(self.number)
 
     def _eval_is_positive(self) -> bool | None:
         return True if self.number.rough() > 0 else None

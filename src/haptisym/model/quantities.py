@@ -61,7 +61,7 @@ from sympy import (
 )
 
 from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import Proven, RealNumber
 from haptisym.kernel.rings import omega, s
 
 T = TypeVar("T")
@@ -755,7 +755,10 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     if isinstance(given, str):
         return _from_text(given, dimension)
     if isinstance(given, Expr | RealNumber):
-        return Quantity(_exact_expression(sympify(given)))
+        exact = sympify(given)
+        if exact.has(Proven):
+            raise SceneError(f"{quoted(given)} is no rational number: give digits, as x.digits(20)")
+        return Quantity(_exact_expression(exact))
     if isinstance(given, Fraction):
         return Quantity(Rational(given.numerator, given.denominator))
     if isinstance(given, Real | Decimal) and not isinstance(given, bool):
