@@ -30,6 +30,7 @@ ON_PAGE = {
     r", haptisym simulate runs the loop|; haptisym\.verify compares them with independent evaluations": "",
     r"; --of [^.;]*prints (it|one)(?=\.)|; --of &quot;[^.]*?&quot; prints (it|one)(?=\.)": "",
     r" --of prints one of: [^.]*\.": "",
+    r" \(with_values in Python; haptisym compare [^)]*\)": "",
     r"in --json": "in the JSON",
     r"this needs NumPy.*": "this needs NumPy, which the page lacks; install haptisym and ask its command line",
     r"this scene is measured: .*|a table of lines, not a scene: .*": "the page does not take measured responses; install "

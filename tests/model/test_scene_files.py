@@ -108,7 +108,10 @@ NO_SCENES: list[tuple[str, str]] = [
         ("quantizer quantisation quantization", "encoder"), ("hysteresis play slack", "backlash"), ("deadband dead_band", "dead-zone"), ("saturated force-limit", "saturation"),
         ("gearbox lever", "two-port"), ("motor", "first-order-lag"), ("cable", "compliance"), ("PID", "series"), ("display", "admittance-display")) for word in words.split()),
     (ENV.replace("kelvin-voigt", "PID"), 'did you mean "expression"'),
-    (ENV.replace("kelvin-voigt", "spring"), 'did you mean "mass-spring-damper"'), (effect(f'{DELAY}\ntau = "1 kHz"'), "its period is 1/1000 s"), (more('K = 1'), 'did you mean "k"'),
+    (ENV.replace("kelvin-voigt", "spring"), 'did you mean "mass-spring-damper"'), (effect(f'{DELAY}\ntau = "1 kHz"'), "its period is 1/1000 s"),
+    (effect('model = "first-order-lag"\nomega_c = "4 ms"'), "as a time constant it belongs to 250 rad/s"),
+    (effect('model = "first-order-lag"\nomega_c = "1/(4 ms)"'), 'write its value with a unit, as "250 rad/s"'),
+    (effect('model = "sampled-loop"\nT = "1 ms"\nmethod = "tustin"\ndelay = "2 ms"'), "2 ms are 2 samples of T = 1 ms"), (more('K = 1'), 'did you mean "k"'),
     (effect('model = "series"\nG = "1"\nparameters = 3'), "must be a table"), (ENV + '[[effects]]\nmodel = "shunt"\nk = 1\n' * (MOST_EFFECTS + 1), "at most 100, not 101"),
     ("environments = []", r"\[\[environments\]\]"), ("environments = 3", r"\[\[environments\]\]"), (TWO + "[environment]\nk = 1", "give either"), (TWO + "[rendered]\nk = 1", "give either"),
     ("environments = [3]", r"environments\[1\]"), (TWO.replace('"wall"', '""'), r"environments\[2\]: name"), (TWO.replace("k = 1\n", "k = 0\n"), r'environments\[2\] "wall": maxwell needs k > 0'),
@@ -530,6 +533,12 @@ def test_a_wrong_name_is_told_with_the_valid_ones(taker: Callable[..., Any], nam
     assert ("did you mean" in str(told.value)) == bool(nearest)
     assert not nearest or f'did you mean "{nearest}"' in str(told.value)
     assert "effects.filter.zeta" in str(told.value)
+
+
+def test_a_setting_is_no_parameter_and_the_error_says_what_may_be_varied_instead() -> None:
+    for name, said in (("delay", "vary its tau"), ("loop.method", "write another one into the scene")):
+        with pytest.raises(hs.SceneError, match=rf"effects\.[\w-]+\.{name.split('.')[-1]} cannot be varied.*{said}"):
+            hs.require(Scene(SOFT, (effects.sampled_loop("1/50 s", "tustin", name="loop"),)), name)
 
 
 def test_a_name_that_means_several_numbers_asks_for_the_path_and_none_is_given_twice() -> None:

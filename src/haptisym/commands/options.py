@@ -368,7 +368,14 @@ def _with_option(flag: str, ctx: click.Context) -> str:
         return ""
     commands = filter(None, (group.get_command(ctx, name) for name in group.list_commands(ctx)))
     having = [str(x.name) for x in commands if any(flag in y.opts for y in x.params)]
-    return f"it is an option of {', '.join(having)}" if having else ""
+    found = [f"it is an option of {', '.join(having)}"] if having else []
+    if key := _IN_SCENES.get(flag):
+        found = [f"write {key} into the scene file", *found]
+    return "; ".join(found)
+
+
+_IN_SCENES = {"--band": "[evaluation] band", "--jnd": "[evaluation] jnd"}
+"""Keys of a scene that are looked for among the options."""
 
 
 def _once_each(order: Sequence[click.Parameter]) -> None:

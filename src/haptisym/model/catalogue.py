@@ -16,6 +16,7 @@ from __future__ import annotations
 import inspect
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache, wraps
@@ -54,6 +55,7 @@ from haptisym.model.quantities import (
     evaluate,
     in_laplace,
     number,
+    quantity,
     refuse_units,
 )
 
@@ -369,6 +371,21 @@ def _slots(equation: Callable[..., Any]) -> dict[str, Slot]:
     return slots
 
 
+def _whole(key: str, given: Any, slot: Slot, period: Any) -> int:
+    """Read a whole number; of a time, the error says how many sampling periods it is."""
+    try:
+        return int(read_parameter(key, given, slot, key).value)
+    except SceneError as error:
+        samples = ""
+        with suppress(SceneError):
+            times = [quantity(x, Dimension.TIME) for x in (given, period)]
+            # A number without a unit is no time, though it may stand for one.
+            if all(x.exponents for x in times):
+                count = times[0].value / times[1].value
+                samples = f": {given} are {float(count):.5g} samples of T = {period}"
+        raise SceneError(*error.args, samples) from None
+
+
 def _bind(
     equation: Callable[..., Any],
     slots: Mapping[str, Slot],
@@ -402,7 +419,7 @@ def _bind(
         elif slot.choices:
             arguments[key] = chosen(key, value, slot.choices)
         elif slot.is_setting:
-            arguments[key] = int(read_parameter(key, value, slot, key).value)
+            arguments[key] = _whole(key, value, slot, given.get("T"))
         elif slot.several:
             entered = enter_list(key, value, slot)
             parameters += entered

@@ -335,7 +335,8 @@ class Chain:
             names = ", ".join(sorted(map(str, chain.described)))
             raise SceneError(
                 f"{names}: a number of a describing function can be set, not varied: write "
-                f"another value into the scene (with_values), and ask again"
+                "another value into the scene (with_values in Python; haptisym compare SCENE "
+                "--with PATH=VALUE), and ask again"
             )
         return chain
 

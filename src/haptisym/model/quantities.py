@@ -843,6 +843,23 @@ def _rational(match: re.Match[str], text: str) -> Rational:
     return Rational(exact.numerator, exact.denominator)
 
 
+_BELOW = re.compile(r"/\s*\(?\s*([.\d].*?)\s*\)?")
+"""The end of a text such as ``1/(4 ms)``."""
+
+
+def _inverse(value: Expr, below: str, dimension: Dimension) -> str:
+    """Return an example for what a number over a time is; empty where it is no frequency."""
+    with suppress(SceneError):
+        if dimension is Dimension.FREQUENCY and (time := quantity(below, Dimension.TIME)).exponents:
+            return f', as "{_decimal(value / time.value)} rad/s"'
+    return ""
+
+
+def _decimal(value: Expr) -> str:
+    """Return a number in a sentence, to six digits."""
+    return f"{float(value):.6g}"
+
+
 def _from_text(text: str, dimension: Dimension) -> Quantity:
     """Read a string of a number and maybe a unit."""
     match = _NUMBER.fullmatch(text)
@@ -857,6 +874,11 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
     value, unit = _rational(match, text), match[3]
     if not unit:
         return Quantity(value)
+    if below := _BELOW.fullmatch(unit):
+        raise SceneError(
+            f"{quoted(text)}: a quotient of quantities is not computed: write its value with a "
+            f"unit{_inverse(value, below[1], dimension)}.{expected(dimension)}"
+        )
     factor, exponents = read_unit(
         unit, text, expected(dimension), lambda powers: _has_dimension(powers, dimension)
     )
@@ -865,6 +887,11 @@ def _from_text(text: str, dimension: Dimension) -> Quantity:
         raise SceneError(
             f"{quoted(text)} is not a time; its period is {2 * pi / (value * factor)} "
             f"s.{expected(dimension)}"
+        )
+    if dimension is Dimension.FREQUENCY and exponents == {"time": 1} and value > 0:
+        raise SceneError(
+            f"{quoted(text)} is not a frequency; as a time constant it belongs to "
+            f"{_decimal(1 / (value * factor))} rad/s.{expected(dimension)}"
         )
     motion = _motion(exponents, text, dimension)
     written = None if factor == 1 else Unit(_plain(unit), factor)

@@ -191,6 +191,8 @@ class Knobs(Collection[Knob]):
     """
 
     all: tuple[Knob, ...]
+    settings: tuple[str, ...] = ()
+    """Paths of choices and whole numbers, which are written in the scene and never varied."""
 
     def __iter__(self) -> Iterator[Knob]:
         return iter(self.all)
@@ -222,6 +224,15 @@ class Knobs(Collection[Knob]):
     def _unknown(self, given: str) -> SceneError:
         """The error for a name that no knob has: with the one that may be meant, by its dimension
         ("mass") or its spelling, and with all paths."""
+        for setting in self.settings:
+            if f".{setting}".endswith(f".{given}"):
+                what = "a setting of its model: write another one into the scene"
+                if setting.endswith(".delay"):
+                    what = (
+                        "a whole number of samples: write another one into the scene, or add an "
+                        'effect of model = "delay" and vary its tau'
+                    )
+                return SceneError(f'"{given[:60]}": {setting} cannot be varied, it is {what}')
         paths = [path for x in self for path in x.paths]
         hint = ""
         for x in self:
@@ -535,7 +546,8 @@ class Scene(Shown):
     def knobs(self) -> Knobs:
         """Everything that may be varied, by name: each parameter once, then the thresholds."""
         thresholds = threshold_knobs(self.threshold)
-        return Knobs((*self._display_knobs(), *self._hand_knobs(), *thresholds))
+        settings = tuple(f"effects.{x.name}.{key}" for x in self.effects for key, _ in x.settings)
+        return Knobs((*self._display_knobs(), *self._hand_knobs(), *thresholds), settings)
 
     def _hand_knobs(self) -> Iterator[Knob]:
         """The parameters of the hands; that of a single hand, ``hand.m``, by its name too."""
