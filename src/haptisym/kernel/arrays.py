@@ -71,7 +71,7 @@ def _in_floats(x: Any) -> Any:
     if isinstance(x, float | complex):
         return x
     array = x if hasattr(x, "dtype") else np.asarray(x)
-    return array if array.dtype.kind in "fc" else array.astype(float)
+    return array if getattr(array.dtype, "kind", "f") in "fc" else array.astype(float)
 
 
 def _filled(x: Any, shape: tuple[int, ...]) -> Any:

@@ -103,7 +103,7 @@ class Solution(Shown):
         free = {x for form in (*forms, *self.known) for x in form.free_symbols} - {self.parameter}
         measured = {x: self.known.get(x) for x in sorted(free, key=str)}
         # What users write is read where models are; the search for zeros needs none of it.
-        found = self.at(resolve_name("haptisym.model.distortion:values_of")(values, measured))
+        found = self.replaced(resolve_name("haptisym.model.distortion:values_of")(values, measured))
         if found and found.omega is not None and found.omega.has(nan, zoo):
             raise SceneError(
                 f"{self.parameter} = {self.omega} is no number for these values: put them into the "
@@ -111,7 +111,7 @@ class Solution(Shown):
             )
         return found
 
-    def at(self, values: Mapping[Symbol, Expr]) -> Solution | None:
+    def replaced(self, values: Mapping[Symbol, Expr]) -> Solution | None:
         """``put`` of expressions for symbols, whatever comes of it."""
         left = left_to_ask(x.xreplace(values) for x in self.conditions)
         if left is None:

@@ -617,7 +617,7 @@ def lowest(
         return None
     by_frequency = []
     for x in solutions:
-        with_values = x.at(values)
+        with_values = x.replaced(values)
         # None, or without omega: with these values the solution is not in force.
         if with_values and with_values.omega is not None:
             if with_values.conditions or not with_values.omega.is_real:
@@ -742,7 +742,7 @@ def crossings(
     in_c = []
     for x in solutions:
         conditional = replace(x, conditions=(*x.conditions, stand_in))
-        with_c = conditional.at({stand_in: c})
+        with_c = conditional.replaced({stand_in: c})
         if with_c is not None:
             in_c.append(with_c)
     return tuple(in_c)
@@ -793,7 +793,8 @@ def _above_all_zeros(f: RealFunction) -> Expr:
     # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.
     if any(not angle.constant for angle in f.axis.angles):
         raise SceneError(
-            "with a delay there may be infinitely many crossings: give a band, as band=(0, 100)"
+            "with a delay there may be infinitely many crossings: give a band, as band=(0, 100); "
+            "changeovers on a band are those of hs.evaluate"
         )
     # Without delays the highest power of the numerator exceeds all others together for omega >=
     # ``radius``: the function is not 0 there.

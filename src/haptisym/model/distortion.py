@@ -846,7 +846,7 @@ def solve_for(
 
     def by(f: RealFunction) -> tuple[Solution, ...]:
         known = d._measures()
-        found = (replace(x, known=known).at({omega: d.here}) for x in solved_for(f, free))
+        found = (replace(x, known=known).replaced({omega: d.here}) for x in solved_for(f, free))
         return tuple(x for x in found if x is not None)
 
     reduced = d.with_one_delay
