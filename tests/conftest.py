@@ -50,6 +50,11 @@ settings.load_profile("drawn" if EXAMPLES else "repeatable")
 SHARES = 8
 
 DOCSTRINGS = {
+    "haptisym.figures.requirement.slices",
+    "haptisym.figures.stability.enclosures",
+    "haptisym.figures.stability.hand_plane",
+    "haptisym.figures.sweep.curves",
+    "haptisym.interop.to_control",
     "haptisym.pages.report.page",
     "haptisym.verbs.cost.entry.cost",
     "haptisym.verbs.identify.entry.identify",

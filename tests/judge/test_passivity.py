@@ -381,6 +381,7 @@ def test_a_display_that_answers_before_it_is_moved_is_not_passive_though_its_for
     assert mpmath.findroot(coupled, mpmath.mpc(1200, 5600)).real > 100
 
 
+@pytest.mark.dear("-5")
 @pytest.mark.parametrize("b", [5, -5])
 def test_a_band_of_very_many_turns_that_reaches_where_the_sign_settles_leaves_nothing_open(b: int) -> None:
     """(6 + s) exp(-2000 s) + b s on 3 rad/s, 955 turns: Im H_perc has the sign of b from about 1.23 rad/s on."""

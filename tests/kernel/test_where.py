@@ -91,7 +91,7 @@ def shown(rng: np.random.Generator, judges: list[Cubic], cells: Cells) -> None:
             assert (values < ROUNDED)[~is_open & (omega < ceiling)].all()
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_cells_fill_the_domain_and_are_told_as_values_in_them_say(seed: int) -> None:
     rng = np.random.default_rng(seed)

@@ -65,7 +65,7 @@ def test_sliders_are_in_the_units_of_the_scene() -> None:
 
 
 @pytest.mark.usefixtures("notebook")
-@pytest.mark.few("wave-variable-link", "steering-wheel")
+@pytest.mark.few("steering-wheel")
 @pytest.mark.parametrize("name", ["fu2019", "wave-variable-link", "organ-tissue", "steering-wheel"])
 def test_while_a_slider_moves_the_first_frequency_that_is_noticed_is_computed_and_said_to_be(name: str) -> None:
     async def drag() -> None:

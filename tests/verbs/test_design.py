@@ -59,7 +59,7 @@ SCENES = {
 }  # fmt: skip
 
 
-@pytest.mark.dear("a spring-pot", "a virtual wall", "two parameters")
+@pytest.mark.dear("a delay", "a spring-pot", "a virtual wall", "two parameters")
 @pytest.mark.parametrize("name", SCENES)
 def test_no_values_of_the_box_do_better_than_the_bound(name):
     scene, free = SCENES[name]

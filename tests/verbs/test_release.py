@@ -265,7 +265,7 @@ CYCLES = {
 }
 
 
-@pytest.mark.dear("saturation")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CYCLES)
 def test_a_limit_cycle_that_attracts_is_how_the_display_rattles(name: str) -> None:
     element, behind, over, near = CYCLES[name]

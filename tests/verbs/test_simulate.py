@@ -77,6 +77,7 @@ def test_the_catalogue_has_a_scene_for_every_model() -> None:
     "a delay inside a loop",
     "a delayed force through two derivatives",
     "delay",
+    "encoder",
     "four-channel-teleoperator",
     "friction through a delay",
     "pade-delay",
