@@ -6,6 +6,7 @@ import asyncio
 import re
 import sys
 from importlib.util import find_spec
+from math import log10
 from types import SimpleNamespace
 
 import pytest
@@ -62,6 +63,26 @@ def test_sliders_are_in_the_units_of_the_scene() -> None:
     slider.value = 7
     own = hs.evaluate(hs.load_scene("steering-wheel").with_values({"effects.motor.omega_c": "7 Hz"}))
     assert found.evaluation.to_json() == own.to_json()
+
+
+@pytest.mark.usefixtures("notebook")
+@pytest.mark.parametrize(
+    ("name", "names"), [("fu2019", ["m (kg)", "ω_n (rad/s)", "c"]), ("steering-wheel", ["ω_c (Hz)"])]
+)
+def test_a_slider_takes_what_is_typed_to_four_digits_and_has_the_name_of_the_report(
+    name: str, names: list[str]
+) -> None:
+    """What is typed is put on the nearest step: 0.1 became 0.096."""
+    sliders = hs.explore(name).sliders.values()
+    assert set(names) <= {x.description for x in sliders}
+    for x in sliders:
+        is_logarithmic = hasattr(x, "base")
+        for digits in (1, 1.001, 2.347, 9.987, 9.999):
+            typed = x.value * digits / float(f"{x.value:e}".split("e")[0])
+            place = log10(typed) if is_logarithmic else typed
+            if x.min <= place <= x.max:
+                step = x.min + round((place - x.min) / x.step) * x.step
+                assert f"{10**step if is_logarithmic else step:.4g}" == f"{typed:.4g}"
 
 
 @pytest.mark.usefixtures("notebook")

@@ -8,7 +8,7 @@ with ``explore``. The sliders are those of a report (``pages.explorer``).
 from __future__ import annotations
 
 from asyncio import TimerHandle, get_running_loop
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from html import escape
 from importlib import import_module
 from io import BytesIO
@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from sympy import Symbol
 
 from haptisym.figures import pen
 from haptisym.figures.curves import columns, evenly, limit_of, name_of
@@ -32,10 +33,13 @@ from haptisym.pages.explorer import Slider, limit_sliders, parameter_sliders
 from haptisym.pages.scene import SceneForms
 from haptisym.verbs.evaluate.entry import evaluate
 from haptisym.writing.document import Style
+from haptisym.writing.layout import named
 from haptisym.writing.plain import said
 
 _QUIET = 0.3  # s without a change before the scene is evaluated exactly
-_STEPS = 200  # of a slider
+# Steps of a slider, and of a decade of one: a slider takes its nearest step for what is typed, which
+# must be the same to four digits. From 9.999 to the next one is a step of 4.3e-5 decades.
+_STEPS, _STEPS_A_DECADE = 200_000, 25_000
 _SIZE, _DOTS = (5.6, 3.2), 110  # inches of the figure, and dots per inch
 
 
@@ -210,10 +214,10 @@ _ELSEWHERE = "haptisym evaluate SCENE --report FILE.html writes a page with slid
 
 
 def _sliders(e: Evaluation, forms: SceneForms) -> list[tuple[str, Slider, str]]:
-    """The path, the slider and the name of each number that can be moved."""
+    """The path, the slider and the name of each number that can be moved, as a report has it."""
     by_symbol = parameter_sliders(e, forms)
     moved = [
-        (f"{p.place}.{p.key}", by_symbol[p.symbol][0], p.symbol.name)
+        (f"{p.place}.{p.key}", by_symbol[p.symbol][0], _name(forms.short_names, p.symbol))
         for p in e.scene.parameters
         if p.symbol in by_symbol
     ]
@@ -223,8 +227,15 @@ def _sliders(e: Evaluation, forms: SceneForms) -> list[tuple[str, Slider, str]]:
     for key, (slider, _) in limits.items():
         path = "evaluation.jnd" if shared else f"evaluation.jnd.{key}"
         if path in paths and path not in [x for x, _, _ in moved]:
-            moved.append((path, slider, path.removeprefix("evaluation.")))
+            part, _, side = key.partition(".")
+            name = "c" if shared else said(named(f"c_{part}")) + " ↓" * bool(side)
+            moved.append((path, slider, name))
     return moved
+
+
+def _name(short: Mapping[Symbol, Symbol], symbol: Symbol) -> str:
+    """Return the name of a parameter, short where the effect's is long: ``ω_n``."""
+    return said(named(short.get(symbol, symbol).name))
 
 
 def _widget(widgets: Any, slider: Slider, name: str) -> Any:
@@ -235,4 +246,4 @@ def _widget(widgets: Any, slider: Slider, name: str) -> Any:
         step = (slider.high - slider.low) / _STEPS
         return widgets.FloatSlider(min=slider.low, max=slider.high, step=step, **given)
     low, high = log10(slider.low), log10(slider.high)
-    return widgets.FloatLogSlider(min=low, max=high, step=(high - low) / _STEPS, **given)
+    return widgets.FloatLogSlider(min=low, max=high, step=1 / _STEPS_A_DECADE, **given)
