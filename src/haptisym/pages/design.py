@@ -50,6 +50,8 @@ from haptisym.writing.layout import named
 
 _DIGITS = 17
 """Digits that give a double back: values that are rounded further may have another bandwidth."""
+_DIGITS_OF_END = 6
+"""Digits of an end of the range that is the best value, where no digits are all of it."""
 _MOST_IN_FRACTION = 10**6
 """Numerators and denominators below this are printed, where digits are not all of a value."""
 _MOST_DRAWN = 2
@@ -112,12 +114,18 @@ def _written(x: Knob, value: Expr) -> tuple[Phrase, ...]:
     in_unit, full = value / unit.size, Real(value, Way.NEAREST, _DIGITS, unit)
     if not in_unit.is_Rational:
         return full, " (rounded)"
-    numerator, denominator = int(in_unit.p), int(in_unit.q)
-    decimal = Context(prec=_DIGITS).divide(Decimal(numerator), Decimal(denominator))
-    if Fraction(decimal) == Fraction(numerator, denominator):
+    if _is_decimal(in_unit):
         return (full,)
-    is_short = max(abs(numerator), denominator) < _MOST_IN_FRACTION
+    is_short = max(abs(int(in_unit.p)), int(in_unit.q)) < _MOST_IN_FRACTION
     return full, f" (exactly {in_unit})" if is_short else " (rounded)"
+
+
+def _is_decimal(x: Expr) -> bool:
+    """Return whether the digits that give a double back are all of a number."""
+    if not x.is_Rational:
+        return False
+    decimal = Context(prec=_DIGITS).divide(Decimal(int(x.p)), Decimal(int(x.q)))
+    return Fraction(decimal) == Fraction(int(x.p), int(x.q))
 
 
 def _in_scene(x: Knob, best: Expr) -> Phrase:
@@ -235,13 +243,18 @@ def _why(a: Design) -> str:
 
 def _wider(a: Design) -> Phrase:
     """Return that a wider range may have better values, where a best one is an end of it."""
-    if not a.at_ends:
+    found = a.at_ends
+    if not found:
         return ""
-    ends = [(named(x.name), f" is at the {_SIDES[upper]} end") for x, upper in a.at_ends]
-    options = " ".join(f"--free {x.name}=LO:HI" for x, _ in a.at_ends)
+    options = " ".join(f"--free {x.name}=LO:HI" for x, _ in found)
     typed = Brief((" (", Code(options), ")"))
-    end = "; the best value of ", listed(ends), " of its range: a wider one"
-    return end, typed, " may have a better one"
+    if len(found) == 1:
+        [(x, upper)] = found
+        end = f" is at the {_SIDES[upper]} end of its range: a wider one"
+        return "; the best value of ", named(x.name), end, typed, " may have a better one"
+    names = [(named(x.name), f" ({_SIDES[upper]} end)") for x, upper in found]
+    ends = " are at ends of their ranges: wider ones"
+    return "; the best values of ", listed(names), ends, typed, " may have better ones"
 
 
 _SIDES = {False: "lower", True: "upper"}
@@ -261,9 +274,12 @@ def _end(a: Design, i: int, k: int, end: Any) -> Real:
     x, whole = a.free[i], a.ranges[i][k]
     if float(end) != float(whole):
         return value_of(x, end, (Way.DOWN, Way.UP)[k])
-    if a.best is not None and a.best.values[i] == whole:
-        return Real(whole, Way.NEAREST, _DIGITS, x.shown_unit(x.motion))
-    return value_of(x, whole, (Way.UP, Way.DOWN)[k])
+    inward = (Way.UP, Way.DOWN)[k]
+    if a.best is None or a.best.values[i] != whole:
+        return value_of(x, whole, inward)
+    unit = x.shown_unit(x.motion)
+    digits = _DIGITS if _is_decimal(whole / unit.size) else _DIGITS_OF_END
+    return Real(whole, inward, digits, unit)
 
 
 # The next command.
