@@ -44,7 +44,7 @@ from haptisym.writing.document import (
     Style,
     Table,
 )
-from haptisym.writing.latex import latex
+from haptisym.writing.latex import latex, tabular
 from haptisym.writing.plain import plain, said
 
 E, F = hs.environments, hs.effects
@@ -197,6 +197,8 @@ def test_a_document_has_no_command_to_type(name: str) -> None:
     """Its reader may have no haptisym; the page of a terminal has the commands."""
     # The source of a scene may be a command: it is what the scene's author wrote.
     assert not COMMAND.findall(latex(answer(name).document()).partition("Source: ")[0])
+    with suppress(StopIteration):  # of answers without lines, or tables, to set
+        assert not COMMAND.findall(tabular(answer(name).document(), lines=True))
 
 
 @pytest.mark.slow

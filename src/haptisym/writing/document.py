@@ -280,11 +280,17 @@ class Document:
     """The unit in which frequencies are printed."""
 
     def prepared(
-        self, *, full: bool, live: bool = False, digits: int = DIGITS, formulas: bool = False
+        self,
+        *,
+        full: bool,
+        live: bool = False,
+        digits: int = DIGITS,
+        formulas: bool = False,
+        typed: bool = True,
     ) -> Document:
         """The page as it is written, in full or in brief: its numbers rounded; ``live`` : with what
-        works on a page of HTML."""
-        style = Style(full, live, digits, formulas, self.frequency)
+        works on a page of HTML; ``typed`` : in brief, with what to type next."""
+        style = Style(full, live, digits, formulas, self.frequency, typed)
         return replace(
             self, lead=tuple(map(style.phrase, self.lead)), blocks=tuple(style.chosen(self.blocks))
         )
@@ -312,6 +318,7 @@ class Style:
     digits: int = DIGITS
     formulas: bool = False
     frequency: Unit = RADIANS
+    typed: bool = True
 
     def chosen(self, blocks: Iterable[Block]) -> Iterator[Block]:
         """The blocks that the page has, their numbers rounded; what holds nothing is left out."""
@@ -393,7 +400,7 @@ class Style:
                 self.frequency.text if words.of == "unit" else named("omega" if is_omega else "f")
             )
         if isinstance(words, Brief):
-            return "" if self.full else self.phrase(words.words)
+            return self.phrase(words.words) if self.typed and not self.full else ""
         return Strong(self.phrase(words.words)) if isinstance(words, Strong) else words
 
     def _real(self, x: Real) -> Phrase:

@@ -658,7 +658,7 @@ def piece(document: Document) -> str:
 def tables(document: Document, digits: int = doc.DIGITS) -> str:
     """The tables of a document in brief, and the lines below its title but for the source, which is
     a string."""
-    document = document.prepared(full=False, digits=digits)
+    document = document.prepared(full=False, digits=digits, typed=False)
     return fragment([*_tables(document.blocks), *_asides(document)])
 
 
@@ -672,7 +672,7 @@ def tabular(
     which begins with the ``kind`` of answer, are comments. ``digits`` : of each number; None for
     those of a page.
     """
-    document = document.prepared(full=False, digits=digits or doc.DIGITS)
+    document = document.prepared(full=False, digits=digits or doc.DIGITS, typed=False)
     listed = sorted(_tables(document.blocks), key=lambda x: not x.main)
     table = next(iter(listed), None)
     if lines or table is None:
