@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from haptisym.pages import words as w
+from haptisym.pages.require import required
 from haptisym.verbs.family.answers import FamilyAnswers
 from haptisym.writing import document as doc
 from haptisym.writing.document import Document, Phrase, Strong, listed
@@ -41,11 +42,9 @@ def _common(many: FamilyAnswers) -> Iterator[tuple[Phrase, Phrase]]:
     """Yield the values that satisfy all environments, and what limits them."""
     if many.common is None:
         return
-    free = next(iter(many.answers.values())).free
-    yield (
-        "For all environments",
-        w.values_of(many.common, free) if many.common.feasible else Strong("no value"),
-    )
+    first = next(iter(many.answers.values()))
+    found = w.values_of(many.common, first.free) if many.common.feasible else Strong("no value")
+    yield "For all environments", (required(first.criteria), " for ", found)
     if many.common.undecided:
         yield "Undecided", f"{len(many.common.undecided)} intervals of values"
     if many.binding:
