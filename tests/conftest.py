@@ -50,16 +50,22 @@ settings.load_profile("drawn" if EXAMPLES else "repeatable")
 SHARES = 8
 
 DOCSTRINGS = {
+    "haptisym.figures.requirement.requirement",
     "haptisym.figures.requirement.slices",
+    "haptisym.figures.simulate.release",
     "haptisym.figures.stability.enclosures",
     "haptisym.figures.stability.hand_plane",
+    "haptisym.figures.stability.held",
     "haptisym.figures.sweep.curves",
     "haptisym.interop.to_control",
     "haptisym.pages.report.page",
     "haptisym.verbs.cost.entry.cost",
+    "haptisym.verbs.family.answers.answer_each",
     "haptisym.verbs.identify.entry.identify",
     "haptisym.verbs.require.designmap.design_map",
     "haptisym.verbs.simulate.release.release",
+    "haptisym.verbs.stability.limitcycles.limit_cycles",
+    "haptisym.verbs.tolerances.proofs.Tolerances",
 }
 """Docstrings whose examples are slow: a mark cannot be put on them."""
 

@@ -11,6 +11,7 @@ import pytest
 import windings
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from marks import rarely
 from oracles import MP, Case
 from strategies import cases, evaluate
 from sympy import Expr, I, Integer, Rational, exp, expand, lambdify, pi, sqrt
@@ -134,7 +135,7 @@ def test_roots_of_loops_with_delays_and_powers_are_those_that_a_sampled_contour_
     assert roots(loop).right == winding(lambda z: f(z + 1e-3), 60.0)
 
 
-@given(st.lists(whole, min_size=2, max_size=4).filter(lambda c: c[0]), st.lists(whole, min_size=1, max_size=3), rates)
+@rarely(st.lists(whole, min_size=2, max_size=4).filter(lambda c: c[0]), st.lists(whole, min_size=1, max_size=3), rates)
 def test_random_loops_with_a_delay_are_counted_as_their_contour_winds(
     a: list[int], b: list[int], lag: Rational
 ) -> None:
@@ -412,7 +413,7 @@ def test_the_evaluation_says_whether_what_is_felt_is_stable() -> None:
         assert hs.evaluate(hs.Scene(spring, (effect,))).stable is expected
 
 
-@given(cases(order=4))
+@rarely(cases(order=4))
 def test_scenes_are_judged_as_mpmath_does(case: Case) -> None:
     real = max((z.real for z in case.poles), default=MP.mpf(-1))
     assume(abs(real) > MP.mpf(10) ** -12)

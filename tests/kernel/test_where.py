@@ -106,6 +106,7 @@ def test_cells_fill_the_domain_and_are_told_as_values_in_them_say(seed: int) -> 
         shown(rng, judges, part)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(4))
 def test_what_else_a_cell_is_to_be_settled_for_counts_for_all_of_it(seed: int) -> None:
     rng = np.random.default_rng(seed)

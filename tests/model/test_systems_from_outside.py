@@ -757,6 +757,7 @@ def test_a_spring_pot_is_crossed_at_a_formula(order: Expr, by: Expr) -> None:
     assert hs.verify(d, 3).worst["named steps"] < 1e-9
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(
     ("d", "parameter", "values"),
     [

@@ -377,6 +377,7 @@ ASKED: dict[str, Callable[[], Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("verb", ASKED)
 def test_of_a_fitted_scene_each_answer_says_that_its_numbers_were_estimated_and_nothing_is_certain(verb: str) -> None:
     found = ASKED[verb]()

@@ -681,7 +681,7 @@ def agree(found: Any) -> None:
     assert found.worst["compiled"] < 1e12, found  # Re dH of a late mass is some 1e-9 of |H_env| at slow motion
 
 
-@pytest.mark.few("wave-variables", "zero-order-hold", "coulomb-friction", "two-port", "compliance")
+@pytest.mark.few("zero-order-hold", "coulomb-friction", "two-port", "compliance")
 @pytest.mark.parametrize("model", sorted({*EFFECTS, *ENVIRONMENTS}))
 def test_every_model_in_symbols_has_one_value_by_every_way(model: str) -> None:
     agree(hs.verify(CATALOGUE[model].symbolic_distortion(), 8, seed=3))

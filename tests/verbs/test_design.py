@@ -158,6 +158,7 @@ def test_stable_in_a_hand():
     assert checked
 
 
+@pytest.mark.slow
 def test_a_handle_that_nothing_holds_is_designed_without_shaking():
     """m s^2 + b s + (m s^2 + b s) exp(-s tau) with a light hand: it drifts for every delay, and shakes from 27.79 ms on."""
     damper = hs.environments.mass_spring_damper(m="0.3 kg", b="40 N*s/m")

@@ -220,7 +220,7 @@ REPEATED = [
 ]
 
 
-@pytest.mark.few("(s + 10)^3-(s + 50)", "(s + 6)^4-(s + 40)", "(s^2 + 4*s + 29)^2-1")
+@pytest.mark.few("(s + 10)^3-(s + 50)")
 @pytest.mark.parametrize(("top", "bottom"), REPEATED)
 def test_zeros_that_coincide_give_powers_of_time_and_the_times_of_a_contour_integral(top: str, bottom: str) -> None:
     found = checks_of(f"{top}/({bottom})", f"{top}/({bottom})", FlightRule.AEROPLANE)

@@ -827,6 +827,7 @@ def normal_equations(M, X, Y):
     return {"k": k, "b": Y / M[2], "m": -minus_m}
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", ["virtual-wall", "stick-with-friction", "a spring-pot"])
 @pytest.mark.parametrize("movement", ["0:12", "3:12", "velocity:1:12"])
 def test_a_fit_to_a_flat_band_against_quadrature(name, movement):

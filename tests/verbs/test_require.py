@@ -150,7 +150,7 @@ ALONE: list[tuple[str, tuple[int, int], list[float]]] = [
 ]
 
 
-@pytest.mark.dear("g^2*(W - 49)-band2-values2")
+@pytest.mark.few("-(W - g - 5)*(W - 15 + g)-band1-values1")
 @pytest.mark.parametrize(("real", "band", "values"), ALONE)
 def test_a_single_value_that_does_is_in_the_set_or_undecided_and_nothing_else_is(
     real: str, band: tuple[int, int], values: list[float]
@@ -669,7 +669,7 @@ FORMS: list[tuple[hs.Scene, str, dict[str, Any], Any]] = [
 ]
 
 
-@pytest.mark.dear("0", "1")
+@pytest.mark.dear("0", "1", "2")
 @pytest.mark.parametrize(("told", "path", "asked", "text"), FORMS, ids=range(len(FORMS)))
 def test_a_formula_is_that_of_the_end_whatever_the_numbers_are(
     told: hs.Scene, path: str, asked: dict[str, Any], text: str | None

@@ -673,6 +673,7 @@ def test_the_poles_of_a_difference_equation_are_those_of_the_exactly_sampled_sta
     assert found.stable is not bool((sizes >= 1).any())
 
 
+@pytest.mark.slow
 def test_limits_of_its_parameters_are_where_a_pole_is_on_the_circle() -> None:
     [held] = hs.stability(scene(), free=["rendered.k", "rendered.b"]).to_dict()["held"]
     found = {(x["path"], x["stable_side"]): x for x in held["critical"]}

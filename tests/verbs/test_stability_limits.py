@@ -515,7 +515,7 @@ def test_all_values_of_a_random_display_are_told_with_which_a_contour_winds_arou
     need_set(found, counted_at(scene, knob.path), [own * x for x in (0.051, 0.3, 0.9, 1.6, 4, 7.9)])
 
 
-@pytest.mark.few("400", "None")
+@pytest.mark.few("400")
 @pytest.mark.parametrize("high", [400, 10**6, None])
 def test_a_stiffness_that_is_critical_is_the_end_of_all_that_will_do_however_wide_the_range(high: int | None) -> None:
     found = stable(
