@@ -126,9 +126,8 @@ def wishes(that: Sequence[str]) -> tuple[str, ...]:
 def in_words(name: str, criteria: Sequence[Criterion]) -> str:
     """Return what is required by one word, in full: ``transparent in the imaginary part`` where
     ``transparent`` is about that part alone."""
-    if name != TRANSPARENT:
-        return name
-    return next(x.kept for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL))
+    judged = (x for x in criteria if x.name not in (*IN_HANDS, SUITS_ALL))
+    return next((x.kept for x in judged if name == TRANSPARENT), name)
 
 
 def further(scene: Scene, wanted: Sequence[str]) -> tuple[Criterion, ...]:
