@@ -314,6 +314,26 @@ def test_the_papers_example_has_the_bandwidths_between_those_of_the_ends() -> No
     assert (found.jumps, found.blocked, found.certified) == ((), {}, True)
 
 
+def test_a_document_has_every_number_of_the_bandwidths_within_its_enclosure_and_null_where_there_is_none() -> None:
+    softer = hs.Scene(
+        mass_spring_damper(k=100), (hs.effects.series("1 - 0.1/(1 + s)"),), (0, 40)
+    )  # r_r falls from 1/10 on
+    row, blocked = (ranged(x, ["0.05", "0.29"]).bandwidths.row(12) for x in (RESONANT, softer))
+    [jump] = row["jumps"]
+    for told, true in (
+        (row["least"], width(RESONANT, "0.05")), (row["most"], 40), (jump["from"], 3), (jump["to"], 40), (jump["threshold"], Fraction(1, 5)),
+        (blocked["none_below"]["jnd"], Fraction(1, 10)), (blocked["least"], 40),
+    ):  # fmt: skip
+        low, high = map(Fraction, told["enclosure"])
+        assert low - Fraction(1, 10**40) <= true <= high + Fraction(1, 10**40)
+        assert high - low <= true / 10**11
+        assert abs(Fraction(told["digits"]) - true) <= true / 10**11
+        assert told["value"] == float(true)
+    rising = hs.Scene(mass_spring_damper(k=100), (hs.effects.series("1.1 + 0.1*s"),), (0, 40))  # r_r is 1/10 everywhere
+    none = ranged(rising, ["0.02", "0.05"]).bandwidths.row(12)
+    assert (none["least"], none["most"], none["jumps"]) == (None, None, [])
+
+
 def test_the_bandwidth_jumps_over_a_peak_and_the_threshold_of_the_peak_gives_the_far_side() -> None:
     found = ranged(RESONANT, ["0.05", "0.29"]).bandwidths
     [jump] = found.jumps

@@ -45,6 +45,19 @@ def test_thresholds_are_positive_fractions() -> None:
         assert "real: " in refusal(hs.Threshold, c)
 
 
+@pytest.mark.parametrize("key", ["real", "floor", "lower"])
+def test_a_formula_in_which_omega_cancels_is_the_number_that_is_left(key: str) -> None:
+    def read(x: str) -> hs.Threshold:
+        sided = {"real": {"higher": 1, "lower": x}} if key == "lower" else {key: x}
+        return read_threshold({"real": 1, "imag": 1, **sided})
+
+    assert read("3 + 0*omega") == read("3")
+    assert read("2*omega/omega") == read("2")
+    for x in ("omega - omega", "0*omega - 3"):
+        assert f"{key}: " in refusal(read, x)
+        assert "must be > 0" in refusal(read, x)
+
+
 @example({"real": {"higher": "1/10", "lower": "1/5"}, "imag": "0.1 + omega", "floor": "3"})
 @example({"shape": "ellipse", "real": "1/10", "imag": "1/5", "tilt": "-1/2"})
 @example({"shape": "polygon", "corners": [["1", "0"], ["0", "1 + omega"], ["-1", "-1"]]})

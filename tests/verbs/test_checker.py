@@ -1131,6 +1131,24 @@ def test_sines_and_powers_are_those_of_mpmath_and_of_arb(seed: int) -> None:
         assert refused(delayterms.power, x, half) == too_large
 
 
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_series_of_a_power_is_off_by_no_more_than_it_says_and_over_a_cell_has_the_largest_sizes(seed: int) -> None:
+    draw = random.Random(seed)
+    alpha, low = Fraction(draw.randint(1, 99), 100), Fraction(draw.randint(1, 999), draw.choice([1, 7, 36]))
+    step = low * Fraction(draw.randint(1, 60), draw.choice([100, 1000]))
+
+    def coefficients(x: Fraction) -> list[Any]:
+        a = exact(alpha)
+        return [MP.binomial(a, n) * exact(x) ** (a - n) * exact(step) ** n for n in range(ORDER + 1)]
+
+    row, lost = delayterms.binomial(alpha, low, low, step, ORDER + 1)
+    assert sum(abs(own - true * SCALE) for own, true in zip(row, coefficients(low), strict=True)) <= lost < 100
+    sizes, lost = delayterms.binomial(alpha, low, low + 2 * step, step, ORDER + 1)
+    for x in (low, low + step, low + 2 * step):
+        beyond = (abs(true) * SCALE - own for own, true in zip(sizes, coefficients(x), strict=True))
+        assert sum(max(0, off) for off in beyond) <= lost
+
+
 @pytest.mark.parametrize(
     ("kind", "dimension", "words"),
     [

@@ -79,6 +79,7 @@ FORGED: dict[str, list[tuple[str, dict[str, Any], str]]] = {
         ("power", {"proof.orders": ["1"]}, "delays or orders"),
         ("delay", {"proof.delays": ["1"] * 3, "proof.orders": ["1/2"] * 2}, "too many"),
         ("roots", {"proof": {"held,imposed": {}}}, "the keys imposed, held"),
+        *(("band", {"proof.factors.6.polynomial": [[x], ["1"]]}, "a polynomial is not one") for x in ("1_0", " 1", "\u0661", 1)),
     ],
     "1, functions": [
         ("band", {f"{F}.environment.real": {"number": "0", "powers": []}}, NOT_THAT),
@@ -210,6 +211,8 @@ def keys_of(document: Any, path: str) -> Iterator[str | int]:
     "6, values-17",
     "6, values-2",
     "the document-12",
+    "the document-19",
+    "the document-20",
 )
 @pytest.mark.parametrize(("rule", "number"), [(rule, i) for rule, rows in FORGED.items() for i in range(len(rows))])
 def test_each_rule_refuses_what_it_is_there_for(rule: str, number: int) -> None:

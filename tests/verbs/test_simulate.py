@@ -488,6 +488,17 @@ def test_however_short_a_run_the_rest_of_the_transient_is_in_its_error(duration:
     assert x.difference <= x.error <= max(1e4 * x.difference, 1e-7 * abs(x.closed))
 
 
+@pytest.mark.parametrize("b", [0.05, 0.1])
+def test_what_a_wave_still_brings_that_hardly_fades_is_in_the_error(b: float) -> None:
+    """In a line of 20 ms and b = 10 a damper takes 2 b/(10 + b) of each wave: a run ends long before there is none left."""
+    scene = hs.Scene(environments.mass_spring_damper(b=b), (effects.wave_variables(10, "20 ms"),))
+    [x] = hs.simulate(scene, hs.sine("1 cm", 40)).estimates
+    c, t = np.cosh(40j * 0.02), np.sinh(40j * 0.02)
+    steady = 40j * (b * c + 10 * t) / (c + b / 10 * t)
+    off = abs(x.simulated - steady)
+    assert 1e-8 * abs(steady) < off <= x.error <= 40 * off
+
+
 @pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.7, 0.9])
 def test_a_bank_of_relaxations_is_the_power_along_its_band(alpha: float) -> None:
     omegas = np.geomspace(1, 50, 40)

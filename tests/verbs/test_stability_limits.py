@@ -23,7 +23,7 @@ from haptisym.kernel.budget import limited, timed_by
 from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
-from haptisym.kernel.sets import STOPPED, SingleValue, Verdict
+from haptisym.kernel.sets import STOPPED, SingleValue, Stretch, Verdict
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.held import held, roots_in_hand
@@ -300,6 +300,24 @@ def test_a_root_passes_through_0_at_an_exact_value() -> None:
     scene = display("q*s + q^2 + q/2 - 4", q=1).with_hands(hs.Hand("hand", 1, 2, 3))
     [(row, side)] = ends_of(scene, "q")
     assert (row.value.digits(12), float(row.bindings[0].omega), side) == ("0.780776406404", 0, "above")
+
+
+@pytest.mark.parametrize(
+    ("points", "verdicts", "told"),
+    [
+        ((1, 50), (True, True, None), ("50",)), ((1, 5), (None, True, True), ("1",)), ((1, 50), (True, None, True), ("1", "50")),
+        ((), (None,), ()), ((1, 5, 50), (None, True, True, None), ("1", "50")),
+    ],
+)  # fmt: skip
+def test_of_values_that_stay_open_the_ends_are_told_that_they_have(
+    points: tuple[int, ...], verdicts: tuple[bool | None, ...], told: tuple[str, ...]
+) -> None:
+    knob = hs.load_scene("delayed-spring").knobs["tau"]  # 36 ms
+    at = [SingleValue(ExactNumber(Rational(x, 1000)), holds=True) for x in points]
+    found = hs.ValueSet(tuple(at), tuple(Stretch(x, "" if x else "why") for x in verdicts))
+    said = [x.split() for x in open_beside(knob, found)]
+    assert [word for words in said for word in words if word.isdigit()] == [*told]
+    assert all(word[-1] in ("why", "ms") for word in said)
 
 
 def test_beside_a_critical_value_that_is_also_the_end_of_what_was_looked_at_the_count_is_that_beside_it() -> None:

@@ -743,7 +743,8 @@ def _has_pole_on_axis(distortion: Distortion) -> bool:
     proves nothing."""
     perceived = distortion.perc_response
     # Without losses H_perc has no imaginary part on the axis: there its poles are those of a real
-    # function, which a chart lists. The first of them is enough.
+    # function, which a chart lists. The first of them is enough. (Where Re H_perc has a pole, H_perc
+    # has one in any case, but with losses its chart may take half a minute.)
     turn = _turn(distortion)
     if not turn or not perceived.raw_imag.is_zero:
         return False

@@ -1051,7 +1051,7 @@ class Bisected(RealNumber):
         # At the value 0 no relative accuracy would ever be reached: there this width is enough.
         least_width = (self.high - self.low) / 4**bits
         with flint.ctx.workprec(2 * bits + 64):
-            while high - low > max(least_width, abs(low) / 2**bits, abs(high) / 2**bits):
+            while high - low > max(least_width, max(-low, high) / 2**bits):
                 tick()
                 # Around a guess two values are asked, a small part of the width to either side; if
                 # both are right, the width shrinks by that part, which doubles its bits each time

@@ -778,6 +778,7 @@ def _floor(given: Any) -> tuple[Expr, MotionKind | None, ExactRange | None]:
     in_omega = formula("floor", given)
     if in_omega is not None and in_omega.has(omega):
         return in_omega, None, None
+    given = given if in_omega is None else in_omega
     with within("floor"):
         read = ranged(given, Dimension.STIFFNESS)
         value = require_number(given, read.nominal).value
