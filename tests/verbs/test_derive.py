@@ -344,7 +344,7 @@ def test_the_ratios_of_the_dimensionless_scene_are_the_scenes_own_at_other_value
     numbers = {p.symbol: Rational(n + 2, 3) ** 10 for n, p in enumerate(scene.parameters)} | fixed
     own = scene.chain.steps.at(numbers | at)
     values = {g.symbol: g.value.xreplace(numbers | at) for g in (found.frequency, *found.groups)}
-    steps = found.chain.put(found.values).steps.at({**values, omega: values[found.frequency.symbol]})
+    steps = found.chain.replaced(found.values).steps.at({**values, omega: values[found.frequency.symbol]})
     for key in ("ratio_real", "ratio_imag", "relative_real"):
         assert abs((own[key] - steps[key]).evalf(40)) < 10**-30
     perceived, scale = own["perceived_real"], found.stiffness.xreplace(numbers)

@@ -139,7 +139,7 @@ def test_a_delayed_scene_is_answered_in_floats_in_its_region_too(jnd: Any) -> No
 def test_random_scenes_are_never_counted_wrong(family: str, seed: int) -> None:
     """Around their own values of a delay, if there is one, and of another parameter."""
     given = hs.parse_scene(Draw(seed).case(family).text)
-    varied = (p for p in given.parameters if p.key != "alpha" and p.symbol not in given.chain.described)
+    varied = (p for p in given.parameters if p.key != "alpha" and p.symbol not in given.chain.harmonic_symbols)
     numbers = [p.path for p in varied if p.value.is_Rational and p.value > 0]
     numbers.sort(key=lambda path: path.rpartition(".")[2] not in ("tau", "T"))
     around = np.geomspace(0.5, 2, 5)

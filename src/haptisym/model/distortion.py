@@ -12,7 +12,7 @@ import cmath
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, overload
 
 from sympy import Abs, Add, Expr, I, Poly, Rational, Symbol, count_ops, im, lambdify, oo, re, sqrt
 
@@ -30,7 +30,7 @@ from haptisym.kernel.dynamics import (
 from haptisym.kernel.errors import SceneError, meant, need, quoted, within
 from haptisym.kernel.harmonics import computable, staircase
 from haptisym.kernel.names import keywords
-from haptisym.kernel.objects import Shown, copied, counted
+from haptisym.kernel.objects import Shown, copied, counted, viewed
 from haptisym.kernel.reals import RealNumber
 from haptisym.kernel.rings import Polynomial, RationalFunction, X, monomials, omega, s
 from haptisym.kernel.rings import c as symbol_c
@@ -43,30 +43,27 @@ from haptisym.model.catalogue import (
     given_environment,
     with_controller,
 )
-from haptisym.model.chain import (
-    LOWEST_MAY_EXCEED,
-    Chain,
-    Changeovers,
-    CrossingSolutions,
-    ParameterJND,
-    Properties,
+from haptisym.model.chain import Chain, real_factor, unused
+from haptisym.model.closedforms import (
+    part_of_distortion,
+    part_of_relative,
+    prefers_lowest,
+    shortest,
+)
+from haptisym.model.frequencies import (
     bandwidth,
     crossings,
     excess,
-    lowest,
-    part_named,
-    properties,
-    real_factor,
-    shortest,
+    free_parameters,
+    lowest_formula,
     sign_changes,
     threshold,
     threshold_polynomial,
-    unknown,
-    unused,
     zeros,
 )
 from haptisym.model.jnd import Part
 from haptisym.model.parameters import dimensions, in_place
+from haptisym.model.properties import ParameterJND, Properties, properties
 from haptisym.model.quantities import Dimension, Number, constant, in_laplace, quantity
 from haptisym.programs.accuracy import Accuracy, Backend
 
@@ -163,6 +160,31 @@ def _chain_of(
     H = environment.H
     seen = (rendered or environment).seen_by(effects)
     return Chain(H, H if seen is environment else seen.H, tuple(e.matrix for e in effects))
+
+
+Frequencies = tuple[Solution, ...] | tuple[RealNumber, ...]
+"""Formulas, each with the conditions under which it is in force; or, where all are numbers,
+certified frequencies."""
+
+
+class Changeovers(NamedTuple):
+    """All frequencies at which Re H_env and Re H_perc change their sign."""
+
+    environment: Frequencies
+    perceived: Frequencies
+
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
+
+
+class CrossingSolutions(NamedTuple):
+    """All values at which r_r, and at which r_i, equals a threshold."""
+
+    real: tuple[Solution, ...]
+    imag: tuple[Solution, ...]
+
+    def _repr_latex_(self) -> str | None:
+        return viewed(self, "latex")
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -338,7 +360,7 @@ class Distortion(Shown):
             return self.with_one_delay.form(part)
 
         def others() -> Expr:
-            return self.chain.part_of_distortion(part, part_of(self.env_response, part).factored())
+            return part_of_distortion(self.chain, part, part_of(self.env_response, part).factored())
 
         def lowest() -> Expr:
             return _shorter(self.difference, part)
@@ -383,7 +405,7 @@ class Distortion(Shown):
         return shortest(
             change,
             lowest,
-            lambda: self.chain.part_of_relative(part),
+            lambda: part_of_relative(self.chain, part),
             in_series=self.chain.in_series,
         )
 
@@ -475,7 +497,7 @@ class Distortion(Shown):
         other may be any number."""
         # H_perc does not depend on these parameters, so that any values will do.
         others = sorted(set(self.chain.parameters) - self.free_symbols, key=str)
-        return self.chain.put({x: Rational(n + 7, 5) for n, x in enumerate(others)})
+        return self.chain.replaced({x: Rational(n + 7, 5) for n, x in enumerate(others)})
 
     def at(self, values: Mapping[Symbol | str, Number]) -> Distortion:
         """Return the distortion with values for some parameters, by symbol or name; the others stay
@@ -497,7 +519,7 @@ class Distortion(Shown):
         known = values_of(values, self._measures(), self.frequency)
         here = known.pop(omega, self.value)
         # Without values of parameters the object itself, with all that it has computed so far.
-        found = Distortion.of(self.chain.put(known)) if known else self
+        found = Distortion.of(self.chain.replaced(known)) if known else self
         # A symbol that is put in for another measures what that one does.
         renamed = ((known.get(x, x), kind) for x, kind in self.dimensions.items())
         measured = dimensions((*self.dimensions.items(), *renamed))
@@ -542,8 +564,7 @@ class Distortion(Shown):
 
     def parameter_jnd(self, c: Expr) -> ParameterJND:
         """Return the JNDs of stiffness, damping and mass for a threshold c."""
-        least, w = c * self.modulus, self.here
-        return ParameterJND(least, least / w, least / w**2)
+        return ParameterJND.of(self.modulus, c, self.here)
 
     def crossings(
         self, part: Part | str, c: Any = None, *, band: tuple[Any, Any] | None = None
@@ -570,7 +591,7 @@ class Distortion(Shown):
         # Formulas can invert an angle in one delay only, and numbers need the delays as they are.
         level = self._threshold(c)
         squared = self.with_one_delay.squared_ratios[part_named(part)]
-        free = level.free_symbols | unknown(squared)
+        free = level.free_symbols | free_parameters(squared)
         if band is not None and free:
             named = ", ".join(sorted(map(str, free)))
             raise SceneError(
@@ -578,7 +599,7 @@ class Distortion(Shown):
                 f"{named} with at()"
             )
         if band is None and level.free_symbols | self.free_symbols:
-            found = crossings(squared, level, self.chain.stand_in)
+            found = crossings(squared, level, self.chain.threshold_symbol)
             # Where all symbols cancel an equation without a formula has proven numbers for it.
             turning = any(not x.constant for x in squared.axis.angles)
             if free or turning or all(x.omega is not None for x in found):
@@ -670,7 +691,7 @@ class Distortion(Shown):
         # With s^alpha the sign of a root depends on the order, which may be a symbol.
         if ring_of(self.env).orders:
             return None
-        return lowest(self._sign_changes(system), values)
+        return lowest_formula(self._sign_changes(system), values)
 
     def threshold_polynomial(self, part: Part | str, c: Any = None) -> Poly | Expr:
         """Return the polynomial in W = omega^2 that vanishes where a ratio equals a threshold; with
@@ -681,7 +702,7 @@ class Distortion(Shown):
         [-c**2, 1 - 2*c**2, -c**2]
         """
         squared = self.with_one_delay.squared_ratios[part_named(part)]
-        polynomial = threshold_polynomial(squared, self._threshold(c), self.chain.stand_in)
+        polynomial = threshold_polynomial(squared, self._threshold(c), self.chain.threshold_symbol)
         own = {omega: self.frequency}
         return polynomial if isinstance(polynomial, Poly) else polynomial.xreplace(own)
 
@@ -836,7 +857,7 @@ def solve_for(
     level, by_name = d._threshold(c), {x.name: x for x in d.chain.parameters}
     # A threshold that is a symbol is one of those that can be solved for.
     if level.is_Symbol and what == "crossing":
-        by_name[level.name] = d.chain.stand_in
+        by_name[level.name] = d.chain.threshold_symbol
     if str(parameter) not in by_name:
         hint = meant(str(parameter), by_name)
         raise SceneError(
@@ -852,9 +873,21 @@ def solve_for(
     reduced = d.with_one_delay
     if what == "crossing":
         squares = (reduced.squared_ratios[part] for part in Part)
-        return CrossingSolutions(*(crossings(f, level, d.chain.stand_in, by) for f in squares))
+        return CrossingSolutions(
+            *(crossings(f, level, d.chain.threshold_symbol, by) for f in squares)
+        )
     stiffness = (reduced.env_response.real, reduced.perc_response.real)
     return Changeovers(*(tuple(x for x in by(f) if x.order % 2) for f in stiffness))
+
+
+def part_named(given: Any) -> Part:
+    """Return the part that is given itself or by its name, "real" or "imag"; SceneError for anything
+    else."""
+    if given in [x.value for x in Part]:
+        return Part(given)
+    if not isinstance(given, Part):
+        raise SceneError(f"part: {quoted(given)}: give real or imag")
+    return given
 
 
 _QUANTITIES = (
@@ -926,8 +959,7 @@ def _shorter(dynamics: RationalFunction, part: Part) -> Expr:
     factored = part_of(on_axis(dynamics), part).factored()
     reduced = min(factored, over_squares(dynamics, real=real), key=count_ops)
     products = over_squares(dynamics, real=real, multiplied=False)
-    # Leading powers of omega show in factors only, which a few operations are worth.
-    return reduced if count_ops(reduced) <= LOWEST_MAY_EXCEED * count_ops(products) else products
+    return reduced if prefers_lowest(reduced, products) else products
 
 
 def magnitude(form: Expr, dynamics: RationalFunction, *, evaluate: bool = True) -> Expr:

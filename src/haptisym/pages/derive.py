@@ -374,7 +374,7 @@ _SLOPE = re.compile(r"domega_([ri])/d([\w.\[\]-]+)")
 def _sensitivity(d: Derivation, letter: str, parameter: str) -> doc.Line:
     """d omega/d parameter at a crossing, in omega and the parameters."""
     part, knob = _part(letter), d.scene.knobs[parameter]
-    if knob.symbol in d.chain.described:
+    if knob.symbol in d.chain.harmonic_symbols:
         raise SceneError(
             f'"{parameter}" is a size in a describing function: there is no formula for its '
             f"sensitivity; set another value (with_values), and evaluate again"

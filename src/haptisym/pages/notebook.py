@@ -25,8 +25,7 @@ from haptisym.kernel.roots import Interval, Point
 from haptisym.kernel.solutions import Solution
 from haptisym.model.asymptotes import Asymptote, LowFrequency
 from haptisym.model.catalogue import Effect, Environment
-from haptisym.model.chain import Changeovers, CrossingSolutions
-from haptisym.model.distortion import Distortion
+from haptisym.model.distortion import Changeovers, CrossingSolutions, Distortion
 from haptisym.model.jnd import Threshold
 from haptisym.model.parameters import Parameter
 from haptisym.model.quantities import MotionKind

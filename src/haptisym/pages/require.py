@@ -318,7 +318,7 @@ def requirements(e: Evaluation) -> list[Requirement]:
     nothing for other scenes."""
     if len(e.scene.parameters) > _MOST_PARAMETERS or not is_quick(e.scene):
         return []
-    varied = (x for x in e.scene.parameters if x.symbol not in e.scene.chain.described)
+    varied = (x for x in e.scene.parameters if x.symbol not in e.scene.chain.harmonic_symbols)
     return [require(e.scene, path) for path in (*(x.path for x in varied), THRESHOLD)]
 
 

@@ -961,7 +961,7 @@ def scene_program(scene: Scene | str | Path, parameters: Iterable[str] | None = 
     if limit is not None:
         raise SceneError(f"{limit.path} is a threshold, of which code holds nothing: leave it out")
     fixed = values(x for x in scene.parameters if x not in free)
-    chain = scene.chain.put(fixed)
+    chain = scene.chain.replaced(fixed)
     # In the order of the scene, whatever the order that the names were given in.
     arguments = [_argument(x, scene.motion) for x in scene.parameters if x in free]
     arguments += [Argument(x) for x in chain.parameters if x not in {a.symbol for a in arguments}]

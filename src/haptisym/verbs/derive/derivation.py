@@ -177,7 +177,7 @@ class Derivation(Answer):
     @cached_property
     def chain(self) -> Chain:
         """The dynamics with the scene's values for all parameters that are not kept."""
-        return self.scene.chain.put(
+        return self.scene.chain.replaced(
             {p.symbol: p.value for p in self.scene.parameters if p.symbol not in self.kept}
         )
 
@@ -404,7 +404,7 @@ _PERCEIVED = {
     "F_si": "spring_inertia_force",
     "F_d": "damping_force",
 }
-"""Attributes of ``model.chain.Properties`` by the letter in a quantity's name: as which stiffness,
+"""Attributes of ``model.properties.Properties`` by the letter in a quantity's name: as which stiffness,
 mass and damping a system is felt."""
 _SYSTEMS = {"env": "environment_properties", "perc": "perceived_properties"}
 

@@ -112,7 +112,7 @@ def expansion(scene: Scene, order: int = 1) -> Expansion:
         )
     epsilon = Dummy("epsilon", positive=True)
     powers = {x: x * epsilon ** _POWER_OF_EPSILON[dimension] for x, dimension in fast.items()}
-    in_epsilon = scene.chain.put(powers)
+    in_epsilon = scene.chain.replaced(powers)
     # A division by epsilon, as that of a hold by its period, costs an order each time. Two more for
     # each time constant are left for a common factor of a matrix, which cancels.
     divisions = (_divisions(entry, epsilon) for entry in in_epsilon.entries())

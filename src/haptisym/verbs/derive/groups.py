@@ -119,7 +119,7 @@ def groups(scene: Scene) -> Groups:
     fixed = {p.symbol: p.value for p in scene.parameters if p.symbol in orders}
     parameters = [p for p in scene.parameters if p.symbol not in orders]
     sizes = {p.symbol: _size(p, scene.motion) for p in parameters}
-    chain = scene.chain.put(fixed)
+    chain = scene.chain.replaced(fixed)
     unknown = {p.symbol for p in parameters if p.dimension is Dimension.ANY and not p.exponents}
     _check(chain, sizes, scene.motion, unknown)
     base = _base(parameters, sizes)

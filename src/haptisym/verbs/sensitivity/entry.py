@@ -379,7 +379,7 @@ class Sensitivities(Answer):
         return tuple(
             VariedParameter(x, ExactNumber(x.value), derive(self.scene, [x.path]))
             for x in self.scene.parameters
-            if x.symbol not in self.scene.chain.described
+            if x.symbol not in self.scene.chain.harmonic_symbols
         )
 
     @cached_property

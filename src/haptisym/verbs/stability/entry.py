@@ -276,7 +276,7 @@ def stability(
     )
     asked_of = [_number(scene, x) for x in scene.knobs.chosen(paths)]
     if not paths and scene.hands:
-        asked_of = [x for x in scene.parameters if x.symbol not in scene.chain.described]
+        asked_of = [x for x in scene.parameters if x.symbol not in scene.chain.harmonic_symbols]
     with limited(
         limit
     ) as budget:  # verdicts first: each part tells itself where the time for it is over
@@ -305,7 +305,7 @@ def _number(scene: Scene, x: Knob) -> Knob:
             f"{x.path} is a threshold, which moves no root: ask for a number of the display "
             f"or of the hand"
         )
-    if x.symbol in scene.chain.described:
+    if x.symbol in scene.chain.harmonic_symbols:
         raise SceneError(
             f"{x.path}: a size in a describing function, which is set, not varied: write another "
             f"value into the scene (with_values), and ask again"
