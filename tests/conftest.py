@@ -57,7 +57,6 @@ DOCSTRINGS = {
     "haptisym.figures.stability.hand_plane",
     "haptisym.figures.stability.held",
     "haptisym.figures.sweep.curves",
-    "haptisym.interop.to_control",
     "haptisym.pages.report.page",
     "haptisym.verbs.cost.entry.cost",
     "haptisym.verbs.family.answers.answer_each",
