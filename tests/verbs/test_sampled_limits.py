@@ -835,3 +835,34 @@ def test_a_delay_that_puts_a_root_on_the_circle_is_not_told_by_the_sum_of_those_
     critical = Passage(ExactNumber(Rational(2, 3)), ExactNumber(Integer(1)))
     late = CriticalDelays(delayed_integrator(Rational(3, 2)), Rational(1, 2), [], None, [critical], [2], frontier=None)
     assert [late.holds(Rational(x)) for x in ("1/2", "2/3", "3/4")] == [True, None, False]
+
+
+@pytest.mark.parametrize("path", ["effects.delay.tau", "effects.zero-order-hold.T"])
+def test_where_a_force_that_acts_at_once_comes_a_whole_sample_later_the_roots_jump(path: str) -> None:
+    """Spring and damper behind a clock, against a hand without mass: c/(s + a) + d, exactly discretized by hand, roots by NumPy."""
+    a, c, d = 2.4, 2.1, 0.2
+    own = hs.Scene(
+        E.kelvin_voigt(Rational("2.58"), Rational("0.2")), (F.delay("1.3 s"), F.zero_order_hold("1 s")),
+        hands=(hs.Hand("no mass", b=1, k=Rational("2.4")),),
+    )  # fmt: skip
+
+    def size(tau: float = 1.3, T: float = 1.0) -> float:
+        samples, rest = divmod(tau, T)
+        p, e = np.exp(-a * T), np.exp(-a * (T - rest))
+        held_force = [c * (1 - e) / a + d, c * (e - p) / a - d * p]
+        loop = np.polyadd([1, -p, 0, *[0] * int(samples)], held_force)
+        return float(abs(np.roots(loop)).max())
+
+    found = hs.require(own, path, ("0.55 s", "3.1 s"), that="stable", hand=own.hands[0])
+    is_in, key = told(found), path.split(".")[-1]
+    for x in np.linspace(0.56, 3.09, 254) + 1e-5:
+        assert is_in(x) is (size(**{key: x}) < 1), x
+    jumps = [float(x.value) for x in found.ends if any(y.omega is None for y in x.bindings)]
+    assert jumps == ([2.0, 3.0] if key == "tau" else [1.3])
+
+
+def test_a_display_that_acts_at_once_has_limits_of_a_hand_that_is_nothing_but_damping_and_stiffness() -> None:
+    """Without the damping the sampled position would move by an impulse: there is no loop, and no error."""
+    chain = F.delay("1.3 s"), F.zero_order_hold("1 s")
+    own = hs.Scene(E.kelvin_voigt(1, Rational(1, 9)), chain, hands=(hs.Hand("no mass", b=1, k=2),))
+    assert hs.stability(own).to_dict()["held"][0]["stable"] is True

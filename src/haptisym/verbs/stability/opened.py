@@ -26,7 +26,7 @@ from sympy import Add, Expr, Integer, Poly, PolynomialError, Rational, Symbol, c
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import Ring
-from haptisym.kernel.errors import UndecidedError
+from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
@@ -92,8 +92,12 @@ class Opened:
         return self.symbol in self.loop.T.free_symbols
 
     def at(self, value: Expr) -> SampledLoop:
-        """The loop at a number."""
-        return self.loop.at({self.symbol: value})
+        """The loop at a number. UndecidedError where it then has none, as without a mass or damping
+        that is needed."""
+        try:
+            return self.loop.at({self.symbol: value})
+        except SceneError as error:
+            raise UndecidedError(f"the roots of a loop: {error}") from None
 
     @cached_property
     def always(self) -> int:
@@ -113,9 +117,23 @@ class Opened:
         return max((int(floor(x)) for x in ratios), default=0)
 
     @cached_property
+    def _jumps(self) -> bool:
+        """Whether a force moves what is sampled at once, without mass or damping in between, after
+        a delay over the period that depends on the number."""
+        order = len(self.loop.plant.denominator) - 1
+        at_once = (lag for lag, row in self.loop.plant.terms if any(row[order:]))
+        return any((lag / self.loop.T).has(self.symbol) for lag in at_once)
+
+    def jumps_at(self, value: Fraction) -> bool:
+        """Whether the roots may jump at a value, over the circle without being on it: where such a
+        force comes a whole sample later."""
+        ratios = (x.xreplace({self.symbol: rational(value)}) for x in self._ratios)
+        return self._jumps and any(x.is_Integer and x > 0 for x in ratios)
+
+    @cached_property
     def is_late(self) -> bool:
-        """Whether the parameter is a delay of all that moves, and in nothing else, and the period
-        is rational."""
+        """Whether the parameter is a delay of all that moves, and in nothing else, the period is
+        rational, and the roots are continuous in it."""
         others = self.loop.T, *self.loop.above, *self.loop.below, *self.loop.plant.denominator
         terms = self.loop.plant.terms
         coefficients = (x for _, row in terms for x in row)
@@ -124,7 +142,12 @@ class Opened:
         is_delay = all(
             lag.diff(self.symbol) == 1 and lag.xreplace(none).is_Rational for lag, _ in terms
         )
-        return is_delay and not is_elsewhere and bool(self.loop.T.is_Rational) and not self.always
+        is_continuous = not self._jumps
+        return (
+            (is_delay and not is_elsewhere and bool(self.loop.T.is_Rational))
+            and is_continuous
+            and not self.always
+        )
 
     def piece(self, start: Fraction, end: Fraction) -> tuple[Opened, Fraction]:
         """The loop from a value on towards another one as far as its delays keep their whole
@@ -181,7 +204,7 @@ class Opened:
         force; None where there is none."""
         try:
             here = self.at(Integer(0))
-        except ZeroDivisionError:
+        except (UndecidedError, ZeroDivisionError):
             return None
         if any(here.above) and any(x for _, row in here.plant.terms for x in row):
             return None

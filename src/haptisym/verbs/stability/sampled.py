@@ -102,10 +102,14 @@ def question_of(search: Callable[[], OutwardSearch], own: Expr, criterion: Crite
 
     def changes() -> Iterator[CriticalValues]:
         for found, open_ in search().known():
-            yield CriticalValues(
-                [CriticalValue(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found],
-                open_,
+            on_circle = (
+                CriticalValue(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found
             )
+            jumps = (
+                CriticalValue(ExactNumber(rational(x)), (Binding(criterion, None, Kind.FAR),))
+                for x in search().jumps
+            )
+            yield CriticalValues([*on_circle, *jumps], open_)
 
     return Question(lambda value: search().holds(value), own, changes, at=lambda _: False)
 
@@ -134,7 +138,8 @@ class OutwardSearch:
     ``asked`` : the values asked about; ``reach`` : from where to where they are looked at.
     ``rests`` : the verdict on a value with roots on the circle. ``enough`` : whether all values
     from one on are known to do. ``near`` : as of ``solve``. ``found`` : values with a root on the
-    circle, but at z = 1; ``left`` : intervals that stay open.
+    circle, but at z = 1; ``left`` : intervals that stay open. ``jumps`` : values at which roots
+    may jump (``Opened.jumps_at``).
     """
 
     loop: Opened
@@ -146,6 +151,7 @@ class OutwardSearch:
     near: bool = False
     found: list[Passage] = field(default_factory=list)
     left: list[Span] = field(default_factory=list)
+    jumps: list[Fraction] = field(default_factory=list)
 
     @cached_property
     def _late(self) -> CriticalDelays | None:
@@ -181,6 +187,7 @@ class OutwardSearch:
             return
         low, high = self._ends()
         start = min(max(_fraction(self.own, 1), low), high)
+        self._look_for_jump(start)
         sides = {-1: self._side(-1, start, low), 1: self._side(1, start, high)}
         # Both sides in turn, so that when time runs out the nearest values on either are known.
         beyond: dict[int, Frontier] = dict.fromkeys(sides, (start, STOPPED))
@@ -252,6 +259,7 @@ class OutwardSearch:
             self.found += looked.found
             self.left = joined([*self.left, *looked.left])
             at, step, left = looked.end, 2 * step, left - looked.number
+            self._look_for_jump(at)
             yield at, STOPPED
             verdicts += [self._told(at)] if self.near else []
         is_asked = (self.asked.low, self.asked.high)[side > 0] is not None
@@ -263,6 +271,11 @@ class OutwardSearch:
             yield None  # what holds for the least value that is searched holds next to 0
         else:
             yield at, self._not_searched if left > 0 or self.near else _NOT_FINE
+
+    def _look_for_jump(self, value: Fraction) -> None:
+        """Note an end of a piece at which roots may jump."""
+        if self.loop.jumps_at(value):
+            self.jumps.append(value)
 
     @property
     def _not_searched(self) -> str:
