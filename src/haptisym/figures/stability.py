@@ -303,9 +303,12 @@ class _Counts(Layer):
         for hand in self.asked:
             at = room.beside(*_place(hand), printable(hand.name), size)
             made.append(self._named(on, printable(hand.name), _place(hand), at, pen.INK))
-        for name, place in self._names(room):
-            # A published hand that nobody asked about has a name where there is room for it.
+        for name, place, count in self._names(room):
+            # A published hand that nobody asked about has a name where there is room for it; marks
+            # that lie on each other have one in any case, or nothing would say what they are.
             free = room.clear(*place, name, size)
+            if free is None and count > 1:
+                free = room.beside(*place, name, size)
             if free is not None:
                 made.append(self._named(on, name, place, free, pen.GREY))
         low, high, least, most = self.drawn.window
@@ -348,9 +351,10 @@ class _Counts(Layer):
             arrowprops=leader if far else None,
         )
 
-    def _names(self, room: Room) -> list[tuple[str, tuple[float, float]]]:
-        """Return what is written beside published hands: of those whose marks lie on each other,
-        how many they are; nothing beside one that lies on a hand which was asked about."""
+    def _names(self, room: Room) -> list[tuple[str, tuple[float, float], int]]:
+        """Return what is written beside published hands, where, and of how many: of those whose
+        marks lie on each other, how many they are; nothing beside one that lies on a hand which was
+        asked about."""
         groups: list[list[Hand]] = []
         asked = [_place(x) for x in self.asked]
         for x in self.shown:
@@ -363,7 +367,11 @@ class _Counts(Layer):
             else:
                 group.append(x)
         return [
-            (printable(g[0].name) if len(g) == 1 else f"{len(g)} published hands", _place(g[0]))
+            (
+                printable(g[0].name) if len(g) == 1 else f"{len(g)} published hands",
+                _place(g[0]),
+                len(g),
+            )
             for g in groups
         ]
 
