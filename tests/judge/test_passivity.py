@@ -16,7 +16,14 @@ from windings import winding
 import haptisym as hs
 from haptisym import effects, environments
 from haptisym.judge.colgate import SampledPassivity, sampled_passivity
-from haptisym.judge.passivity import Beyond, has_no_pole_right, is_positive_real_by_signs, passivity, poles_allow
+from haptisym.judge.passivity import (
+    Beyond,
+    has_advance,
+    has_no_pole_right,
+    is_positive_real_by_signs,
+    passivity,
+    poles_allow,
+)
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import Ring, on_axis
 from haptisym.kernel.reals import ExactNumber
@@ -797,3 +804,29 @@ def test_the_stiffness_of_a_wall_and_of_its_device_that_every_passive_hand_may_h
         [span] = found.feasible
         assert (span.low.digits(9), span.closed[0]) == (ExactNumber(Rational(low)).digits(9), path != "effects.shunt.b")
         assert (None if span.high is None else float(span.high)) == high
+
+
+@pytest.mark.parametrize("delays", [(1, 2, 1), (2, 1, 1)])
+def test_an_advance_shorter_than_floats_tell_is_one(delays: tuple[int, int, int]) -> None:
+    """(exp(-a s) + s exp(-b s))/((s + 1) exp(-c s)): the shorter of a and b is less than c, by 10^-20 s."""
+    a, b, c = (1 + Rational(n, 10**20) for n in (delays[0] - 1, delays[1] - 1, 0))
+    own = (exp(-(a + 0) * s) + s * exp(-b * s)) / ((s + 1) * exp(-(c + Rational(1, 2 * 10**20)) * s))
+    assert has_advance(Ring.of([own]).convert(own).reduced())
+
+
+def test_powers_of_s_that_cancel_after_all_do_not_deny_passivity() -> None:
+    """s^1.5 s^1.5 + s - s^3 is a damper, though s^1.5 s^1.5 and s^3 are other products of variables."""
+    damper = hs.Scene(environments.expression("s^1.5"), (effects.series("s^1.5"), effects.shunt(Z="s - s^3")))
+    assert passivity(damper).poles_allow is not False
+    assert passivity(damper).holds is not False
+    steep = hs.Scene(environments.expression("s^1.5"), (effects.series("s^1.5"), effects.shunt(Z="s - 2*s^3")))
+    assert passivity(steep).poles_allow is False
+
+
+def test_metrics_say_that_an_advance_prevents_passivity_where_no_pole_does() -> None:
+    """0.5 s + 100 through 7 ms of advance, beside a damper of 4 N s/m."""
+    early = effects.admittance_display(P="1", tau="20 ms")
+    own = hs.Scene(environments.kelvin_voigt(100, Rational(1, 2)), (early, effects.delay("13 ms"), effects.shunt(b=4)))
+    assert (
+        hs.metrics(own)["passivity"].verdict == "Im H_perc >= 0 at all frequencies, but an advance prevents passivity"
+    )

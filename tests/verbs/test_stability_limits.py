@@ -24,6 +24,8 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.rings import s
 from haptisym.kernel.rootcount import RootChain
 from haptisym.kernel.sets import STOPPED, SingleValue, Stretch, Verdict
+from haptisym.model.catalogue import ENVIRONMENTS
+from haptisym.model.parameters import FractionalOrder, FractionalStiffness, PositiveStiffness
 from haptisym.model.valueranges import ALLOWED
 from haptisym.verbs.require.required import Requirement
 from haptisym.verbs.stability.held import held, roots_in_hand
@@ -1071,6 +1073,30 @@ def test_an_environment_that_is_said_to_take_energy_does_for_all_values_that_are
         inside = right + 1j * w
         ratio = value(inside, values[0]) / inside
         assert (ratio.real >= -1e-12 * abs(ratio)).all()
+
+
+@pytest.mark.parametrize("behind", [F.shunt(m=1, b=2), F.compliance(k=500, b=1)])
+def test_a_power_of_s_that_a_users_own_model_lets_grow_beyond_1_is_not_passive_for_all_its_values(
+    behind: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """k s^p pushes for 2 < p < 4, and k s^(3 q) for 2/3 < q < 1: counted with numbers in place of them."""
+    for name in ("own-power", "own-triple"):
+        monkeypatch.setitem(ENVIRONMENTS, name, None)
+        monkeypatch.delitem(ENVIRONMENTS, name)
+
+    @E.environment("own-power")
+    def own_power(k: FractionalStiffness, p: PositiveStiffness) -> Any:
+        return k * s**p
+
+    @E.environment("own-triple")
+    def own_triple(k: FractionalStiffness, q: FractionalOrder) -> Any:
+        return k * s ** (3 * q)
+
+    for tissue, name, within, value in ((own_power, "p", (0.2, 3.5), "2.5"), (own_triple, "q", (0.1, 0.95), "0.9")):
+        own = hs.Scene(tissue(3, "0.3"), (behind,), hands=(ARM,))
+        assert held(own.with_values({f"environment.{name}": Rational(value)}), ARM).unstable == 2
+        found = hs.require(own, f"environment.{name}", within, that="stable", hand=ARM)
+        assert verdict(found, float(value)) is not True
 
 
 # --- what stays open ----------------------------------------------------------------------------------------------------------

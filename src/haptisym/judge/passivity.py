@@ -56,7 +56,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
+from functools import cached_property, reduce
 from math import isfinite, prod
 from typing import Any
 
@@ -246,6 +246,9 @@ class Passivity:
         ring = ring_of(self.distortion.perc)
         is_rational = not (ring.lags or ring.orders)
         if not self.holds or self.beyond is not Beyond.NEVER or not is_rational:
+            return False
+        # There it may come to 0.
+        if self.chart.undecided:
             return False
         # Signs are those of -Im H_perc. At omega = 0 itself it vanishes, as an odd function.
         signs = {x for point in self.chart.points for x in point.after.values()}
@@ -492,7 +495,8 @@ def _least_delay(polynomial: Polynomial, ring: Ring) -> Expr:
     for exponents in polynomial.monoms():
         units = zip(exponents[ring.size :], ring.lags, strict=False)
         delays.append(sum((int(n) * lag for n, lag in units), Integer(0)))
-    return min(delays, key=float)
+    # Exactly: as floats two delays may be equal.
+    return reduce(lambda x, y: y if sign_of_number(y - x) < 0 else x, delays)
 
 
 def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
@@ -552,6 +556,11 @@ def _is_allowed_at_infinity(response: Response) -> bool:
     parts = (response.raw_real, response.raw_imag)
     exponent = max(_growth_exponent(x) for x in parts if not x.is_zero)
     excess = sign_of_number(exponent - 2)
+    # With s^alpha the highest power may be there in form alone, as s^(1/2) s^(1/2) is another
+    # product of variables than s. A sign shows that it is there.
+    senses = (asymptotic_sign(x).sense for x in parts)
+    if excess > 0 and response.real.axis.orders and all(x is Sense.UNKNOWN for x in senses):
+        raise UndecidedError("how fast H_perc grows, where powers of s may cancel")
     if excess:
         return excess < 0
     sense = asymptotic_sign(response.raw_real).sense
@@ -625,7 +634,7 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
     matrices is at rest too, as they have inverses.
 
     ``chain`` : the scene's, in which a parameter may be a symbol. Then True holds for all of its
-    values > 0, and the result is False where the symbol stands in a shunt.
+    values > 0, as a power of s up to 1; and the result is False where it stands in a shunt.
     """
     elements = zip(scene.effects, chain.matrices, strict=True)
     shunts = [matrix[1] for effect, matrix in elements if effect.model == "shunt"]
@@ -638,7 +647,7 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
 
 def is_positive_real_by_signs(environment: Expr) -> bool:
     """Whether H/s is positive real, and H finite at all frequencies > 0, for all values > 0 of the
-    symbols in it. False proves nothing.
+    symbols in it, and at most 1 of those that are powers of s. False proves nothing.
 
     Shown by signs alone:
 
@@ -662,6 +671,10 @@ def is_positive_real_by_signs(environment: Expr) -> bool:
     # Numerator and denominator may both be negative: then H is as if both were positive.
     signs = {c > 0 for c in (*numerator.coeffs(), *denominator.coeffs())}
     if len(signs) > 1 or powers not in ({0}, {0, 1}, {0, 1, 2}):
+        return False
+    # Of orders 0 < alpha < 1 the tangents below are positive, and so of a symbol; not of multiples
+    # of it.
+    if not all(alpha.is_Rational or alpha.is_Symbol for alpha in ring.orders):
         return False
     # Powers s^alpha in the denominator are not covered; in the numerator they count as growth, an
     # order that is a symbol as its upper bound 1.

@@ -719,7 +719,7 @@ def _values(m: Measured, found: Passivity) -> list[MetricValue]:
         rows += [MetricValue(compensation, "none: the activity is unbounded")]
     elif found.is_active and found.poles_allow is False:
         # Damping of the hand moves no pole of H_perc, and removes no advance.
-        rows += [MetricValue(compensation, "none: poles prevent passivity")]
+        rows += [MetricValue(compensation, f"none: {_preventing(found)} passivity")]
     elif found.is_active and found.poles_allow and found.damping:
         where = (
             f", set at {short(found.damping.omega)} rad/s"
@@ -732,6 +732,11 @@ def _values(m: Measured, found: Passivity) -> list[MetricValue]:
             )
         ]
     return [*rows, MetricValue("stable under prescribed motion", _YES[m.evaluation.stable])]
+
+
+def _preventing(found: Passivity) -> str:
+    """What prevents passivity, where ``poles_allow`` is False, with its verb."""
+    return "an advance prevents" if has_advance(found.distortion.perc) else "poles prevent"
 
 
 def _verdict(m: Measured, found: Passivity | None) -> str:
@@ -764,7 +769,7 @@ def _verdict(m: Measured, found: Passivity | None) -> str:
             f"display undecided"
         )
     if found.beyond is Beyond.NEVER and found.poles_allow is False:
-        return "Im H_perc >= 0 at all frequencies, but poles prevent passivity"
+        return f"Im H_perc >= 0 at all frequencies, but {_preventing(found)} passivity"
     return f"{band}; passivity undecided"
 
 

@@ -124,12 +124,15 @@ class Loop:
         H = display.perceived(range(len(display.matrices)), ring)
         Z = ring.convert(Z_hand)
         numerator = H.numerator * Z.denominator + Z.numerator * H.denominator
-        # What is shown by signs is true for parameters > 0. A rule without a low end allows
-        # negative q, for which nothing follows; all other rules have the low end 0. The hand must
-        # have damping: as a number > 0, or as q itself. That q > 0 is asked by ``roots_at``.
+        # What is shown by signs is true for parameters > 0, and for powers of s up to 1. A rule
+        # without a low end allows negative q, for which nothing follows; all other rules have the
+        # low end 0, and the one with a high end has 1. The hand must have damping: as a number > 0,
+        # or as q itself. That q > 0 is asked by ``roots_at``.
         allowed = ALLOWED[free.rule]
+        is_power = any(free.symbol in x.free_symbols for x in ring.orders)
+        is_shown = allowed.low is not None and (allowed.high is not None or not is_power)
         has_damping = hand.b.symbol == free.symbol or sign_of_number(hand.b.value) > 0
-        is_passive = allowed.low is not None and has_damping and is_stable_by_parts(scene, display)
+        is_passive = is_shown and has_damping and is_stable_by_parts(scene, display)
         return cls(
             ring, numerator, H.denominator, free.symbol, allowed.low, allowed.high, is_passive
         )
