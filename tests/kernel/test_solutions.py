@@ -6,10 +6,12 @@ from random import Random
 
 import numpy as np
 import pytest
-from sympy import Expr, Integer, Rational, Symbol, exp, lambdify
+from sympy import Expr, Integer, Rational, Symbol, atan2, exp, lambdify, sqrt
 
 import haptisym as hs
 from haptisym.kernel.rings import c, s
+from haptisym.kernel.solutions import Solution
+from haptisym.model.frequencies import lowest_formula
 
 k, b, m, n, w, zeta, tau, T = hs.symbols("k b m n w zeta tau T")
 a = Symbol("a", real=True)
@@ -104,3 +106,41 @@ def test_a_changeover_is_the_root_that_is_in_force() -> None:
         assert (found and found.xreplace(known)) == low
     resonant = hs.distort(k + 0 * s, series(1 / (s**2 + w**2)))
     assert (resonant.changeover_perceived, float(resonant.at({k: 1, w: 7}).changeovers.perceived[0])) == (w, 7.0)
+
+
+def test_a_formula_is_the_lowest_only_if_the_others_are_proven_to_lie_above() -> None:
+    u, v = Symbol("u", real=True), Symbol("v", real=True)
+    fixed, moving = Solution(Integer(2), u), Solution(sqrt(4 + sqrt(u) * sqrt(v)), u)
+    # sqrt(u) sqrt(v) is real and negative where both are negative.
+    below, above = (moving.omega.xreplace({u: i, v: 4 * i}) for i in (-ONE, ONE))
+    assert below < 2 < above
+    assert lowest_formula([fixed, moving]) is None
+    assert lowest_formula([fixed, Solution(sqrt(4 + sqrt(u)), u)]) == 2
+
+
+def test_a_formula_that_is_0_is_no_changeover() -> None:
+    """Re H = k - n - m W is -m W where k = n: negative at every positive frequency."""
+    d = hs.distort(m * s**2 + b * s + k - n)
+    assert d.changeover("env", {k: Integer(5), n: Integer(1), m: Integer(1), b: ONE}).xreplace({k: 5, n: 1, m: 1}) == 2
+    assert d.changeover("env", {k: Integer(5), n: Integer(5), m: Integer(1), b: ONE}) is None
+
+
+def test_frequencies_below_the_least_double_are_frequencies() -> None:
+    tiny = Rational(1, 10**400)
+    spring = hs.distort(s**2 + tiny**2)
+    assert [x.digits(3) for x in spring.changeovers.environment] == ["1.00E-400"]
+    # r_r of a lag is W/(W + w^2): 1/10 at W = w^2/9.
+    [crossing] = hs.distort(1 + 0 * s, hs.effects.first_order_lag(tiny)).crossings("real", Rational(1, 10))
+    assert crossing.digits(3) == "3.33E-401"
+
+
+@pytest.mark.parametrize("frequency", [5, 4, 6])
+def test_a_long_formula_has_a_value_at_a_resonance_without_damping(frequency: int) -> None:
+    """In magnitudes and angles: k - m W has no angle where it is 0, at W = 25."""
+    values = {k: 100, m: 4, w: 3, n: 7, zeta: Rational(1, 2), b: 11}
+    gains = FILTER, FILTER.xreplace({w: n}), b / (s + b)
+    d = hs.distort(m * s**2 + k, *map(series, gains))
+    assert d.real.has(atan2)
+    H, *factors = (lambdify(s, x.xreplace(values))(1j * frequency) for x in (m * s**2 + k, *gains))
+    value = d.real.xreplace({hs.omega: Integer(frequency)}).xreplace(values)
+    assert float(value) == pytest.approx((H * (np.prod(factors) - 1)).real, abs=1e-12)

@@ -504,11 +504,20 @@ def test_what_is_felt_of_nothing_or_infinite_everywhere_is_refused() -> None:
         (
             environments.kelvin_voigt(1, 1),
             (effects.two_port("1", "0", "1", "-1 - s"),),
-            "make H_perc infinite at every frequency",
+            "effect 1 makes H_perc infinite, or 0/0, at every frequency",
+        ),
+        (
+            environments.kelvin_voigt(100, 0),
+            (effects.shunt(k=-200), effects.compliance(k=100), effects.compliance(k=50)),
+            "effect 2 makes H_perc infinite, or 0/0, at every frequency .* write it and the next one as one effect",
         ),
     ):
         with pytest.raises(hs.SceneError, match=told):
             distort(own, *between)
+    # Written as one effect: three springs in a row, of which the first two have no compliance together.
+    as_one = effects.compliance(k=1 / (Rational(1, 100) + Rational(1, 50)))
+    felt = distort(environments.kelvin_voigt(100, 0), effects.shunt(k=-200), as_one).perceived
+    assert felt == 1 / (1 / Integer(100 - 200) + Rational(1, 100) + Rational(1, 50)) == 50
 
 
 # --- clocks ----------------------------------------------------------------------------------------------------------

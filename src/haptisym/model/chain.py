@@ -97,14 +97,23 @@ class Chain:
         """H_perc in lowest terms with some of the effects alone, in ``ring`` or else in that of the
         chain.
 
-        ``effects`` : their indices in ``matrices``, ascending. SceneError where H_perc is infinite
-        at every frequency.
+        ``effects`` : their indices in ``matrices``, ascending. SceneError where H behind one of them
+        has no value at any frequency. A further effect may make of H = oo a finite H_perc (elastic
+        parts of -k and k, then one more, give that one), but no program of the chain takes this way.
         """
         ring = self.ring if ring is None else ring
         H = ring.convert(self.rendered)
         for i in effects:
-            matrix = [ring.convert(entry) for entry in self.matrices[i]]
-            H = _moebius(H, matrix)
+            # Over one common denominator the four entries are polynomials; it cancels in F/X.
+            a, b, c, d = cleared([ring.convert(entry) for entry in self.matrices[i]])
+            force = a * H.numerator + b * H.denominator
+            motion = c * H.numerator + d * H.denominator
+            if not motion:
+                raise SceneError(
+                    f"effect {i + 1} makes H_perc infinite, or 0/0, at every frequency (C H + D = 0): "
+                    f"change it, or write it and the next one as one effect"
+                )
+            H = RationalFunction(ring, force, motion)
         return H.reduced()
 
     @cached_property
@@ -207,12 +216,14 @@ class Chain:
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
-        """A chain with the same ratios whose H_env has no zeros on s = j omega, and whether the
+        """A chain with the same ratios whose H_env has fewer zeros on s = j omega, and whether the
         parts have changed places: r_r of this chain is then r_i of that one.
 
-        At a frequency where H_env vanishes the ratio abs(Re dH)/abs(H_env) is then a value and not
-        0/0. All dynamics are divided by the product Z of the factors of H_env that can vanish
-        there:
+        All dynamics are divided by the product Z of the factors of H_env that are polynomials in s
+        and can vanish there. At a zero of Z the ratio abs(Re dH)/abs(H_env) is then a value and not
+        0/0. Zeros that stay are those of factors with a delay (1 - exp(-s T) at omega T = 2 pi n),
+        of a power s^alpha at 0, and those that a polynomial has for isolated values of parameters
+        alone: there the ratio is 0/0, and cells around them stay undecided.
 
         - (A H + B)/(C H + D) over Z is the map of [[A, B/Z], [C Z, D]] applied to H/Z.
         - Z(j omega) is real, or it is imaginary. If real, Re dH and Im dH of the quotient are those
@@ -228,7 +239,8 @@ class Chain:
         return self.over(Z), is_odd
 
     def over(self, Z: RationalFunction) -> Chain:
-        """The chain with all dynamics divided by Z, in lowest terms."""
+        """The chain with all dynamics divided by Z, in lowest terms. It has a ring of its own, and with
+        it a threshold symbol, as parameters may cancel."""
 
         def times(x: Expr, power: int) -> Expr:
             """A dynamics times that power of Z, in lowest terms; 0 stays as it is."""
@@ -291,19 +303,20 @@ def _writer(
 
 
 def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
-    """The product of the irreducible factors of a polynomial that are real or imaginary on s = j
-    omega: s itself, and those in s^2.
+    """The product of the irreducible factors of a polynomial, without delays and powers s^alpha,
+    that are real or imaginary on s = j omega: s itself, and those in s^2.
 
-    These can vanish there, as it takes one equation. Any other factor f takes two, Re f = Im f = 0,
-    for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would share it, and
-    an irreducible f would be even or odd; with parameters it has one for isolated values alone.
+    These can vanish there, as it takes one equation. Any other factor f in s alone takes two, Re f =
+    Im f = 0, for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would share
+    it, and an irreducible f would be even or odd; with parameters it has one for isolated values
+    alone. Of a factor with a delay or a power nothing is claimed.
     """
     zeros_on_axis = ring.constant(1)
     if not polynomial:
         return zeros_on_axis
     for factor, multiplicity in ring.factors(polynomial, in_square=False)[1]:
         # With powers of s of one parity only (irreducible: s, or a polynomial in s^2) the factor is
-        # real or imaginary on the axis. One with a delay, or a fractional power, is neither.
+        # real or imaginary on the axis. One with a delay or a fractional power is neither, mostly.
         parities = {int(exponents[_S]) % 2 for exponents in factor.monoms()}
         degrees = factor.degrees()
         if degrees[_S] and len(parities) == 1 and not any(degrees[ring.size :]):
@@ -334,17 +347,3 @@ def real_factor(ring: Ring, polynomial: Polynomial) -> Polynomial:
     # All its terms have one parity in s; an odd one has a factor s, which is imaginary.
     lowest_power = int(common.deflation_index()[1][_S])
     return common / ring.variable ** (lowest_power % 2)
-
-
-def _moebius(H: RationalFunction, matrix: Sequence[RationalFunction]) -> RationalFunction:
-    """(A H + B)/(C H + D), not yet in lowest terms; SceneError where the denominator is zero at
-    every frequency."""
-    # Over one common denominator the four entries are polynomials; it cancels in the quotient.
-    a, b, c, d = cleared(matrix)
-    numerator = a * H.numerator + b * H.denominator
-    denominator = c * H.numerator + d * H.denominator
-    if denominator.is_zero():
-        raise SceneError(
-            "the effects make H_perc infinite at every frequency (C H + D = 0): change one of them"
-        )
-    return RationalFunction(H.ring, numerator, denominator)

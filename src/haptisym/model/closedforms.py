@@ -17,9 +17,10 @@ length. Which one does a person read?
 
       H_perc = r_0 r_1 ... r_n exp(j (phi_0 + phi_1 + ... + phi_n)),
 
-  which grows by one magnitude and one angle for each effect. Each r is real. It is a square root
-  of a sum of two squares, but signed where a factor is real or imaginary on the axis: as 2 sin(omega
-  T/2) of a hold exp(s T) - 1, whose angle is then that of j exp(j omega T/2) for all omega.
+  which grows by one magnitude and one angle for each effect. Each r is real: a square root of a sum
+  of two squares, or signed. It is signed for a factor that is real or imaginary on the axis (k + m
+  s^2 is k - m omega^2, with the angle 0), and for a hold exp(s T) - 1, which is 2 sin(omega T/2) with
+  the angle of j exp(j omega T/2).
 - As the chain builds it: Re or Im, not computed, of fractions within fractions in j omega.
 
 **Guaranteed.** All are identities, for all positive values of the parameters at which no denominator
@@ -136,11 +137,8 @@ def _part_of_product(part: Part, factors: Sequence[Expr]) -> Expr:
 
 
 def _polar(product: Expr) -> tuple[Expr, Expr]:
-    """Magnitude and angle, rad, of a product of factors on s = j omega.
-
-    The magnitude is real, and negative where a sine of a hold is: the product is the magnitude times
-    exp(j angle) all the same.
-    """
+    """Magnitude r, which may be negative, and angle, rad, of a product of factors on s = j omega: the
+    product is r exp(j angle)."""
     numerator, denominator = product.as_numer_denom()
     factors = [(x, 1) for x in Mul.make_args(numerator)]
     factors += [(x, -1) for x in Mul.make_args(denominator)]
@@ -181,4 +179,9 @@ def _polar_of_one(x: Expr) -> tuple[Expr, Expr]:
     response = on_axis(ring.convert(x))
     real = response.real.function.reduced().expression()
     imag = response.imag.function.reduced().expression()
+    # A factor on one axis keeps its sign: of a zero of k - m omega^2 there is no angle.
+    if imag == 0:
+        return real, Integer(0)
+    if real == 0:
+        return imag, pi / 2
     return sqrt(real**2 + imag**2), atan2(imag, real)

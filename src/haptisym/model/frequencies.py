@@ -25,7 +25,7 @@ Begin with ``excess``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from operator import itemgetter
 from typing import Any
@@ -35,9 +35,9 @@ from sympy import Expr, Integer, Mul, Poly, Rational, Symbol, factor_terms, oo, 
 from haptisym.kernel.asymptoticsign import Sense, asymptotic_sign
 from haptisym.kernel.dynamics import RealFunction
 from haptisym.kernel.errors import SceneError, quoted, within
-from haptisym.kernel.reals import RealNumber
+from haptisym.kernel.reals import ExactNumber, RealNumber
 from haptisym.kernel.rings import omega
-from haptisym.kernel.roots import Chart, chart, sign_of_number
+from haptisym.kernel.roots import Chart, Point, chart, sign_of_number
 from haptisym.kernel.solutions import Solution, solve
 from haptisym.model.catalogue import given_band
 from haptisym.model.chain import unused
@@ -164,7 +164,8 @@ def lowest_formula(
         if with_values := x.replaced(values):
             frequency = with_values.omega
             assert frequency is not None
-            if with_values.conditions or not frequency.is_real:
+            # At 0, where a condition is 0, there need not be a zero.
+            if with_values.conditions or not frequency.is_positive:
                 return None
             by_frequency.append((float(frequency), x.omega))
     if not by_frequency:
@@ -187,14 +188,12 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     if (one.omega - other.omega).is_negative:
         return True
     # Both are positive where they are in force: they are in the order of their squares. Of the two
-    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. The square root is
-    # not negative where it is real, so that the signs of the other factors decide.
+    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. If all other factors
+    # are positive the root is real with their product, and then it is not negative. Of two roots that
+    # is not so: sqrt(u) sqrt(v) is real and negative where u and v both are negative.
     gap = factor_terms((other.omega**2 - one.omega**2).expand())
-    for factor in Mul.make_args(gap):
-        is_root = factor.is_Pow and factor.exp == Rational(1, 2)
-        if not is_root and not factor.is_positive:
-            return False
-    return True
+    unsigned = [x for x in Mul.make_args(gap) if not x.is_positive]
+    return all(x.is_Pow and x.exp == Rational(1, 2) for x in unsigned) and len(unsigned) <= 1
 
 
 # Numbers
@@ -241,7 +240,7 @@ def bandwidth(
         end = table.reach(unnoticed)
         if end is None:
             return Integer(0)
-        if band or end is not table.points[-1].omega:
+        if band or table.where(lambda signs: any(x > 0 for x in signs.values())):
             return end
     if turning:
         raise SceneError(
@@ -260,7 +259,7 @@ def zeros(f: RealFunction, band: tuple[Any, Any] | None) -> tuple[RealNumber, ..
     SceneError without a band where there may be infinitely many, as with a delay.
     """
     points = (p for p in _chart(f, band).points if p.orders.get(0, 0) > 0)
-    return tuple(p.omega for p in points if float(p.omega))
+    return _positive(points)
 
 
 def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
@@ -269,8 +268,13 @@ def sign_changes(f: RealFunction) -> tuple[RealNumber, ...]:
     # N D has the sign of N/D and no poles: a zero at which it changes its sign is a zero of N or a
     # pole, both of odd order.
     same_sign = RealFunction(f.axis.function(f.function.numerator * f.function.denominator))
-    points = _chart(same_sign, None).sign_changes(0)
-    return tuple(p.omega for p in points if float(p.omega))
+    return _positive(_chart(same_sign, None).sign_changes(0))
+
+
+def _positive(points: Iterable[Point]) -> tuple[RealNumber, ...]:
+    """The frequencies of points but 0, which on a chart is an end, an exact number."""
+    is_zero = ExactNumber(Integer(0))
+    return tuple(p.omega for p in points if p.omega != is_zero)
 
 
 def _chart(f: RealFunction, band: tuple[Any, Any] | None) -> Chart:
@@ -288,6 +292,9 @@ def _band_ends(band: tuple[Any, Any]) -> tuple[Expr, Expr]:
     return low, high
 
 
+_GIVE_A_BAND = "give a band, as band=(0, 100); changeovers on a band are those of hs.evaluate"
+
+
 def _above_all_zeros(f: RealFunction) -> Expr:
     """A frequency > 0, rad/s, from which on a function keeps its sign and is not 0; SceneError where
     none is known, as with a delay. For the function 0 it is 1."""
@@ -295,13 +302,10 @@ def _above_all_zeros(f: RealFunction) -> Expr:
         return Integer(1)
     # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.
     if any(not angle.constant for angle in f.axis.angles):
-        raise SceneError(
-            "with a delay there may be infinitely many crossings: give a band, as band=(0, 100); "
-            "changeovers on a band are those of hs.evaluate"
-        )
+        raise SceneError(f"with a delay there may be infinitely many crossings: {_GIVE_A_BAND}")
     # Without delays the highest power of the numerator exceeds all others together for omega >=
     # ``radius``: the function is not 0 there.
     at_infinity = asymptotic_sign(f.function)
     if at_infinity.sense not in (Sense.POSITIVE, Sense.NEGATIVE):
-        raise SceneError("the highest crossing is not known: give a band, as band=(0, 100)")
+        raise SceneError(f"the highest crossing is not known: {_GIVE_A_BAND}")
     return max(at_infinity.radius, Integer(1))
