@@ -212,7 +212,7 @@ class Chain:
 
     @property
     def in_series(self) -> bool:
-        """Whether each effect only multiplies the force: B = C = 0 in its chain matrix."""
+        """Whether each effect only multiplies H, by A/D: B = C = 0 in its chain matrix."""
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
@@ -252,7 +252,7 @@ class Chain:
         return Chain(times(self.environment, -1), times(self.rendered, -1), tuple(matrices))
 
     def replaced(self, values: Mapping[Symbol, Expr]) -> Chain:
-        """The same chain with values for some of its symbols."""
+        """The same chain with values, numbers or expressions, in place of some of its symbols."""
         return self.map(lambda entry: in_place(entry, values))
 
     def at(self, values: Mapping[Symbol, Expr]) -> Chain:

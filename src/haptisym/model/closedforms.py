@@ -24,8 +24,9 @@ length. Which one does a person read?
 - As the chain builds it: Re or Im, not computed, of fractions within fractions in j omega.
 
 **Guaranteed.** All are identities, for all positive values of the parameters at which no denominator
-vanishes; in magnitudes and angles also but where a factor that is complex on the axis vanishes, as
-its angle is then atan2(0, 0). ``shortest`` compares lengths, which changes no value.
+vanishes. Not covered, in magnitudes and angles, is a zero of a factor that is neither real nor
+imaginary on the axis (1 + s exp(-s T) has some for single values of T): its angle is atan2(0, 0)
+there. ``shortest`` compares lengths, which changes no value.
 
 Begin with ``shortest``. Named steps, which are short for every chain, are ``Chain.steps``.
 """
