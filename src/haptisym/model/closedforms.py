@@ -7,10 +7,10 @@ length. Which one does a person read?
 **Forms.**
 
 - In *lowest terms*: a single fraction without common factors, as polynomials in the variables of
-  its ring. It is the only such fraction, up to a number that both its parts are multiplied by. The
-  variables are made independent where the ring is made (``kernel.dynamics.Ring.of``), but for powers
-  s^alpha, which it takes as independent of s and of each other. For n effects with parameters of
-  their own the fraction has some 2^n terms.
+  its ring. It is the only such fraction, up to a number that both its parts are multiplied by, where
+  the variables are independent. ``kernel.dynamics.Ring.of`` makes them so, but for powers s^alpha,
+  and delays whose common unit is below a 32nd of the longest, which it takes as independent of s
+  and of each other. For n effects with parameters of their own the fraction has some 2^n terms.
 - In *magnitudes and angles*, for effects in series. B = C = 0 in their chain matrices: the force
   becomes A F, the motion D X, and so H becomes G H with G = A/D. With H_rendered = r_0 exp(j
   phi_0) and G_i = r_i exp(j phi_i) on the axis,
