@@ -253,12 +253,17 @@ def test_a_command_writes_one_that_says_what_is_proven(
 
 
 @pytest.mark.slow
-def test_the_checker_is_a_program_that_proves_refuses_or_says_what_it_cannot_read(tmp_path: Path, capsys: Any) -> None:
+def test_the_checker_is_a_program_that_proves(tmp_path: Path) -> None:
     proof, scene = tmp_path / "proof.json", SCENES / "fu2019.toml"
     proof.write_text(certificate("fu2019"), encoding="utf-8")
     command = [sys.executable, "-m", "haptisym_check", str(proof), str(scene)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (done.returncode, "2 crossings, none missed" in done.stdout) == (0, True)
+
+
+def test_the_checker_tells_what_is_refused_and_what_cannot_be_read_by_its_status(tmp_path: Path, capsys: Any) -> None:
+    proof, scene = tmp_path / "proof.json", SCENES / "fu2019.toml"
+    proof.write_text(certificate("fu2019"), encoding="utf-8")
     changed, broken = tmp_path / "changed.toml", tmp_path / "broken.toml"
     changed.write_text(text_of("fu2019") + "\n", encoding="utf-8")
     assert checker_main([str(proof), str(changed)]) == 1
