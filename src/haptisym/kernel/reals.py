@@ -35,7 +35,6 @@ from sympy import (
     sin,
     sinc,
     sqrt,
-    sympify,
     tan,
 )
 
@@ -160,11 +159,16 @@ def ordered(x: RealNumber, y: RealNumber) -> int:
     return 0
 
 
-def _in_sympy(operation: Callable[..., Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
+def in_sympy(x: RealNumber) -> Expr:
+    """The number in expressions of SymPy: exact, evaluated to any number of digits."""
+    return x._sympy_()
+
+
+def _calculated(operation: Callable[..., Any]) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """An operation on numbers as SymPy has it: a method, and the one for the other order."""
     return (
-        lambda x, *others: operation(sympify(x), *others),
-        lambda x, other: operation(other, sympify(x)),
+        lambda x, *others: operation(in_sympy(x), *others),
+        lambda x, other: operation(other, in_sympy(x)),
     )
 
 
@@ -177,7 +181,7 @@ def _compared(operation: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]
             other = ExactNumber(Rational(other))
         if isinstance(other, RealNumber):
             return operation(0, ordered(x, other))
-        return operation(sympify(x), other)
+        return operation(in_sympy(x), other)
 
     return method
 
@@ -198,12 +202,12 @@ class RealNumber(Viewed, ABC):
 
     __slots__ = ()
     __reduce__ = copied
-    __add__, __radd__ = _in_sympy(add)
-    __sub__, __rsub__ = _in_sympy(sub)
-    __mul__, __rmul__ = _in_sympy(mul)
-    __truediv__, __rtruediv__ = _in_sympy(truediv)
-    __pow__, __rpow__ = _in_sympy(pow)
-    __neg__, __abs__ = _in_sympy(neg)[0], _in_sympy(size)[0]
+    __add__, __radd__ = _calculated(add)
+    __sub__, __rsub__ = _calculated(sub)
+    __mul__, __rmul__ = _calculated(mul)
+    __truediv__, __rtruediv__ = _calculated(truediv)
+    __pow__, __rpow__ = _calculated(pow)
+    __neg__, __abs__ = _calculated(neg)[0], _calculated(size)[0]
     __lt__, __le__, __gt__, __ge__ = map(_compared, (lt, le, gt, ge))
 
     def _sympy_(self) -> Expr:
@@ -388,7 +392,7 @@ class SquareRoot(RealNumber):
     square: RealNumber
 
     def _sympy_(self) -> Expr:
-        return sqrt(sympify(self.square))
+        return sqrt(in_sympy(self.square))
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
@@ -541,7 +545,7 @@ class Scaled(RealNumber):
     """The size of the unit, in SI units."""
 
     def _sympy_(self) -> Expr:
-        return sympify(self.number) / self.unit
+        return in_sympy(self.number) / self.unit
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):
@@ -590,7 +594,7 @@ class Negative(RealNumber):
     number: RealNumber
 
     def _sympy_(self) -> Expr:
-        return -sympify(self.number)
+        return -in_sympy(self.number)
 
     def ball(self, bits: int) -> Ball:
         with flint.ctx.workprec(bits):

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import flint
 from flint import arb
-from sympy import Expr, Rational, sympify
+from sympy import Expr, Rational
 
 from haptisym.kernel.budget import tick
 from haptisym.kernel.dynamics import RealFunction
@@ -40,6 +40,7 @@ from haptisym.kernel.reals import (
     RealNumber,
     at_rising_precision,
     expression_ball,
+    in_sympy,
     is_in_pi,
     ordered,
 )
@@ -281,7 +282,7 @@ class Point(Viewed):
         return float(self.omega)
 
     def _sympy_(self) -> Expr:
-        return sympify(self.omega)
+        return in_sympy(self.omega)
 
     @property
     def at(self) -> Signs:

@@ -53,7 +53,6 @@ from sympy import (
     preorder_traversal,
     sin,
     sinh,
-    sympify,
     tan,
     tanh,
     together,
@@ -61,7 +60,7 @@ from sympy import (
 )
 
 from haptisym.kernel.errors import ExpressionError, SceneError, meant, quoted
-from haptisym.kernel.reals import Proven, RealNumber
+from haptisym.kernel.reals import Proven, RealNumber, in_sympy
 from haptisym.kernel.rings import omega, s
 
 T = TypeVar("T")
@@ -755,7 +754,7 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
     if isinstance(given, str):
         return _from_text(given, dimension)
     if isinstance(given, Expr | RealNumber):
-        exact = sympify(given)
+        exact = in_sympy(given) if isinstance(given, RealNumber) else given
         if exact.has(Proven):
             raise SceneError(f"{quoted(given)} is no rational number: give digits, as x.digits(20)")
         return Quantity(_exact_expression(exact))
@@ -1100,7 +1099,7 @@ def constant(given: Number) -> Expr:
     (1/500, 2*sqrt(b))
     """
     if isinstance(given, RealNumber):
-        given = sympify(given)
+        given = in_sympy(given)
     if not isinstance(given, Expr):
         return quantity(given, Dimension.ANY).value
     refuse_unreal(given.free_symbols)
