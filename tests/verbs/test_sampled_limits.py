@@ -17,7 +17,7 @@ import pytest
 from refusals import refusal
 from sampledloops import NOTHING, Wall, placed, w, wall
 from scipy.linalg import expm
-from sympy import Expr, Integer, Poly, Rational, Symbol, sqrt
+from sympy import Expr, Integer, Poly, Rational, Symbol, pi, sqrt
 
 import haptisym as hs
 from haptisym.judge.bindings import stable_in
@@ -28,8 +28,8 @@ from haptisym.kernel.reals import ExactNumber
 from haptisym.kernel.sampledloop import Plant, SampledLoop
 from haptisym.kernel.sets import SingleValue, ValueSet, solve
 from haptisym.model.valueranges import domain
+from haptisym.verbs.stability.criticaldelays import CriticalDelays
 from haptisym.verbs.stability.held import held
-from haptisym.verbs.stability.late import CriticalDelays
 from haptisym.verbs.stability.opened import Opened, Passage
 from haptisym.verbs.stability.sampled import clocked_question, is_held
 from haptisym_check import RefusedError, check
@@ -813,9 +813,9 @@ def test_beyond_the_delays_that_were_searched_no_delay_is_stable_without_a_count
     """For a gain of 1/1000 a root is on the circle at (pi - omega)/(2 omega) = 1570 s, sin(omega/2) = 1/2000."""
     late = CriticalDelays.of(delayed_integrator(Rational(1, 1000)), Rational(1, 2), Fraction(100))
     assert late is not None
-    assert [*late.known(Fraction(100))] == []
+    assert [*late.advance_to(Fraction(100))] == []
     assert (late.passages, late.undecided, late.frontier) == ([], [], 100)
-    assert [late.holds(Rational(x)) for x in (99, 100, 101, 2000)] == [True, True, None, None]
+    assert [late.is_stable_at(Rational(x)) for x in (99, 100, 101, 2000)] == [True, True, None, None]
 
 
 def test_a_root_that_crosses_after_whole_samples_is_one_in_both_pieces_and_in_two_searches() -> None:
@@ -823,7 +823,7 @@ def test_a_root_that_crosses_after_whole_samples_is_one_in_both_pieces_and_in_tw
     late = CriticalDelays.of(delayed_integrator((sqrt(5) - 1) / 2), Rational(1), Fraction(4))
     assert late is not None
     for _ in range(2):
-        known = [*late.known(Fraction(5, 2))]
+        known = [*late.advance_to(Fraction(5, 2))]
         assert known == sorted(known)
     assert [float(x.value) for x in late.passages] == [2]
     assert [float(x.omega) for x in late.passages] == pytest.approx([np.pi / 5], rel=1e-12)
@@ -834,7 +834,7 @@ def test_a_delay_that_puts_a_root_on_the_circle_is_not_told_by_the_sum_of_those_
     """z^2 - z/2 + 1 for a gain of 3/2 and tau = 2/3."""
     critical = Passage(ExactNumber(Rational(2, 3)), ExactNumber(Integer(1)))
     late = CriticalDelays(delayed_integrator(Rational(3, 2)), Rational(1, 2), [], None, [critical], [2], frontier=None)
-    assert [late.holds(Rational(x)) for x in ("1/2", "2/3", "3/4")] == [True, None, False]
+    assert [late.is_stable_at(Rational(x)) for x in ("1/2", "2/3", "3/4")] == [True, None, False]
 
 
 @pytest.mark.parametrize("path", ["effects.delay.tau", "effects.zero-order-hold.T"])
@@ -866,3 +866,14 @@ def test_a_display_that_acts_at_once_has_limits_of_a_hand_that_is_nothing_but_da
     chain = F.delay("1.3 s"), F.zero_order_hold("1 s")
     own = hs.Scene(E.kelvin_voigt(1, Rational(1, 9)), chain, hands=(hs.Hand("no mass", b=1, k=2),))
     assert hs.stability(own).to_dict()["held"][0]["stable"] is True
+
+
+def test_a_delay_that_is_a_multiple_of_pi_is_asked_about_as_any_other() -> None:
+    """Roots are counted at rational delays: from 1/3 ms on the search goes along curves, from pi/9 ms by intervals."""
+    own = hs.load_scene("sampled-wall").with_hands(hs.hands["postural-arm"])
+    sets = [
+        hs.require(own.with_values({"effects.computation.tau": tau}), "effects.computation.tau", ("0.2 ms", "40 ms"), that="stable")
+        for tau in (Rational(1, 3000), pi / 9000)
+    ]  # fmt: skip
+    one, other = ([(float(y.low), float(y.high)) for y in x.feasible] for x in sets)
+    assert one[0] == pytest.approx(other[0], rel=1e-12)

@@ -54,9 +54,10 @@ are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property, reduce
+from functools import cached_property
 from math import isfinite, prod
 from typing import Any
 
@@ -166,7 +167,9 @@ class Passivity:
         if self.is_active and not sampled_loop(self.scene):
             return False
         if self.sampled is not None:
-            return self._sampled_holds()
+            with suppress(UndecidedError):
+                return self.sampled.passive
+            return None
         # Passive parts need no count of poles, of which there may be infinitely many.
         if self.has_passive_parts:
             return True
@@ -174,13 +177,6 @@ class Passivity:
         if self.beyond is not Beyond.NEVER or self.chart.undecided:
             return None
         return self.poles_allow
-
-    def _sampled_holds(self) -> bool | None:
-        """Whether a sampled display is passive; None where that is undecided."""
-        try:
-            return self.sampled.passive if self.sampled else None
-        except UndecidedError:
-            return None
 
     @cached_property
     def sampled(self) -> SampledPassivity | None:
@@ -247,15 +243,13 @@ class Passivity:
         is_rational = not (ring.lags or ring.orders)
         if not self.holds or self.beyond is not Beyond.NEVER or not is_rational:
             return False
-        # There it may come to 0.
-        if self.chart.undecided:
-            return False
         # Signs are those of -Im H_perc. At omega = 0 itself it vanishes, as an odd function.
         signs = {x for point in self.chart.points for x in point.after.values()}
         for point in self.chart.points:
             if float(point.omega) > 0:
                 signs.update(point.at.values())
-        return signs == {-1}
+        # Where the chart is undecided it may come to 0.
+        return signs == {-1} and not self.chart.undecided
 
     @cached_property
     def damping(self) -> LargestValue | None:
@@ -495,8 +489,8 @@ def _least_delay(polynomial: Polynomial, ring: Ring) -> Expr:
     for exponents in polynomial.monoms():
         units = zip(exponents[ring.size :], ring.lags, strict=False)
         delays.append(sum((int(n) * lag for n, lag in units), Integer(0)))
-    # Exactly: as floats two delays may be equal.
-    return reduce(lambda x, y: y if sign_of_number(y - x) < 0 else x, delays)
+    # Not as floats, as which two delays may be equal.
+    return min(map(ExactNumber, delays)).value
 
 
 def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
@@ -558,8 +552,8 @@ def _is_allowed_at_infinity(response: Response) -> bool:
     excess = sign_of_number(exponent - 2)
     # With s^alpha the highest power may be there in form alone, as s^(1/2) s^(1/2) is another
     # product of variables than s. A sign shows that it is there.
-    senses = (asymptotic_sign(x).sense for x in parts)
-    if excess > 0 and response.real.axis.orders and all(x is Sense.UNKNOWN for x in senses):
+    senses = {asymptotic_sign(x).sense for x in parts if excess > 0 and response.real.axis.orders}
+    if senses == {Sense.UNKNOWN}:
         raise UndecidedError("how fast H_perc grows, where powers of s may cancel")
     if excess:
         return excess < 0

@@ -129,10 +129,10 @@ class Loop:
         # low end 0, and the one with a high end has 1. The hand must have damping: as a number > 0,
         # or as q itself. That q > 0 is asked by ``roots_at``.
         allowed = ALLOWED[free.rule]
-        is_power = any(free.symbol in x.free_symbols for x in ring.orders)
-        is_shown = allowed.low is not None and (allowed.high is not None or not is_power)
+        is_power = any(x.has(free.symbol) for x in ring.orders)
+        needed = allowed.ends if is_power else (allowed.low,)
         has_damping = hand.b.symbol == free.symbol or sign_of_number(hand.b.value) > 0
-        is_passive = is_shown and has_damping and is_stable_by_parts(scene, display)
+        is_passive = None not in needed and has_damping and is_stable_by_parts(scene, display)
         return cls(
             ring, numerator, H.denominator, free.symbol, allowed.low, allowed.high, is_passive
         )

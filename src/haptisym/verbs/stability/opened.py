@@ -30,7 +30,6 @@ from haptisym.kernel.errors import SceneError, UndecidedError
 from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
-    Negative,
     RealNumber,
     at_rising_precision,
     expression_ball,
@@ -118,17 +117,17 @@ class Opened:
 
     @cached_property
     def _jumps(self) -> bool:
-        """Whether a force moves what is sampled at once, without mass or damping in between, after
-        a delay over the period that depends on the number."""
+        """Whether a force moves what is sampled at once, without mass or damping in between."""
         order = len(self.loop.plant.denominator) - 1
-        at_once = (lag for lag, row in self.loop.plant.terms if any(row[order:]))
-        return any((lag / self.loop.T).has(self.symbol) for lag in at_once)
+        return any(any(row[order:]) for _, row in self.loop.plant.terms)
 
-    def jumps_at(self, value: Fraction) -> bool:
-        """Whether the roots may jump at a value, over the circle without being on it: where such a
-        force comes a whole sample later."""
-        ratios = (x.xreplace({self.symbol: rational(value)}) for x in self._ratios)
-        return self._jumps and any(x.is_Integer and x > 0 for x in ratios)
+    def jumps_at(self, value: Fraction) -> list[RealNumber]:
+        """A value alone, if roots may jump there, over the circle without being on it: where such a
+        force comes a whole sample later. Else nothing."""
+        number = rational(value)
+        ratios = (x.xreplace({self.symbol: number}) for x in self._ratios)
+        is_later = self._jumps and any(x and x.is_Integer for x in ratios)
+        return [ExactNumber(number)] if is_later else []
 
     @cached_property
     def is_late(self) -> bool:
@@ -142,12 +141,8 @@ class Opened:
         is_delay = all(
             lag.diff(self.symbol) == 1 and lag.xreplace(none).is_Rational for lag, _ in terms
         )
-        is_continuous = not self._jumps
-        return (
-            (is_delay and not is_elsewhere and bool(self.loop.T.is_Rational))
-            and is_continuous
-            and not self.always
-        )
+        is_rational = bool(self.loop.T.is_Rational)
+        return is_delay and is_rational and not (is_elsewhere or self._jumps or self.always)
 
     def piece(self, start: Fraction, end: Fraction) -> tuple[Opened, Fraction]:
         """The loop from a value on towards another one as far as its delays keep their whole
@@ -190,12 +185,7 @@ class Opened:
             raise UndecidedError(
                 "which values put a root at z = 1: they are no zeros of a polynomial"
             ) from None
-        mirrored = (
-            [Negative(x) for x in zeros([c * (-1) ** i for i, c in enumerate(row)])]
-            if len(row) > 2
-            else []
-        )
-        still = [Passage(x, ExactNumber(Integer(0))) for x in (*zeros(row), *mirrored)]
+        still = [Passage(x, ExactNumber(Integer(0))) for x in zeros(row)]
         return (*still, *([Passage(ExactNumber(Integer(0)), self.swing)] if self.swing else []))
 
     @cached_property
@@ -324,9 +314,8 @@ class Opened:
     def _signs(self, value: Fraction) -> tuple[int | None, int | None, int | None]:
         """The signs of the three tests at a value; 0 of one that is known to be 0 there, None of
         one that stays open."""
-        if not value and self.swing:
-            return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), 0
-        return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), self._sign(value, _PAIR)
+        pair = 0 if not value and self.swing else self._sign(value, _PAIR)
+        return self._sign(value, _ONE), self._sign(value, _MINUS_ONE), pair
 
     def _sign(self, value: Fraction, test: int) -> int | None:
         if test == _ONE and not self.always:

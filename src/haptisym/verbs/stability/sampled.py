@@ -1,7 +1,7 @@
 """For which values of one parameter is a display with a clock stable in a hand.
 
 The number of roots in |z| >= 1 changes only at critical values, which put a root on the unit
-circle (``opened``; ``late`` for a delay): between two of them one exact count tells. They are
+circle (``opened``; ``criticaldelays`` for a delay): between two of them one exact count tells. They are
 found from the present value outward, on both sides in intervals that grow. How far that goes is
 bounded, and the answer says how far. It reaches down to 0 where all values on the way are clear at
 once, and has no upper end where Colgate and Schenkel's condition is met with the hand's damping:
@@ -25,7 +25,7 @@ from haptisym.judge.bindings import STEADY, Binding, Kind
 from haptisym.judge.colgate import sampled_passivity
 from haptisym.judge.crossings import Criterion
 from haptisym.kernel.errors import SceneError, UndecidedError
-from haptisym.kernel.reals import ExactNumber, rational
+from haptisym.kernel.reals import ExactNumber, RealNumber, rational
 from haptisym.kernel.sets import (
     STOPPED,
     UNSEARCHED,
@@ -40,8 +40,8 @@ from haptisym.model.parameters import Rule
 from haptisym.model.scene import Knob, Scene
 from haptisym.model.valueranges import searched
 from haptisym.verbs.stability.clockedloop import clock_of, clocked_roots, loop_of
+from haptisym.verbs.stability.criticaldelays import CriticalDelays
 from haptisym.verbs.stability.held import drifts, moved
-from haptisym.verbs.stability.late import CriticalDelays
 from haptisym.verbs.stability.opened import Opened, Passage, Span, joined
 
 # Intervals that are looked at on a side; the fewer where only the nearest end is asked for.
@@ -102,14 +102,13 @@ def question_of(search: Callable[[], OutwardSearch], own: Expr, criterion: Crite
 
     def changes() -> Iterator[CriticalValues]:
         for found, open_ in search().known():
-            on_circle = (
+            values = [
                 CriticalValue(x.value, (Binding(criterion, x.omega, Kind.AXIS),)) for x in found
+            ]
+            jump = (Binding(criterion, None, Kind.FAR),)
+            yield CriticalValues(
+                [*values, *(CriticalValue(x, jump) for x in search().jumps)], open_
             )
-            jumps = (
-                CriticalValue(ExactNumber(rational(x)), (Binding(criterion, None, Kind.FAR),))
-                for x in search().jumps
-            )
-            yield CriticalValues([*on_circle, *jumps], open_)
 
     return Question(lambda value: search().holds(value), own, changes, at=lambda _: False)
 
@@ -151,7 +150,7 @@ class OutwardSearch:
     near: bool = False
     found: list[Passage] = field(default_factory=list)
     left: list[Span] = field(default_factory=list)
-    jumps: list[Fraction] = field(default_factory=list)
+    jumps: list[RealNumber] = field(default_factory=list)
 
     @cached_property
     def _late(self) -> CriticalDelays | None:
@@ -162,7 +161,7 @@ class OutwardSearch:
 
     def holds(self, value: Rational) -> bool | None:
         """Whether the loop is stable at a value, by an exact count; None where that stays open."""
-        if self._late and (found := self._late.holds(value)) is not None:
+        if self._late and (found := self._late.is_stable_at(value)) is not None:
             return found
         if not value and self.loop.swing:
             return False
@@ -187,7 +186,7 @@ class OutwardSearch:
             return
         low, high = self._ends()
         start = min(max(_fraction(self.own, 1), low), high)
-        self._look_for_jump(start)
+        self.jumps += self.loop.jumps_at(start)
         sides = {-1: self._side(-1, start, low), 1: self._side(1, start, high)}
         # Both sides in turn, so that when time runs out the nearest values on either are known.
         beyond: dict[int, Frontier] = dict.fromkeys(sides, (start, STOPPED))
@@ -203,7 +202,7 @@ class OutwardSearch:
     def _of_a_delay(self, late: CriticalDelays) -> Iterator[tuple[list[Passage], list[Open]]]:
         """What ``known`` yields for a delay, by the curves along which a root is on the circle."""
         _, high = self._ends()
-        for known in late.known(high):
+        for known in late.advance_to(high):
             self.left = late.undecided
             yield late.passages, self._open({1: (known, STOPPED)})
         last = late.frontier
@@ -259,7 +258,7 @@ class OutwardSearch:
             self.found += looked.found
             self.left = joined([*self.left, *looked.left])
             at, step, left = looked.end, 2 * step, left - looked.number
-            self._look_for_jump(at)
+            self.jumps += self.loop.jumps_at(at)
             yield at, STOPPED
             verdicts += [self._told(at)] if self.near else []
         is_asked = (self.asked.low, self.asked.high)[side > 0] is not None
@@ -271,11 +270,6 @@ class OutwardSearch:
             yield None  # what holds for the least value that is searched holds next to 0
         else:
             yield at, self._not_searched if left > 0 or self.near else _NOT_FINE
-
-    def _look_for_jump(self, value: Fraction) -> None:
-        """Note an end of a piece at which roots may jump."""
-        if self.loop.jumps_at(value):
-            self.jumps.append(value)
 
     @property
     def _not_searched(self) -> str:

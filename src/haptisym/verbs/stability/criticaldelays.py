@@ -1,13 +1,19 @@
 """All delays of a sampled loop that put a root of it on the unit circle: its critical delays.
 
-**Question.** In a loop with the sampling period T the delay tau of all that moves is the parameter.
-It is tau = d T + theta: d whole *samples* and a *rest* theta, 0 <= theta < T. The loop is
+**Question.** Between what a loop samples and the force that it holds for each period T all is
+delayed by tau, the parameter: tau = d T + theta, d whole *samples* and a *rest* theta, 0 <= theta <
+T. The loop is
 
     z^d Q(z) + N(z; theta) = 0,
 
 with polynomials Q (the part without the controller) and N (the part that it adds; modified
 z-transform, Jury 1958), and it is stable if all roots have abs(z) < 1. At which tau does a root lie
 on the circle, at which frequency, and does it move outward or inward as tau grows?
+
+**Assumed**, and seen to by ``Opened.is_late``: the degree of N is less than that of Q for every
+theta, as no force moves what is sampled at once. So no root comes from infinity. And N(z; 0) = z
+N(z; T): where d increases by 1, and theta falls from T to 0, the polynomial as a whole gets a
+factor z, a root at 0. Together: the roots that are not 0 are continuous in tau.
 
 **Method.** It is the direct method for loops with a delay (Walton and Marshall, IEE Proc. D 134,
 1987), for samples. On the circle, z = exp(j omega T) with 0 < omega < pi/T. With L = log(-N/Q) the
@@ -24,11 +30,11 @@ omega theta,
 1. ``unit_gain_curves`` bisects boxes of (omega, theta) until in each there is no gain of 1, or at
    most one omega for each theta.
 2. For each curve and each k, in ascending order of (2), ``CrossingEquation`` solves (1) for omega
-   and tau, by interval Newton and bisection.
-3. In which direction the root moves is the sign of a derivative (``CrossingEquation.direction``).
-4. Roots are continuous in tau, so that their number outside of the circle changes at critical
-   delays alone: one exact count gives it for all other delays (``CriticalDelays.holds``). Where d
-   increases by 1, and theta falls from T to 0, the polynomial gets one more factor z: a root at 0.
+   and tau, by interval Newton and bisection. A solution is a *crossing*.
+3. In which direction the root moves there is the sign of the Jacobian determinant of (1)
+   (``CrossingEquation.direction``).
+4. The number of roots outside of the circle changes at crossings alone: one exact count, at a
+   *reference delay*, gives it for all other delays (``CriticalDelays.is_stable_at``).
 
 *Interval Newton* (Neumaier, Interval Methods for Systems of Equations, 1990, chapter 5): for a box
 X with the middle m, and an enclosure J of all derivatives of f over X that holds no singular
@@ -36,16 +42,16 @@ matrix, all zeros of f in X lie in m - J^-1 f(m). If that is within the interior
 exactly one.
 
 **Guaranteed.** All numbers are *balls*, intervals with middle and radius (``arb`` of FLINT; complex:
-``acb``), whose operations enclose all values; comparisons of balls are True only where they hold
-for all values. So whatever is returned is proven. What is not decided is an UndecidedError, None,
-or an interval of delays in ``CriticalDelays.undecided``. One comparison is of finite precision:
-``ordered(x, y)`` is 1 for x < y and -1 for x > y, proven, and 0 where hundreds of bits do not
-distinguish the numbers; these are taken for equal.
+``acb``), whose operations, at the working precision, enclose all values; comparisons of balls are
+True only where they hold for all values. So what is returned is proven, but for one thing: two
+numbers of which hundreds of bits agree are taken for equal (``ordered``). What is not decided is an
+UndecidedError, None, or an interval of delays in ``CriticalDelays.undecided``.
 
-**Words.** A ``Pair`` is a proven solution (omega, tau) of an equation, which it refines to any number
-of bits by steps of interval Newton; a ``Passage`` is its delay and its frequency as numbers. An
-``Opened`` is a loop with an open parameter, here tau; its ``loop.sides`` are N and Q as polynomials
-in z - 1, of which N is given for theta in place of tau.
+**Words.** A ``Pair`` is a proven crossing (omega, tau), which it refines to any number of bits by
+steps of interval Newton; a ``Passage`` is its delay and its frequency as numbers. An ``Opened`` is a
+loop with an open parameter, here tau; its ``loop.sides`` are N and Q as polynomials in z - 1, of
+which N is given for theta in place of tau. A ``theta_range`` is one over which N is one analytic
+function of theta.
 
 Begin with ``CriticalDelays``.
 """
@@ -70,7 +76,6 @@ from haptisym.kernel.errors import UndecidedError
 from haptisym.kernel.reals import (
     Ball,
     ExactNumber,
-    at_rising_precision,
     bounds,
     expression_ball,
     fraction_ball,
@@ -83,8 +88,10 @@ from haptisym.verbs.stability.opened import Opened, Passage, Span
 
 Box: TypeAlias = tuple[Ball, Ball]
 """A ball of frequencies omega, rad/s, and one of rests theta or of delays, s."""
-Sides: TypeAlias = tuple[float, float]
+Ends: TypeAlias = tuple[float, float]
 """The lower and the upper end of one side of a box."""
+Range: TypeAlias = tuple[Fraction, Fraction]
+"""The lower and the upper end of a range of theta, s."""
 
 # Working precision, bits; the first one that is tried where more may be needed.
 _BITS = 128
@@ -96,9 +103,9 @@ _EITHER = arb(0, 1)
 
 # Critical delays that are searched for at most: a reader needs the first few.
 _MOST_PASSAGES = 64
-# A piece of a curve whose delays for one k spread over more samples is too wide to be followed.
-_MOST_SAMPLES_OF_A_PIECE = 8
-# A float times 1 minus this is below the number that was rounded to it, by 2^-53 of it.
+# A curve whose delays for one k spread over more samples is too wide to be followed.
+_MOST_SAMPLES_OF_A_CURVE = 8
+# A float is rounded by at most 2^-53 of it: less this share of its size, it is a lower bound.
 _ROUNDING = 2.0**-50
 
 
@@ -106,18 +113,19 @@ _ROUNDING = 2.0**-50
 class CriticalDelays:
     """The critical delays of a loop, searched in ascending order.
 
-    ``own`` : the delay of the scene, s, at which the unstable roots are counted.
+    ``reference_delay`` : a delay, s, at which the unstable roots are counted.
     ``curves`` : the unit-gain curves, from which all critical delays up to ``most``, s, follow
     (None: all at any delay).
     ``passages`` : the critical delays that were found, with their frequencies.
     ``root_changes`` : for each of these, how many more roots are outside of the circle above it.
-    ``undecided`` : intervals of delays in which there may be others.
+    ``undecided`` : intervals of delays in which there may be others, or in which the change of a
+    passage is not known. While there are any, ``is_stable_at`` tells nothing.
     ``frontier`` : the delay, s, below which no critical delay is missing but in ``undecided``
     (None: none is missing anywhere).
     """
 
     loop: Opened
-    own: Rational
+    reference_delay: Rational
     curves: list[UnitGainCurve]
     most: Fraction | None
     passages: list[Passage] = field(default_factory=list)
@@ -126,13 +134,14 @@ class CriticalDelays:
     frontier: Fraction | None = Fraction(0)
 
     @classmethod
-    def of(cls, loop: Opened, own: Expr, most: Fraction) -> CriticalDelays | None:
+    def of(cls, loop: Opened, reference_delay: Expr, most: Fraction) -> CriticalDelays | None:
         """Prepare the search up to a delay of ``most``, s; None where not all unit-gain curves are
-        found.
+        found, or where the reference delay is not rational.
 
-        The open parameter of the loop must be a delay of all that moves, and its period rational
-        (``Opened.is_late``).
+        The loop must be one of which ``Opened.is_late``.
         """
+        if not isinstance(reference_delay, Rational):
+            return None
         period = Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
         curves, is_cut_off = list[UnitGainCurve](), False
         # A term of the plant may have a further delay of its own. N is one function of theta as long
@@ -140,18 +149,19 @@ class CriticalDelays:
         start = Fraction(0)
         try:
             while start < period:
-                loop_of_piece, end = loop.piece(start, period)
-                further_curves, has_later = unit_gain_curves(loop_of_piece, (start, end), most)
+                loop_of_range, end = loop.piece(start, period)
+                further_curves, has_later = unit_gain_curves(loop_of_range, (start, end), most)
                 curves += further_curves
                 is_cut_off |= has_later
                 start = end
         except UndecidedError:
             return None
-        return cls(loop, Rational(own), curves, most if is_cut_off else None)
+        return cls(loop, reference_delay, curves, most if is_cut_off else None)
 
-    def known(self, end: Fraction) -> Iterator[Fraction]:
-        """Find the critical delays one after the other, up to ``end``, s; yield ``frontier`` after
-        each step. A second call goes on where the last one ended."""
+    def advance_to(self, end: Fraction) -> Iterator[Fraction]:
+        """Find the critical delays one after the other, up to ``end``, s, or until there are
+        ``_MOST_PASSAGES``; yield ``frontier`` after each step. A second call goes on where the last
+        one ended."""
         # At a yield the working precision is that of the caller: it is set for each step alone.
         while self._heap and len(self.passages) < _MOST_PASSAGES:
             low, n, k = self._heap[0]
@@ -162,17 +172,18 @@ class CriticalDelays:
             with flint.ctx.workprec(_BITS):
                 self._search(self.curves[n], k)
                 heapreplace(self._heap, self._next_crossings(n, k))
-            self._advance_frontier(self._heap[0][0])
-            if self.frontier is not None:
-                yield self.frontier
-        if not self._heap:
+            yield self._advance_frontier(self._heap[0][0])
+        # A curve has crossings for ever larger k, so that the heap is empty where there are no
+        # curves at all.
+        if not self.curves:
             self.frontier = self.most
 
-    def _advance_frontier(self, low: float) -> None:
-        """Note that all critical delays below ``low``, a lower bound of all that follow, are
-        known."""
+    def _advance_frontier(self, low: float) -> Fraction:
+        """Note that all critical delays below ``low``, a lower bound of all that follow, are known,
+        and return the frontier."""
         frontier = max(Fraction(0), Fraction(low))
         self.frontier = frontier if self.most is None else min(frontier, self.most)
+        return self.frontier
 
     @cached_property
     def _heap(self) -> list[tuple[float, int, int]]:
@@ -191,8 +202,9 @@ class CriticalDelays:
         while True:
             k += 1
             delays = self.curves[n].delays(k)
-            if delays.upper() > 0:
-                return float(delays.lower()) * (1 - _ROUNDING), n, k
+            if delays.upper() >= 0:
+                low = float(delays.lower())
+                return low - abs(low) * _ROUNDING, n, k
 
     def _search(self, curve: UnitGainCurve, k: int) -> None:
         """Add the critical delays of a curve for one k to ``passages``, or to ``undecided``."""
@@ -201,13 +213,13 @@ class CriticalDelays:
         first = ((delays.lower() - theta.upper()) / T).lower().floor()
         last = ((delays.upper() - theta.lower()) / T).upper().floor()
         first_samples, last_samples = int(first.unique_fmpz()), int(last.unique_fmpz())
-        if last_samples - first_samples > _MOST_SAMPLES_OF_A_PIECE:
+        if last_samples - first_samples > _MOST_SAMPLES_OF_A_CURVE:
             self.undecided.append(bounds(delays))
             return
         for samples in range(max(first_samples, 0), last_samples + 1):
             equation = CrossingEquation(curve, samples, k)
             try:
-                for pair in equation.solutions():
+                for pair in equation.crossings():
                     self._add(Passage(pair.value, pair.frequency), equation.direction(pair))
             except UndecidedError:
                 self.undecided.append(bounds(delays))
@@ -216,38 +228,42 @@ class CriticalDelays:
         """Add a critical delay, unless it is there already.
 
         It is found twice where boxes overlap, and where tau is a whole number of samples, the end of
-        one piece of theta and the start of the next. There N has a corner: if the directions on both
-        sides differ the root only touches the circle.
+        one range of theta and the start of the next. There N has a corner: if the directions on both
+        sides differ the root only touches the circle. Then UndecidedError; the passage keeps the
+        change of one side, which ``undecided`` keeps from use.
         """
         # A root and its conjugate. At z = 1 and z = -1, where a root has none, no curve is proven:
         # abs(N/Q) is even in the angle of z there, so that its slope is 0.
         root_change = 2 * direction
         for i, known in enumerate(self.passages):
-            same_value = not ordered(known.value, passage.value)
-            if same_value and not ordered(known.omega, passage.omega):
+            is_same_delay = not ordered(known.value, passage.value)
+            if is_same_delay and not ordered(known.omega, passage.omega):
                 if self.root_changes[i] != root_change:
                     raise UndecidedError("whether a root comes to the unit circle and goes back")
                 return
         self.passages.append(passage)
         self.root_changes.append(root_change)
 
-    def holds(self, value: Rational) -> bool | None:
-        """Whether the loop is stable with a delay, s; None where not all critical delays between it
-        and ``own`` are known, and where it is critical itself. UndecidedError where the roots at
-        ``own`` cannot be counted."""
-        # At a critical delay itself a root is on the circle: no sum of changes tells how many.
-        at = ExactNumber(value)
-        is_critical = any(not ordered(x.value, at) for x in self.passages)
-        if is_critical or not self._are_known_up_to(max(self.own, value)):
+    def is_stable_at(self, delay: Rational) -> bool | None:
+        """Whether the loop is stable with a delay, s.
+
+        None where not all critical delays between it and the reference delay are known, and where
+        it is critical itself, as no sum of changes tells how many roots are then on the circle.
+        UndecidedError where the roots at the reference delay cannot be counted, as where one of
+        them is on the circle.
+        """
+        number = ExactNumber(delay)
+        is_critical = any(not ordered(x.value, number) for x in self.passages)
+        if is_critical or not self._are_known_up_to(max(self.reference_delay, delay)):
             return None
-        low, high = (ExactNumber(x) for x in sorted((self.own, value)))
+        low, high = (ExactNumber(x) for x in sorted((self.reference_delay, delay)))
         change = 0
         for x, root_change in zip(self.passages, self.root_changes, strict=True):
-            if ordered(low, x.value) > 0 and ordered(x.value, high) > 0:
+            if low < x.value < high:
                 change += root_change
-        if value < self.own:
+        if delay < self.reference_delay:
             change = -change
-        return self._unstable_at_own + change == 0
+        return self._unstable_at_reference + change == 0
 
     def _are_known_up_to(self, delay: Rational) -> bool:
         """Whether all critical delays up to one, s, are known."""
@@ -261,9 +277,9 @@ class CriticalDelays:
         return delay < frontier or (self.frontier == self.most and delay == frontier)
 
     @cached_property
-    def _unstable_at_own(self) -> int:
-        """The number of roots with abs(z) >= 1 at the delay of the scene, an exact count."""
-        return sum(self.loop.at(self.own).unstable())
+    def _unstable_at_reference(self) -> int:
+        """The number of roots with abs(z) >= 1 at the reference delay, an exact count."""
+        return sum(self.loop.at(self.reference_delay).unstable())
 
 
 # The logarithm of -N/Q, in balls.
@@ -281,25 +297,32 @@ class LogEnclosure(NamedTuple):
     by_theta: acb
 
 
-def enclose_log(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, LogEnclosure | None]:
-    """Whether no root is on the circle in a box, as abs(N) and abs(Q) differ all over it; and L
-    over the box, on any branch, None where it has no bounds."""
+class BoxTest(NamedTuple):
+    """What is known of a box of omega and theta: whether no root is on the circle in it, as abs(N)
+    and abs(Q) differ all over it; else L over the box, or None where L has no bounds."""
+
+    has_no_root: bool
+    log: LogEnclosure | None
+
+
+def enclose_log(loop: Opened, omega: Ball, theta: Ball) -> BoxTest:
+    """Test a box, and enclose L over it, on any branch, at the working precision."""
     T = expression_ball(loop.loop.T)
     # z - 1 over the box, and at its middle, where omega has no radius but T may have one.
-    z_1, middle = _on_circle(omega * T), _on_circle(omega.mid() * T)
-    polynomials = _enclose_sides(loop, theta.mid(), _radius(theta, T), flint.ctx.prec)
+    z_1, z_1_middle = _on_circle(omega * T), _on_circle(omega.mid() * T)
+    polynomials = _enclose_loop(loop, theta.mid(), _radius(theta, T), flint.ctx.prec)
     # As polynomials in the distance from the middle: powers of a wide ball, and balls that cancel
     # far from 0, grow faster than the range of what they enclose.
     N_middle, N_constant, N_linear, N_rate, Q = (
-        acb_poly(p)(acb_poly([middle, 1])) for p in polynomials
+        acb_poly(p)(acb_poly([z_1_middle, 1])) for p in polynomials
     )
-    z = z_1 - middle
+    z = z_1 - z_1_middle
     N = N_constant(z) + N_linear(z) * _EITHER
     Q_value = Q(z)
     if not abs(N).overlaps(abs(Q_value)):
-        return True, None
+        return BoxTest(has_no_root=True, log=None)
     if N.contains(0) or Q_value.contains(0):
-        return False, None
+        return BoxTest(has_no_root=False, log=None)
     ratio = -N_middle[0] / Q[0]
     # A branch away from its cut, along the negative numbers, where a ball would hold both ends. Its
     # imaginary part is between -pi and 3 pi/2.
@@ -309,10 +332,11 @@ def enclose_log(loop: Opened, omega: Ball, theta: Ball) -> tuple[bool, LogEnclos
     # derivative (N_z theta - N_z N_theta/N)/N.
     N_z = N_constant.derivative()(z) + N_linear.derivative()(z) * _EITHER
     N_theta, N_z_theta = N_rate(z), N_rate.derivative()(z)
-    at_middle = N_middle.derivative()(z) / N_middle(z) - Q.derivative()(z) / Q_value
-    by_z = at_middle + (N_z_theta - N_z * N_theta / N) / N * _distance(theta)
+    by_z_at_theta = N_middle.derivative()(z) / N_middle(z) - Q.derivative()(z) / Q_value
+    by_z = by_z_at_theta + (N_z_theta - N_z * N_theta / N) / N * _distance(theta)
     # dz/d omega is j T z.
-    return False, LogEnclosure(log, acb(0, 1) * (1 + z_1) * T * by_z, N_theta / N)
+    by_omega = acb(0, 1) * (1 + z_1) * T * by_z
+    return BoxTest(has_no_root=False, log=LogEnclosure(log, by_omega, N_theta / N))
 
 
 def _on_circle(angle: Ball) -> acb:
@@ -322,7 +346,11 @@ def _on_circle(angle: Ball) -> acb:
 
 def _radius(theta: Ball, T: Ball) -> Ball:
     """The radius within which N is enclosed about the middle of theta: that of theta, or a tiny
-    part of T where it is smaller, as a derivative is a difference over it and would lose digits."""
+    part of T where it is smaller.
+
+    A derivative is a difference over it, and would lose all digits of a smaller one; so it loses a
+    quarter. ``mid`` makes it one number, which the cache of ``_enclose_loop`` finds again.
+    """
     return theta.rad().max(T.lower() * arb(2) ** (-flint.ctx.prec // 4)).mid()
 
 
@@ -331,7 +359,7 @@ def _distance(x: Ball) -> Ball:
     return x - x.mid()
 
 
-class _Sides(NamedTuple):
+class _EnclosedLoop(NamedTuple):
     """N and Q as polynomials in z - 1, for all theta within a radius of a middle.
 
     ``N_middle`` : N for the middle. N(z; theta) = ``N_constant`` + x ``N_linear`` with x = (theta -
@@ -346,24 +374,26 @@ class _Sides(NamedTuple):
 
 
 @lru_cache(maxsize=512)
-def _enclose_sides(loop: Opened, middle: Ball, radius: Ball, bits: int) -> _Sides:
+def _enclose_loop(loop: Opened, middle: Ball, radius: Ball, bits: int) -> _EnclosedLoop:
     """Enclose N and Q for all theta within ``radius`` of ``middle``, at the working precision
     ``bits``."""
     # The precision is an argument so that the cache does not return coarser balls.
     assert bits == flint.ctx.prec
 
     def numerator(theta: Ball) -> list[Ball]:
+        """The coefficients of N, ascending in z - 1, for a real or complex ball of theta."""
         coefficients: list[Ball] = loop.loop.sides({loop.symbol: theta})[0].coeffs()
         return coefficients
 
-    # For each coefficient a + slope x, a in a ball, -1 <= x <= 1; and its derivative by x.
+    # Of each coefficient: a and the slope in a + slope x, a in a ball, -1 <= x <= 1; and its
+    # derivative by x all over the range.
     lines = over_ellipse(numerator, middle, radius)
     N, Q = loop.loop.sides({loop.symbol: middle})
     # At z = 1 a delay changes nothing: the coefficient of (z - 1)^0 is that for the middle.
     first = (N[0], arb(0), arb(0))
     columns = zip(first, *lines[1:], strict=True)
     constant, linear, rate = (arb_poly(list(column)) for column in columns)
-    return _Sides(N, constant, linear, rate * (1 / radius), Q)
+    return _EnclosedLoop(N, constant, linear, rate * (1 / radius), Q)
 
 
 def _phase(log: LogEnclosure, omega: Ball, theta: Ball) -> Ball:
@@ -379,22 +409,22 @@ def _phase(log: LogEnclosure, omega: Ball, theta: Ball) -> Ball:
 
 # Boxes of frequency and rest that are examined at most, some seconds.
 _MOST_BOXES = 1200
-# A piece of a curve is to be so many times narrower than its frequency, so that its delays (2)
-# spread over a small part of their values.
+# A curve is cut until it is so many times narrower than its frequency, so that its delays (2) spread
+# over a small part of their values.
 _NARROW = 32
 
 
 @dataclass(frozen=True, eq=False)
 class UnitGainCurve:
-    """A piece of a unit-gain curve: abs(N) = abs(Q) at one omega at most for each theta in a box.
+    """A part of a unit-gain curve: abs(N) = abs(Q) at one omega at most for each theta in a box.
 
-    ``piece`` : the rests theta, s, for which N is that of the loop; the box may reach beyond them.
+    ``theta_range`` : where N is that of the loop; the box may reach beyond it.
     ``phase`` : the phase Im L + omega theta all over the box, on one branch of L; its radius is less
     than 1 rad.
     """
 
     loop: Opened
-    piece: tuple[Fraction, Fraction]
+    theta_range: Range
     box: Box
     phase: Ball
 
@@ -404,8 +434,8 @@ class UnitGainCurve:
 
     def log(self, omega: Ball, theta: Ball) -> LogEnclosure | None:
         """L in a part of the box, on the branch of ``phase``; None where it has no bounds."""
-        log = enclose_log(self.loop, omega, theta)[1]
-        if log is None:
+        log = enclose_log(self.loop, omega, theta).log
+        if log is None or not log.middle.is_finite():
             return None
         phase = log.middle.imag + omega.mid() * theta.mid()
         # On the right branch both phases differ by less than 1 rad, and branches by 2 pi: rounding
@@ -415,38 +445,39 @@ class UnitGainCurve:
 
 
 def unit_gain_curves(
-    loop: Opened, piece: tuple[Fraction, Fraction], most: Fraction
+    loop: Opened, theta_range: Range, most: Fraction
 ) -> tuple[list[UnitGainCurve], bool]:
-    """All pieces of unit-gain curves for rests theta in a ``piece``, s, but those that give delays
-    above ``most``, s, alone; and whether any of these were left out.
+    """All unit-gain curves for a range of theta, but those that give delays above ``most``, s,
+    alone; and whether any of these were left out.
 
-    UndecidedError where a box is neither clear nor holds one piece, as where a curve turns back in
+    UndecidedError where a box is neither clear nor holds one curve, as where a curve turns back in
     theta.
     """
-    start, end = piece
+    start, end = theta_range
     curves, is_cut_off = list[UnitGainCurve](), False
     with flint.ctx.workprec(_BITS):
-        # Rounded up, so that no frequency up to pi/T is missed.
+        # Rounded outward, so that no frequency up to pi/T is missed, and no theta.
         highest = nextafter(float((arb.pi() / expression_ball(loop.loop.T)).upper()), inf)
-        rests = nextafter(float(start), -inf), nextafter(float(end), inf)
-        waiting = Waiting([((0.0, highest), rests)], most=_MOST_BOXES, what="boxes of frequency")
-        for frequencies, rests in waiting:
-            box = _ball(*frequencies), _ball(*rests)
-            is_clear, log = enclose_log(loop, *box)
-            if is_clear:
+        whole = (0.0, highest), (nextafter(float(start), -inf), nextafter(float(end), inf))
+        waiting = Waiting([whole], most=_MOST_BOXES, what="boxes of frequency")
+        for frequencies, thetas in waiting:
+            box = _ball(*frequencies), _ball(*thetas)
+            has_no_root, log = enclose_log(loop, *box)
+            if has_no_root:
                 continue
-            if log and _is_above(_phase(log, *box), box[0], most):
+            if log is not None and _is_above(_phase(log, *box), box[0], most):
                 is_cut_off = True
                 continue
-            curve = _followed(loop, piece, box, log) if log else box
-            if isinstance(curve, UnitGainCurve):
-                curves.append(curve)
-            elif curve is not None:
+            found = _followed(loop, theta_range, box, log) if log is not None else box
+            if isinstance(found, UnitGainCurve):
+                curves.append(found)
+            elif found is not None:
                 # Cut along theta where the box is wider there, relative to the whole, than four
                 # times along omega.
-                width = (rests[1] - rests[0]) / float(end - start)
+                width = (thetas[1] - thetas[0]) / float(end - start)
                 is_wide = 4 * (frequencies[1] - frequencies[0]) < width * frequencies[1]
-                waiting.add(*_halves(frequencies, rests, int(is_wide)))
+                waiting.add(*_halves(frequencies, thetas, int(is_wide)))
+        # Boxes that were not looked at as there were too many.
         if waiting.rest:
             raise UndecidedError("at which frequencies the loop has a gain of 1")
     return curves, is_cut_off
@@ -457,13 +488,13 @@ def _ball(low: float, high: float) -> Ball:
     return arb(low).union(arb(high))
 
 
-def _halves(frequencies: Sides, rests: Sides, cut: int) -> list[tuple[Sides, Sides]]:
+def _halves(frequencies: Ends, thetas: Ends, cut: int) -> list[tuple[Ends, Ends]]:
     """A box cut in two, along omega (``cut`` 0) or along theta (1)."""
-    low, high = (frequencies, rests)[cut]
+    low, high = (frequencies, thetas)[cut]
     middle = (low + high) / 2
     if cut:
         return [(frequencies, (low, middle)), (frequencies, (middle, high))]
-    return [((low, middle), rests), ((middle, high), rests)]
+    return [((low, middle), thetas), ((middle, high), thetas)]
 
 
 def _is_above(phase: Ball, omega: Ball, most: Fraction) -> bool:
@@ -480,20 +511,21 @@ def _is_above(phase: Ball, omega: Ball, most: Fraction) -> bool:
 
 
 def _followed(
-    loop: Opened, piece: tuple[Fraction, Fraction], box: Box, log: LogEnclosure
+    loop: Opened, theta_range: Range, box: Box, log: LogEnclosure
 ) -> UnitGainCurve | Box | None:
-    """The piece of a unit-gain curve in a box; None where there is none; the box where neither is
-    proven. ``log`` : L over the box.
+    """The unit-gain curve in a box; None where there is none; the box where neither is proven.
+    ``log`` : L over the box.
 
     It is interval Newton for Re L = 0 in omega, for all theta of the box at once. As the derivative
     is not 0 there is at most one omega for each theta.
     """
     omega, theta = box
     current: LogEnclosure | None = log
+    # Each step but the last makes omega narrower by a quarter.
     while current is not None and not current.by_omega.real.contains(0):
         # Re L at the middle omega, for all theta.
-        at_middle = current.middle.real + current.by_theta.real * _distance(theta)
-        near = omega.mid() - at_middle / current.by_omega.real
+        gain = current.middle.real + current.by_theta.real * _distance(theta)
+        near = omega.mid() - gain / current.by_omega.real
         if not near.overlaps(omega):
             return None
         before, omega = omega, omega.intersection(near)
@@ -501,9 +533,9 @@ def _followed(
         if 4 * omega.rad() > 3 * before.rad():
             phase = _phase(current, before, theta)
             is_narrow = phase.rad() < 1 and _NARROW * omega.rad() < omega.mid()
-            return UnitGainCurve(loop, piece, (omega, theta), phase) if is_narrow else box
-        is_clear, current = enclose_log(loop, omega, theta)
-        if is_clear:
+            return UnitGainCurve(loop, theta_range, (omega, theta), phase) if is_narrow else box
+        has_no_root, current = enclose_log(loop, omega, theta)
+        if has_no_root:
             return None
     return box
 
@@ -513,14 +545,12 @@ def _followed(
 # Boxes of frequency and delay that are examined at most for one equation, and Newton steps in each:
 # one that holds a simple solution converges in a few.
 _MOST_PARTS, _MOST_STEPS = 200, 8
-# Working precision up to which the direction of a root is determined.
-_MOST_BITS = 1 << 10
 
 
 @dataclass(frozen=True, eq=False)
 class CrossingEquation:
-    """Equation (1) on a piece of a unit-gain curve, for d = ``samples`` and one k, as two real
-    equations in omega, rad/s, and the delay tau, s."""
+    """Equation (1) on a unit-gain curve, for d = ``samples`` and one k, as two real equations in
+    omega, rad/s, and the delay tau, s."""
 
     curve: UnitGainCurve
     samples: int
@@ -531,31 +561,8 @@ class CrossingEquation:
         """The whole samples d T, s."""
         return self.samples * self.curve.loop.loop.T
 
-    def step(self, omega: Ball, delay: Ball) -> Box | None:
-        """The step of interval Newton: a box that holds all solutions in a box; None where it has
-        no bounds."""
-        whole = expression_ball(self.whole)
-        # Newton is in omega and theta: L is known exactly at the middle theta, whatever the radius
-        # of d T.
-        theta = delay - whole
-        log = self.curve.log(omega, theta)
-        if log is None:
-            return None
-        # f = L - j (omega d T - 2 pi k), and its derivatives (a, b; c, d) by omega and theta.
-        f = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
-        a, b = log.by_omega.real, log.by_theta.real
-        c, d = log.by_omega.imag - whole, log.by_theta.imag
-        determinant = a * d - b * c
-        if determinant.contains(0):
-            return None
-        # By Cramer's rule.
-        return (
-            omega.mid() - (d * f.real - b * f.imag) / determinant,
-            whole + (theta.mid() - (a * f.imag - c * f.real) / determinant),
-        )
-
-    def solutions(self) -> Iterator[Pair]:
-        """All solutions in the box of the curve whose rest is in its piece.
+    def crossings(self) -> Iterator[Pair]:
+        """All solutions in the box of the curve with theta in its range.
 
         One at the edge of two parts of the box may come twice. UndecidedError where that is not
         settled, as at a double one.
@@ -568,9 +575,10 @@ class CrossingEquation:
         for box in waiting:
             result = self._contracted(*box)
             if isinstance(result, Pair):
-                if self._may_be_in_piece(result):
+                if self._may_be_in_range(result):
                     yield result
             elif result is not None:
+                # On the curve there is at most one omega for each delay: to cut the delay is enough.
                 omega, delay = result
                 middle = delay.mid()
                 waiting.add(
@@ -579,11 +587,12 @@ class CrossingEquation:
         if waiting.rest:
             raise UndecidedError("whether a root comes to the unit circle and goes back")
 
-    def _may_be_in_piece(self, pair: Pair) -> bool:
-        """Whether a solution is not proven to be outside of the piece, where another N is that of
-        the loop. One at an end is in both pieces, and ``CriticalDelays._add`` takes it once."""
-        start, end = (ExactNumber(self.whole + rational(x)) for x in self.curve.piece)
-        return ordered(pair.value, start) <= 0 <= ordered(pair.value, end)
+    def _may_be_in_range(self, pair: Pair) -> bool:
+        """Whether a solution is not proven to be outside of the range of theta, where another N is
+        that of the loop. One at an end is in both ranges, and ``CriticalDelays._add`` takes it
+        once."""
+        start, end = (ExactNumber(self.whole + rational(x)) for x in self.curve.theta_range)
+        return bool(start <= pair.value <= end)
 
     def _contracted(self, omega: Ball, delay: Ball) -> Pair | Box | None:
         """The one solution in a box, None where there is none, or the smaller box that is left."""
@@ -598,22 +607,56 @@ class CrossingEquation:
             omega, delay = omega.intersection(after[0]), delay.intersection(after[1])
         return omega, delay
 
-    def direction(self, pair: Pair) -> int:
-        """1 if the root at a solution leaves the unit circle outward as the delay grows, -1 if
-        inward. UndecidedError where balls do not decide."""
-        direction = at_rising_precision(
-            lambda bits: self._direction(*pair.at(bits)), _BITS, _MOST_BITS
+    def step(self, omega: Ball, delay: Ball) -> Box | None:
+        """The step of interval Newton: a box that holds all solutions in a box; None where it has
+        no bounds."""
+        linear = self._linear(omega, delay)
+        if linear is None or linear.determinant.contains(0):
+            return None
+        f, f_omega, f_theta, determinant = linear
+        whole = expression_ball(self.whole)
+        theta = delay - whole
+        # By Cramer's rule.
+        return (
+            omega.mid() - (f_theta.imag * f.real - f_theta.real * f.imag) / determinant,
+            whole + (theta.mid() - (f_omega.real * f.imag - f_omega.imag * f.real) / determinant),
         )
-        if direction is None:
-            raise UndecidedError("which way a root goes on the unit circle")
-        return direction
 
-    def _direction(self, omega: Ball, delay: Ball) -> int | None:
-        """The direction from a box around the solution, at the working precision."""
-        log = self.curve.log(omega, delay - expression_ball(self.whole))
+    def _linear(self, omega: Ball, delay: Ball) -> _Linear | None:
+        """The equation about the middle of a box; None where it has no bounds."""
+        # In omega and theta: L is known exactly at the middle theta, whatever the radius of d T.
+        whole = expression_ball(self.whole)
+        theta = delay - whole
+        log = self.curve.log(omega, theta)
         if log is None:
             return None
-        # A root obeys d log z = L - 2 pi j k. L changes with log z = j omega T by L_omega/(j T). So
-        # (d + j L_omega/T) d(log z)/d theta = L_theta, and log abs(z) grows with its real part.
-        slope = self.samples + acb(0, 1) * log.by_omega / expression_ball(self.curve.loop.loop.T)
-        return sign_of((log.by_theta / slope).real) or None
+        f = log.middle - acb(0, omega.mid() * whole - 2 * self.k * arb.pi())
+        f_omega, f_theta = log.by_omega - acb(0, whole), log.by_theta
+        determinant = f_omega.real * f_theta.imag - f_theta.real * f_omega.imag
+        return _Linear(f, f_omega, f_theta, determinant)
+
+    def direction(self, pair: Pair) -> int:
+        """1 if the root at a solution leaves the unit circle outward as the delay grows, -1 if
+        inward.
+
+        A root obeys d log z = L - 2 pi j k. As L changes with log z = j omega T by L_omega/(j T), w
+        d(log z)/d theta = L_theta with w = d + j L_omega/T. So log abs(z) grows by Re(L_theta/w) =
+        Re(conj(w) L_theta)/abs(w)^2, and T conj(w) = -j conj(f_omega) with f = L - j (omega d T - 2
+        pi k): its sign is that of Im(conj(f_omega) L_theta), the determinant of f, which is not 0
+        where Newton's step has proven the solution.
+        """
+        linear = self._linear(*pair.at(_BITS))
+        sign = 0 if linear is None else sign_of(linear.determinant)
+        if not sign:
+            raise UndecidedError("which way a root goes on the unit circle")
+        return sign
+
+
+class _Linear(NamedTuple):
+    """f = L - j (omega d T - 2 pi k) at the middle of a box; enclosures of its derivatives all over
+    the box; and their determinant as of two real equations."""
+
+    f: acb
+    f_omega: acb
+    f_theta: acb
+    determinant: arb
