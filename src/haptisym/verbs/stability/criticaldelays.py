@@ -134,14 +134,12 @@ class CriticalDelays:
     frontier: Fraction | None = Fraction(0)
 
     @classmethod
-    def of(cls, loop: Opened, reference_delay: Expr, most: Fraction) -> CriticalDelays | None:
+    def of(cls, loop: Opened, reference_delay: Rational, most: Fraction) -> CriticalDelays | None:
         """Prepare the search up to a delay of ``most``, s; None where not all unit-gain curves are
-        found, or where the reference delay is not rational.
+        found.
 
         The loop must be one of which ``Opened.is_late``.
         """
-        if not isinstance(reference_delay, Rational):
-            return None
         period = Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
         curves, is_cut_off = list[UnitGainCurve](), False
         # A term of the plant may have a further delay of its own. N is one function of theta as long

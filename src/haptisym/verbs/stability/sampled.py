@@ -155,9 +155,11 @@ class OutwardSearch:
     @cached_property
     def _late(self) -> CriticalDelays | None:
         """The search by curves, where the parameter is a delay of all that moves; else None."""
-        return (
-            CriticalDelays.of(self.loop, self.own, self._ends()[1]) if self.loop.is_late else None
-        )
+        if not self.loop.is_late:
+            return None
+        # A rational delay, which the scene's own is not if it is a multiple of pi.
+        reference_delay = rational(_fraction(self.own, 1))
+        return CriticalDelays.of(self.loop, reference_delay, self._ends()[1])
 
     def holds(self, value: Rational) -> bool | None:
         """Whether the loop is stable at a value, by an exact count; None where that stays open."""
