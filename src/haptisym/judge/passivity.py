@@ -1,7 +1,7 @@
 """Whether a display is passive, and whether its force under prescribed motion is stable.
 
-**Question.** A display is a one-port. The hand moves it by X(s) and feels the force F = H_perc(s) X,
-so that its impedance F/V, with the velocity V = s X, is Z(s) = H_perc(s)/s. At s = j omega, with the
+**Question.** A display is a one-port. The hand moves it by X(s) and feels the force H_perc(s) X, so
+that its impedance, the force over the velocity s X, is Z(s) = H_perc(s)/s. At s = j omega, with the
 amplitude A, it takes up the energy pi A^2 Im H_perc(j omega) per cycle. Is it passive, so that it is
 stable in the hand of any passive operator? If not, how much damping of the hand compensates it?
 
@@ -13,13 +13,16 @@ is decided by four conditions:
 1. Re Z = Im H_perc(j omega)/omega >= 0 at all omega > 0 that are no poles,
 2. Z has no pole in Re s > 0,
 3. the poles of Z at s = 0, at other points of the axis Re s = 0 and at infinity are simple, with
-   positive residues,
+   positive residues; at infinity: on the axis Z grows more slowly than omega, or is near m s with
+   a mass m > 0,
 4. Z has no *advance*: it does not grow as exp(s tau), tau > 0, for large s > 0.
 
 Each is necessary: a positive real function satisfies abs(Z(s)) <= const s for s >= 1. Together they
-are sufficient: from the axis Re Z >= 0 carries over to Re s > 0 by the maximum principle, for
-functions that may grow at infinity in the form of Phragmen and Lindelof (Titchmarsh, The Theory of
-Functions, 5.6); it needs condition 4, which rational functions always satisfy.
+are sufficient. Z is a quotient of sums of powers of s and delays exp(-s tau); in Re s > 0 these grow
+at most exponentially, and by conditions 2 to 4 Z grows there no faster than s (Phragmen and
+Lindelof, for Z/(s + 1); Titchmarsh, The Theory of Functions, 5.6). Its poles on the axis and m s are
+imaginary on the axis, and have Re >= 0 in Re s > 0: with these taken off, Re Z >= 0 carries over
+from the axis to Re s > 0 by the maximum principle. Rational functions always satisfy condition 4.
 
 **How each is decided.** Condition 1 is read off a *chart* (``kernel.roots``: all zeros and signs of
 a function from 0 to some frequency) and, above it, off the sign of Im H_perc at high frequency
@@ -34,18 +37,20 @@ line without losses (Niemeyer and Slotine 1991).
 Let all parts be passive, and let the environment dissipate energy at every omega > 0 and have no
 pole on the axis. By condition 2 there is no pole in Re s > 0. Nor is there one on the axis: there a
 force would act on a hand at rest, X = 0, into which no energy flows. So none is dissipated, the
-environment is at rest, and its force, finite times 0, is 0. As a chain matrix has an inverse, the
-force at the hand is 0 too, a contradiction. With delays the poles may still come as near to the
-axis as one likes.
+environment is at rest, and its force, finite times 0, is 0. As a chain matrix of passive parts is
+finite on the axis and has an inverse there, the force at the hand is 0 too, a contradiction. With
+delays the poles may still come as near to the axis as one likes: *stable* says no more here than
+that none is on it.
 
 **What is returned.** True and False are proven, in exact or ball arithmetic; None means undecided.
 Of a ``bool`` alone, False proves nothing where its docstring says so.
 
 **Words.** A *turn* is the frequency 2 pi/tau, rad/s, at which the phase of the longest delay tau has
 turned once. The *ring* of H_perc is the polynomial ring in s, exp(-s tau) of each of its unit
-delays (``lags``) and s^alpha of each of its fractional powers (``orders``); its *axis* is the
-corresponding ring for s = j omega, with the *angles* omega tau. *Raw* real and imaginary parts are
-not reduced: their common denominator is abs(denominator of H_perc)^2 >= 0.
+delays (``lags``) and s^alpha of each of its fractional powers (``orders``). In code an ``axis`` is
+the corresponding ring for s = j omega, with the *angles* omega tau; in words the axis is that of
+Re s = 0. *Raw* real and imaginary parts are not reduced: their common denominator is abs(denominator
+of H_perc)^2 >= 0.
 
 Begin with ``passivity`` and ``force_is_stable``. Sampled loops, of which H_perc is an approximation,
 are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling period T.
@@ -83,13 +88,10 @@ from haptisym.model.scene import Scene, clocks, sampled_loop
 
 # The verdict on passivity.
 
-# Seconds of processor time for the needed damping: where roots and delays meet, thousands of peaks
-# may have to be compared.
-_DAMPING_SECONDS = 10.0
-
 
 class Beyond(Enum):
-    """The sign of Im H_perc above the highest frequency of a chart, or why it is not known.
+    """The sign of Im H_perc above the highest frequency of a chart, or why it is not known; where it
+    is 0 everywhere, it is ``NEVER`` negative.
 
     The values are printed, and are part of the documents of ``--json``.
     """
@@ -113,8 +115,9 @@ _BEYOND_BY_SENSE = {
 def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """Find where a display generates energy on [0, infinity).
 
-    Im H_perc is charted at least over the band of the scene, whose parameters must be numbers; above
-    the chart its sign at high frequency is determined.
+    The parameters of the scene must be numbers. Im H_perc is charted at least over its band, and
+    above the chart its sign at high frequency is determined; but with a clock it is charted up to
+    pi/T, and nothing is said of what is above.
 
     ``distortion`` : that of the scene, if it is known already.
 
@@ -125,7 +128,7 @@ def passivity(scene: Scene, distortion: Distortion | None = None) -> Passivity:
     """
     distortion = distortion or scene.closed
     periods = clocks(scene)
-    # Above pi/T a sampled display does not see the motion, and its formula means nothing.
+    # Above pi/T a sampled display takes a motion for a slower one, and its formula means nothing.
     if periods:
         settled = AsymptoticSign(Sense.UNKNOWN)
         high, beyond = pi / max(periods, key=float), Beyond.CLOCK
@@ -162,18 +165,23 @@ class Passivity:
 
     @cached_property
     def holds(self) -> bool | None:
-        """Whether the display is passive; a sampled one by ``sampled``. None where undecided."""
-        # Condition 1 fails. In a sampled loop the sign of H_perc proves nothing about the loop.
+        """Whether the display is passive; a sampled one by ``sampled``. None where undecided.
+
+        The order of the four tests below is the argument: what denies passivity, what alone decides
+        with a clock, what proves it without a count of poles, and at last all conditions.
+        """
+        # 1. Condition 1 fails. In a sampled loop the sign of H_perc proves nothing about the loop.
         if self.is_active and not sampled_loop(self.scene):
             return False
+        # 2. With a clock.
         if self.sampled is not None:
             with suppress(UndecidedError):
                 return self.sampled.passive
             return None
-        # Passive parts need no count of poles, of which there may be infinitely many.
+        # 3. Passive parts need no count of poles, of which there may be infinitely many.
         if self.has_passive_parts:
             return True
-        # Condition 1 is proven only where neither the chart nor the sign above it is open.
+        # 4. Condition 1 is proven only where neither the chart nor the sign above it is open.
         if self.beyond is not Beyond.NEVER or self.chart.undecided:
             return None
         return self.poles_allow
@@ -200,8 +208,9 @@ class Passivity:
 
     @property
     def is_nowhere_active(self) -> bool:
-        """Whether Im H_perc >= 0 is proven at all frequencies (of a sampled display, that it is
-        passive). False proves nothing."""
+        """Whether Im H_perc >= 0 is proven at all frequencies, by the chart or as the display is
+        passive; of a sampled one, which has no sign above its chart, that it is passive. False
+        proves nothing."""
         is_charted = self.beyond is Beyond.NEVER and not self.chart.undecided
         return not self.active and bool(is_charted or self.holds)
 
@@ -232,8 +241,8 @@ class Passivity:
 
     @property
     def dissipates(self) -> bool:
-        """Whether the display is passive, and Im H_perc > 0 at every omega > 0. False proves
-        nothing; it is always False with delays and fractional powers of s.
+        """Whether the display is passive, and Im H_perc > 0 at every omega > 0 that is no pole. False
+        proves nothing; it is always False with delays and fractional powers of s.
 
         Up to ``high`` the chart shows the sign. Above, Im H_perc is never negative
         (``Beyond.NEVER``); nor is it 0: without delays its sign is that of a polynomial in omega,
@@ -243,7 +252,8 @@ class Passivity:
         is_rational = not (ring.lags or ring.orders)
         if not self.holds or self.beyond is not Beyond.NEVER or not is_rational:
             return False
-        # Signs are those of -Im H_perc. At omega = 0 itself it vanishes, as an odd function.
+        # Signs are those of -Im H_perc: above each point, and at it, 0 at a zero. At omega = 0 itself
+        # it vanishes, as an odd function.
         signs = {x for point in self.chart.points for x in point.after.values()}
         for point in self.chart.points:
             if float(point.omega) > 0:
@@ -260,9 +270,10 @@ class Passivity:
         H_perc/s does. Where it is False, no damping is enough.
 
         The frequency of b* is None where b* is 0, and where the supremum is only approached, at
-        high frequency. The result is None where b* is infinite (``is_unbounded`` is then True) or
-        undecided, as where the sign above ``high`` is not known, or not found within the seconds of
-        ``_DAMPING_SECONDS``.
+        high frequency. The result is None where b* is infinite: at high frequency
+        (``is_unbounded``), or as omega goes to 0, where H_perc has a pole that ``poles_allow``
+        denies. It is None too where b* is undecided, as where the sign above ``high`` is not known,
+        or not found within the seconds of ``_DAMPING_SECONDS``.
         """
         if self.is_nowhere_active:
             return LargestValue(ExactNumber(Integer(0)), None)
@@ -286,9 +297,9 @@ class Passivity:
         - Multiplied by powers of the cosines of half angles, numerator and denominator of Im H_perc
           are N = omega^p W(omega) + lower powers, W a sum of sines and cosines, and 0 < D <= const
           omega^q. The quotient is the same, as both have the same powers.
-        - ``asymptotic_sign`` has proven W <= -d < 0 everywhere or, for both signs, at one frequency.
-          W is almost periodic: then W <= -d/2 at arbitrarily high frequencies, which can be chosen
-          such that no cosine is near 0.
+        - ``asymptotic_sign`` has proven W <= -d < 0 everywhere or, for both signs, at one frequency;
+          of a W <= 0 that has zeros it tells no sign. W is almost periodic: then W <= -d/2 at
+          arbitrarily high frequencies, which can be chosen such that no cosine is near 0.
         - At these frequencies -Im H_perc/omega >= const omega^(p - q - 1).
         """
         if not self.stays_active:
@@ -308,7 +319,8 @@ class Passivity:
         ]
         if self.beyond is Beyond.ALWAYS:
             # Im H_perc < 0 at the end of the chart itself too, where the bound of
-            # ``asymptotic_sign`` holds already: so the last interval ends there, and goes on.
+            # ``asymptotic_sign`` holds already: so there is a last interval, which ends there and
+            # goes on. (What a chart leaves undecided is whether there is a zero, not a sign.)
             ends = [*ends[:-1], [ends[-1][0], None]]
         if self.active_from is not None:
             ends.append([float(self.active_from), None])
@@ -369,14 +381,18 @@ _GUESS_BITS = 64
 # Working precision at which a maximum is compared with a limit. If both are equal, the comparison
 # stays open, and either of them may be returned.
 _COMPARISON_BITS = 128
+# Seconds of processor time for the needed damping: where roots and delays meet, thousands of peaks
+# may have to be compared. What is found in them depends on the machine: a number, or nothing.
+_DAMPING_SECONDS = 10.0
 
 
 def _needed_damping(distortion: Distortion, high: Expr) -> LargestValue | None:
     """sup(-Im H_perc/omega) over omega > 0, where it is positive; None where it is infinite, or no
     bound at high frequency was found. ``high`` : rad/s, the end of the chart.
 
-    A bound B of -Im H_perc/omega at high frequency, which some value exceeds, reduces the search to
-    a closed band.
+    A bound of -Im H_perc/omega above some frequency reduces the search to the band below it: the
+    supremum is the largest value there if that exceeds the bound, and else the bound if that is the
+    limit.
     """
     raw = distortion.perc_response.raw_imag
     axis: Any = raw.ring
@@ -402,8 +418,8 @@ def _needed_damping(distortion: Distortion, high: Expr) -> LargestValue | None:
 
 
 def _is_periodic_over_power(f: RealFunction) -> bool:
-    """Whether f is a function of sin and cos of one angle omega tau, divided by a power of
-    omega."""
+    """Whether f is a function of sin and cos of one angle omega tau, divided by a power of omega:
+    all terms of its denominator have the same."""
     axis: Any = f.axis
     numerator, denominator = f.function.numerator, f.function.denominator
     if numerator.degrees()[0] or len(axis.angles) != 1 or axis.orders:
@@ -446,7 +462,9 @@ def poles_allow(F: RationalFunction) -> bool | None:
 
     >>> from sympy import exp
     >>> from haptisym.kernel.rings import s
-    >>> def of(Z): return poles_allow(Ring.of([s * Z]).convert(s * Z).reduced())
+    >>> def of(Z):
+    ...     F = s * Z
+    ...     return poles_allow(Ring.of([F]).convert(F).reduced())
     >>> of(1 / s), of(-1 / s), of(s / (s - 1)), of(s / (s**2 + 1)), of(s**2), of(-s)
     (True, False, False, True, False, False)
     >>> of(1 + exp(-s) / s), of(1 + exp(s) / s)
@@ -463,7 +481,8 @@ def poles_allow(F: RationalFunction) -> bool | None:
 
 
 def has_no_pole_right(f: RationalFunction) -> bool | None:
-    """Whether a function in lowest terms has no pole in Re s > 0; None where that is undecided."""
+    """Whether a function in lowest terms has no pole in Re s > 0; None where that is undecided. It
+    is condition 2 alone, for Llewellyn's criterion."""
     try:
         poles = count_roots(f.denominator, ring_of(f))
     except UndecidedError:
@@ -503,6 +522,7 @@ def _poles_satisfy(F: RationalFunction, response: Response) -> bool:
     if not _is_allowed_at_infinity(response):
         return False
     count = count_roots(F.denominator, ring)
+    # Where it is known, so are all poles on the axis.
     if count.right is None:
         raise UndecidedError("where infinitely many poles lie")
     # F(0) is the residue of F/s at 0.
@@ -537,6 +557,7 @@ def _sign_at_0(real: RealFunction) -> int:
         f = real.function
         lowest = (f.ring.coefficients(p)[0] for p in (f.numerator, f.denominator))
         return prod(map(sign_of_number, lowest))
+    # At an end of its band a chart leaves nothing undecided.
     first = chart({"real": real}, Integer(0), Integer(1)).points[0]
     return 0 if first.orders.get("real", 0) else first.after["real"]
 
@@ -546,12 +567,16 @@ def _is_allowed_at_infinity(response: Response) -> bool:
 
     That is so where F grows more slowly than s^2, or as m s^2, whose real part is -m omega^2 on the
     axis. UndecidedError where the sign of the real part at high frequency is not known.
+
+    With delays F may grow as s^2 V(s), V a quotient of sums of delays. Re F alone is then asked. If
+    it is Im F that grows as omega^2, the answer does not matter: Im V is odd and almost periodic, so
+    that it takes both signs, and condition 1 fails.
     """
     parts = (response.raw_real, response.raw_imag)
     exponent = max(_growth_exponent(x) for x in parts if not x.is_zero)
     excess = sign_of_number(exponent - 2)
-    # With s^alpha the highest power may be there in form alone, as s^(1/2) s^(1/2) is another
-    # product of variables than s. A sign shows that it is there.
+    # With s^alpha a power may be there in form alone: s^(1/2) s^(1/2) - s is not 0 in the ring, where
+    # s^(1/2) is a variable. A sign shows that the highest one is there.
     senses = {asymptotic_sign(x).sense for x in parts if excess > 0 and response.real.axis.orders}
     if senses == {Sense.UNKNOWN}:
         raise UndecidedError("how fast H_perc grows, where powers of s may cancel")
@@ -565,7 +590,8 @@ def _is_allowed_at_infinity(response: Response) -> bool:
 
 def _growth_exponent(f: RationalFunction) -> Expr:
     """The exponent of omega with which a function of an axis, not 0, grows where its denominator is
-    not small: the highest power of its numerator less that of its denominator."""
+    not small, at most: the highest power of its numerator less that of its denominator, which a sum
+    of products of s^alpha may have in form alone."""
     return _highest_power(f.numerator, f.ring) - _highest_power(f.denominator, f.ring)
 
 
@@ -605,12 +631,13 @@ def are_passive(effects: Iterable[Effect]) -> bool:
 
     A shunt is passive if its force per position, the second entry of its matrix, is m s^2 + b s + k
     with no negative number. A compliance always is, as its parameters k and b are positive by their
-    rules; a wave-variable link is, as a line without losses.
+    rules; a wave-variable link is, as a line without losses, whose impedance b is positive by its
+    rule.
 
     >>> from haptisym import effects
     >>> link = effects.wave_variables(10, "20 ms")
-    >>> are_passive([link, effects.shunt(m=1)]), are_passive([link, effects.shunt(m=-1)]), are_passive([effects.delay(1)])
-    (True, False, False)
+    >>> [are_passive([link, x]) for x in (effects.shunt(m=1), effects.shunt(m=-1), effects.delay(1))]
+    [True, False, False]
     """
     for x in effects:
         is_passive_shunt = x.model == "shunt" and _is_passive_polynomial(x.matrix[1])
@@ -623,8 +650,8 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
     """Whether a display coupled to any hand with damping has no root in Re s >= 0 but at 0, because
     no part of the display generates energy. False proves nothing.
 
-    In Re s > 0 the hand's share of Re F/V is positive, and the display's is not negative: their sum
-    is not 0. On the axis the hand would not move, nor feel a force: then all that is behind chain
+    In Re s > 0 the hand's share of Re Z is positive, and the display's is not negative: their sum is
+    not 0. On the axis the hand would not move, nor feel a force: then all that is behind chain
     matrices is at rest too, as they have inverses.
 
     ``chain`` : the scene's, in which a parameter may be a symbol. Then True holds for all of its

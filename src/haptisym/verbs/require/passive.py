@@ -261,7 +261,8 @@ class _Display:
 
         The cheap tests come first: a frequency that denies it, then a sign that is right at all
         frequencies, and only then the poles. With all of them settled, one exact verdict tells for
-        all values.
+        all values: an advance begins nowhere in between, as it needs a denominator all of whose
+        terms are delayed, of which ``Energy.clear`` is False.
         """
         q = span(low, high)
         if self.energy.active_at(q) is not None:
