@@ -1,5 +1,5 @@
-"""``haptisym`` and ``python -m haptisym``: the command line, with Ctrl-C understood while the package
-is being loaded."""
+"""``haptisym`` and ``python -m haptisym``: the command line, with Ctrl-C understood while the
+package is being loaded."""
 
 from __future__ import annotations
 

@@ -276,9 +276,9 @@ class Evaluation(Answer):
     scene with delays; empty of each rational scene. ``certified`` : nothing is.
     ``digits`` : decimal digits shown of each crossing.
     ``relevance``, ``regions``, ``movement``, ``discrimination`` : where a tolerance was given, what
-    was left out (all answers are then those of the pruned scene, ``scene``); the answers for other JND
-    regions; what a fit to a movement reports; which changes would decide between JND regions. None
-    where they were not asked for. ``left`` : those not found in time, with the reason.
+    was left out (all answers are then those of the pruned scene, ``scene``); the answers for other
+    JND regions; what a fit to a movement reports; which changes would decide between JND regions.
+    None where they were not asked for. ``left`` : those not found in time, with the reason.
 
     Proven: each number, and that these are all crossings on the band, but for
     what ``undecided`` names.

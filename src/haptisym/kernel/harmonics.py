@@ -1,11 +1,11 @@
 """First harmonics of elements that are not linear: what describing functions are made of.
 
-The answer of an element to A sin(omega t) has the first harmonic A (n_p sin(omega t) + n_q cos(omega
-t)): n_p is its part in phase, n_q the one a quarter turn ahead (Gelb and Vander Velde). Each is a
-real function of one ratio of two sizes. With symbols it is left as it is, and is one more variable
-of a ring; of a number it is a rational number, its value rounded to ``_BITS`` binary digits. Written
-out (``explicit``) it has an arc sine, roots and sums. Derivations: 22_quantiser, 23_backlash,
-24_dead_zone.
+The answer of an element to A sin(omega t) has the first harmonic A (n_p sin(omega t) + n_q
+cos(omega t)): n_p is its part in phase, n_q the one a quarter turn ahead (Gelb and Vander Velde).
+Each is a real function of one ratio of two sizes. With symbols it is left as it is, and is one more
+variable of a ring; of a number it is a rational number, its value rounded to ``_BITS`` binary
+digits. Written out (``explicit``) it has an arc sine, roots and sums. Derivations: 22_quantiser,
+23_backlash, 24_dead_zone.
 """
 
 from __future__ import annotations
@@ -91,7 +91,8 @@ class limiter(Harmonic):  # noqa: N801 - named as SymPy names functions
 
     @classmethod
     def value(cls, ratio: Ball) -> Ball:
-        # It grows with u. A ball that reaches beyond 1 has no arc sine: at 1 the number is 1 itself.
+        # It grows with u. A ball that reaches beyond 1 has no arc sine: at 1 the number is 1
+        # itself.
         low, high = (_limited(x) for x in (ratio.lower(), ratio.upper()))
         return low.union(high)
 

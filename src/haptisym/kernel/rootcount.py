@@ -320,11 +320,11 @@ def positive_bound(row: Sequence[Ball]) -> arb_poly:
     """Return a lower bound of P/omega^(2N), a polynomial in x = 1/omega^2, that is positive at all
     frequencies above one at which it is.
 
-    P = w_0 omega^(2N) + w_1 omega^(2N - 2) + ..., with its coefficients in the balls of ``row``, must
-    not be negative at infinity, so that w_0 >= 0. Then P/omega^(2N) >= w_0 + w_1 x + w_2 x^2 + ...
-    with their lower bounds for all w, also where w_2 and all further ones are replaced by 0 if they
-    are positive. Divided by x that is w_0/x + w_1 + w_2 x + ..., which falls as x grows, whatever
-    w_1 is.
+    P = w_0 omega^(2N) + w_1 omega^(2N - 2) + ..., with its coefficients in the balls of ``row``,
+    must not be negative at infinity, so that w_0 >= 0. Then P/omega^(2N) >= w_0 + w_1 x + w_2 x^2 +
+    ... with their lower bounds for all w, also where w_2 and all further ones are replaced by 0 if
+    they are positive. Divided by x that is w_0/x + w_1 + w_2 x + ..., which falls as x grows,
+    whatever w_1 is.
     """
     first, *others = (x.lower() for x in row)
     later = [x.min(arb(0)) for x in others[1:]]

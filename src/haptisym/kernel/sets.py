@@ -370,8 +370,8 @@ class ValueSet(Shown):
 
     @property
     def ends(self) -> tuple[SingleValue, ...]:
-        """The points, in order, at which a piece that holds ends because some condition limits it; not
-        those at which only the domain ends."""
+        """The points, in order, at which a piece that holds ends because some condition limits it;
+        not those at which only the domain ends."""
         every = (end for piece in self.feasible for end in piece.ends)
         return tuple(x for x in every if x.bindings)
 

@@ -1,5 +1,5 @@
-"""The leading terms of a dynamics at low and at high frequency: its *asymptotes*, and the stiffness,
-damping and mass that a slow hand feels.
+"""The leading terms of a dynamics at low and at high frequency: its *asymptotes*, and the
+stiffness, damping and mass that a slow hand feels.
 
 A dynamics is a quotient of polynomials in s, pi, parameters and delays exp(-s tau), here with exact
 coefficients. Its series in ascending powers of s (at 0), or in descending ones (at infinity), is
@@ -82,8 +82,8 @@ def asymptote(difference: RationalFunction, at: Any) -> Asymptote:
             if exact.raw_imag.is_zero:
                 leading[2] = Integer(0)
         if h != 0:
-            # (j omega)^n = (-1)^(n//2) omega^n, times j for an odd n, whose term belongs to Im; of a
-            # negative n too. Python's -1 to such a power would be a float.
+            # (j omega)^n = (-1)^(n//2) omega^n, times j for an odd n, whose term belongs to Im; of
+            # a negative n too. Python's -1 to such a power would be a float.
             sign = -1 if power // 2 % 2 else 1
             part = 1 + power % 2
             if leading[0] is None:

@@ -10,15 +10,15 @@ the side of the hand:
 
     (F'; X') = M_i (F; X),    M_i = (A, B; C, D).
 
-H' = F'/X' is then the Moebius map (A H + B)/(C H + D) of H; a multiple of M_i gives the same one. As
-maps compose as matrices multiply, H_perc is the map of the product M_n ... M_2 M_1, effect 1 nearest
-the environment, of H_rendered, what the controller renders. The *distortion* is dH = H_perc - H_env against H_env, what should be
-felt (mostly H_rendered = H_env). On s = j omega the ratios are r_r = abs(Re dH)/abs(H_env) and r_i =
-abs(Im dH)/abs(H_env); a difference is noticed where a ratio exceeds a threshold c (Fu, van Paassen
-and Mulder 2019, doi:10.1016/j.ifacol.2019.12.119).
+H' = F'/X' is then the Moebius map (A H + B)/(C H + D) of H; a multiple of M_i gives the same one.
+As maps compose as matrices multiply, H_perc is the map of the product M_n ... M_2 M_1, effect 1
+nearest the environment, of H_rendered, what the controller renders. The *distortion* is dH = H_perc
+- H_env against H_env, what should be felt (mostly H_rendered = H_env). On s = j omega the ratios
+are r_r = abs(Re dH)/abs(H_env) and r_i = abs(Im dH)/abs(H_env); a difference is noticed where a
+ratio exceeds a threshold c (Fu, van Paassen and Mulder 2019, doi:10.1016/j.ifacol.2019.12.119).
 
-**Exact.** H_env, H_rendered and all entries of the matrices are elements of a ``Ring``: quotients of
-polynomials in s, pi, parameters (positive symbols, or exact numbers in their place), delays
+**Exact.** H_env, H_rendered and all entries of the matrices are elements of a ``Ring``: quotients
+of polynomials in s, pi, parameters (positive symbols, or exact numbers in their place), delays
 exp(-s tau), powers s^alpha and first harmonics. A first harmonic (of friction, backlash and the
 like) is a variable of its own there, whatever it is a function of. *Lowest terms*: numerator and
 denominator have no common factor as polynomials in these variables.
@@ -60,8 +60,8 @@ NOTHING_TO_FEEL = (
     "stability takes free air)"
 )
 _SAMPLE_BITS = 128
-"""Precision, bits, at which a program is tried at one point: there the ball of a field that is not 0
-everywhere hardly ever holds 0."""
+"""Precision, bits, at which a program is tried at one point: there the ball of a field that is not
+0 everywhere hardly ever holds 0."""
 _S = 0
 """The place of s among the variables of a ring, and of its exponent in a monomial."""
 
@@ -97,9 +97,10 @@ class Chain:
         """H_perc in lowest terms with some of the effects alone, in ``ring`` or else in that of the
         chain.
 
-        ``effects`` : their indices in ``matrices``, ascending. SceneError where H behind one of them
-        has no value at any frequency. A further effect may make of H = oo a finite H_perc (elastic
-        parts of -k and k, then one more, give that one), but no program of the chain takes this way.
+        ``effects`` : their indices in ``matrices``, ascending. SceneError where H behind one of
+        them has no value at any frequency. A further effect may make of H = oo a finite H_perc
+        (elastic parts of -k and k, then one more, give that one), but no program of the chain takes
+        this way.
         """
         ring = self.ring if ring is None else ring
         H = ring.convert(self.rendered)
@@ -144,8 +145,8 @@ class Chain:
 
     @property
     def harmonics(self) -> tuple[Expr, ...]:
-        """The first harmonics (describing functions of friction, backlash and the like) in the chain
-        whose sizes are still symbols."""
+        """The first harmonics (describing functions of friction, backlash and the like) in the
+        chain whose sizes are still symbols."""
         harmonics = {x for entry in self.entries() for x in entry.atoms(Harmonic)}
         return tuple(sorted(harmonics, key=str))
 
@@ -239,8 +240,8 @@ class Chain:
         return self.over(Z), is_odd
 
     def over(self, Z: RationalFunction) -> Chain:
-        """The chain with all dynamics divided by Z, in lowest terms. It has a ring of its own, and with
-        it a threshold symbol, as parameters may cancel."""
+        """The chain with all dynamics divided by Z, in lowest terms. It has a ring of its own, and
+        with it a threshold symbol, as parameters may cancel."""
 
         def times(x: Expr, power: int) -> Expr:
             """A dynamics times that power of Z, in lowest terms; 0 stays as it is."""
@@ -306,10 +307,10 @@ def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
     """The product of the irreducible factors of a polynomial, without delays and powers s^alpha,
     that are real or imaginary on s = j omega: s itself, and those in s^2.
 
-    These can vanish there, as it takes one equation. Any other factor f in s alone takes two, Re f =
-    Im f = 0, for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would share
-    it, and an irreducible f would be even or odd; with parameters it has one for isolated values
-    alone. Of a factor with a delay or a power nothing is claimed.
+    These can vanish there, as it takes one equation. Any other factor f in s alone takes two, Re f
+    = Im f = 0, for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would
+    share it, and an irreducible f would be even or odd; with parameters it has one for isolated
+    values alone. Of a factor with a delay or a power nothing is claimed.
     """
     zeros_on_axis = ring.constant(1)
     if not polynomial:

@@ -7,10 +7,11 @@ length. Which one does a person read?
 **Forms.**
 
 - In *lowest terms*: a single fraction without common factors, as polynomials in the variables of
-  its ring. It is the only such fraction, up to a number that both its parts are multiplied by, where
-  the variables are independent. ``kernel.dynamics.Ring.of`` makes them so, but for powers s^alpha,
-  and delays whose common unit is below a 32nd of the longest, which it takes as independent of s
-  and of each other. For n effects with parameters of their own the fraction has some 2^n terms.
+  its ring. It is the only such fraction, up to a number that both its parts are multiplied by,
+  where the variables are independent. ``kernel.dynamics.Ring.of`` makes them so, but for powers
+  s^alpha, and delays whose common unit is below a 32nd of the longest, which it takes as
+  independent of s and of each other. For n effects with parameters of their own the fraction has
+  some 2^n terms.
 - In *magnitudes and angles*, for effects in series. B = C = 0 in their chain matrices: the force
   becomes A F, the motion D X, and so H becomes G H with G = A/D. With H_rendered = r_0 exp(j
   phi_0) and G_i = r_i exp(j phi_i) on the axis,
@@ -19,14 +20,14 @@ length. Which one does a person read?
 
   which grows by one magnitude and one angle for each effect. Each r is real: a square root of a sum
   of two squares, or signed. It is signed for a factor that is real or imaginary on the axis (k + m
-  s^2 is k - m omega^2, with the angle 0), and for a hold exp(s T) - 1, which is 2 sin(omega T/2) with
-  the angle of j exp(j omega T/2).
+  s^2 is k - m omega^2, with the angle 0), and for a hold exp(s T) - 1, which is 2 sin(omega T/2)
+  with the angle of j exp(j omega T/2).
 - As the chain builds it: Re or Im, not computed, of fractions within fractions in j omega.
 
-**Guaranteed.** All are identities, for all positive values of the parameters at which no denominator
-vanishes. Not covered, in magnitudes and angles, is a zero of a factor that is neither real nor
-imaginary on the axis (1 + s exp(-s T) has some for single values of T): its angle is atan2(0, 0)
-there. ``shortest`` compares lengths, which changes no value.
+**Guaranteed.** All are identities, for all positive values of the parameters at which no
+denominator vanishes. Not covered, in magnitudes and angles, is a zero of a factor that is neither
+real nor imaginary on the axis (1 + s exp(-s T) has some for single values of T): its angle is
+atan2(0, 0) there. ``shortest`` compares lengths, which changes no value.
 
 Begin with ``shortest``. Named steps, which are short for every chain, are ``Chain.steps``.
 """
@@ -91,8 +92,8 @@ _PART_OF = {Part.REAL: re, Part.IMAG: im}
 
 
 def part_of_distortion(chain: Chain, part: Part, environment: Expr) -> Expr:
-    """Re or Im of dH = H_perc - H_env, that of H_perc in magnitudes and angles if the effects are in
-    series, else as the chain builds it.
+    """Re or Im of dH = H_perc - H_env, that of H_perc in magnitudes and angles if the effects are
+    in series, else as the chain builds it.
 
     ``environment`` : that part of H_env(j omega).
     """
@@ -138,8 +139,8 @@ def _part_of_product(part: Part, factors: Sequence[Expr]) -> Expr:
 
 
 def _polar(product: Expr) -> tuple[Expr, Expr]:
-    """Magnitude r, which may be negative, and angle, rad, of a product of factors on s = j omega: the
-    product is r exp(j angle)."""
+    """Magnitude r, which may be negative, and angle, rad, of a product of factors on s = j omega:
+    the product is r exp(j angle)."""
     numerator, denominator = product.as_numer_denom()
     factors = [(x, 1) for x in Mul.make_args(numerator)]
     factors += [(x, -1) for x in Mul.make_args(denominator)]

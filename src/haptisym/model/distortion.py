@@ -747,9 +747,9 @@ class Distortion(Shown):
         for NumPy, mpmath, JAX or math.
 
         ``quantity`` : any closed form here, by name. A parameter that no argument can be called is
-        spelt as in generated code: ``lambda_``, ``sqrt_``, and ``mu`` for ``\\mu``. With ``steps`` it
-        computes the quantity by ``steps(quantity)``, and returns each step and the result by their
-        names. NumPy computes in floats, whole numbers and lists too, and a constant for each
+        spelt as in generated code: ``lambda_``, ``sqrt_``, and ``mu`` for ``\\mu``. With ``steps``
+        it computes the quantity by ``steps(quantity)``, and returns each step and the result by
+        their names. NumPy computes in floats, whole numbers and lists too, and a constant for each
         frequency. ``compile`` is more accurate, and knows the limits at zeros of H_env.
 
         >>> from haptisym import effects, environments

@@ -1,18 +1,18 @@
 """The frequencies that a distortion has: crossings of a threshold, changeovers, and the bandwidth.
 
-**Problem.** A *crossing* is a frequency omega > 0 at which a ratio r (r_r or r_i) equals a threshold
-c > 0, a *changeover* one at which Re H changes its sign, and the *bandwidth* the upper end of the
-frequencies from 0 on at which no ratio exceeds c. Where are all of them: as formulas in the
-parameters, and as numbers?
+**Problem.** A *crossing* is a frequency omega > 0 at which a ratio r (r_r or r_i) equals a
+threshold c > 0, a *changeover* one at which Re H changes its sign, and the *bandwidth* the upper
+end of the frequencies from 0 on at which no ratio exceeds c. Where are all of them: as formulas in
+the parameters, and as numbers?
 
 **Functions.** A ratio is given as its square r^2, a quotient of polynomials in omega (with delays
 and powers also in tan(omega tau/2) and omega^alpha): a ratio itself has the square root of
 |H_env|^2, of which zeros are not those of polynomials. As r >= 0, r exceeds c > 0 exactly where the
 ``excess`` r^2 - c^2 is positive, and crosses it where that vanishes.
 
-**Formulas** (``crossings``, ``lowest_formula``) are ``kernel.solutions.Solution``. They hold for all
-positive values of the parameters at which each of their *conditions*, an expression, is > 0; where
-one is 0 a formula may hold or not.
+**Formulas** (``crossings``, ``lowest_formula``) are ``kernel.solutions.Solution``. They hold for
+all positive values of the parameters at which each of their *conditions*, an expression, is > 0;
+where one is 0 a formula may hold or not.
 
 **Numbers** (``zeros``, ``sign_changes``, ``bandwidth``) are proven, of functions without free
 parameters: all there are, each with any number of digits. They are read off a chart
@@ -65,7 +65,8 @@ def threshold(given: Any, named: Mapping[str, str]) -> Expr:
 
 
 def excess(squared_ratio: RealFunction, c: Expr) -> RealFunction:
-    """r^2 - c^2 in lowest terms: positive exactly where a ratio r exceeds a threshold, for c > 0."""
+    """r^2 - c^2 in lowest terms: positive exactly where a ratio r exceeds a threshold, for c >
+    0."""
     f = squared_ratio.function
     square = f.ring.convert(c**2)
     numerator = f.numerator * square.denominator - square.numerator * f.denominator
@@ -114,9 +115,9 @@ _OMEGA_SQUARED = Symbol("W", positive=True)
 def threshold_polynomial(
     squared_ratio: RealFunction, c: Expr, threshold_symbol: Symbol
 ) -> Poly | Expr:
-    """The polynomial in W = omega^2 (W_ where W is a parameter) that vanishes where a ratio equals a
-    threshold, for values of symbols for which c > 0; with delays or fractional powers an expression
-    in omega.
+    """The polynomial in W = omega^2 (W_ where W is a parameter) that vanishes where a ratio equals
+    a threshold, for values of symbols for which c > 0; with delays or fractional powers an
+    expression in omega.
 
     ``threshold_symbol`` : the one that the ring of the function has for a threshold.
     """
@@ -188,9 +189,9 @@ def _is_lower(one: Solution, other: Solution) -> bool:
     if (one.omega - other.omega).is_negative:
         return True
     # Both are positive where they are in force: they are in the order of their squares. Of the two
-    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. If all other factors
-    # are positive the root is real with their product, and then it is not negative. Of two roots that
-    # is not so: sqrt(u) sqrt(v) is real and negative where u and v both are negative.
+    # roots of a quadratic in omega^2 the squares differ by sqrt(discriminant)/a. If all other
+    # factors are positive the root is real with their product, and then it is not negative. Of two
+    # roots that is not so: sqrt(u) sqrt(v) is real and negative where u and v both are negative.
     gap = factor_terms((other.omega**2 - one.omega**2).expand())
     unsigned = [x for x in Mul.make_args(gap) if not x.is_positive]
     return all(x.is_Pow and x.exp == Rational(1, 2) for x in unsigned) and len(unsigned) <= 1
@@ -247,8 +248,8 @@ def bandwidth(
             f"no ratio exceeds c up to {float(high):.5g} rad/s, and with a delay none is known to "
             f"be the last: give a band, as band=(0, {float(10 * high):.5g})"
         )
-    # No ratio exceeds c up to the high end, which was taken from ``_above_all_zeros``: from there on
-    # each excess has one sign, that at the end.
+    # No ratio exceeds c up to the high end, which was taken from ``_above_all_zeros``: from there
+    # on each excess has one sign, that at the end.
     return oo
 
 
@@ -296,8 +297,8 @@ _GIVE_A_BAND = "give a band, as band=(0, 100); changeovers on a band are those o
 
 
 def _above_all_zeros(f: RealFunction) -> Expr:
-    """A frequency > 0, rad/s, from which on a function keeps its sign and is not 0; SceneError where
-    none is known, as with a delay. For the function 0 it is 1."""
+    """A frequency > 0, rad/s, from which on a function keeps its sign and is not 0; SceneError
+    where none is known, as with a delay. For the function 0 it is 1."""
     if f.function.is_zero:
         return Integer(1)
     # A delay turns the phase for ever: r^2 - c^2 can change its sign at arbitrarily high omega.

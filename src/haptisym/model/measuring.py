@@ -34,8 +34,8 @@ def measured(
     """A measured frequency response: of arrays, of python-control's data (FRD), or of a CSV file.
 
     ``omega`` : rad/s, with ``H``, force per position (N/m or N m/rad), complex; or an FRD object of
-    one input and one output; or the path of a file, which has its own coherence or radius, in
-    the columns that ``to_csv`` writes, where nothing else is given. ``coherence`` : with ``averages``,
+    one input and one output; or the path of a file, which has its own coherence or radius, in the
+    columns that ``to_csv`` writes, where nothing else is given. ``coherence`` : with ``averages``,
     of the estimate H1, as ``scipy.signal.coherence`` gives it; ``radius`` : of discs that hold the
     truth with that ``confidence`` (0.95), instead. ``slope`` : a bound on ``|dH/domega|`` between
     the lines, "40 N*s/m", or as a share of ``|H|``, "20 ms".

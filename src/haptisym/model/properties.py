@@ -10,10 +10,10 @@ part in phase with the motion and one a quarter of a turn ahead (eqs. 5 and 6):
 
     F = X Re H + j X Im H.
 
-The first is that of a stiffness Re H, or of a mass -Re H/omega^2, as its sign is; the second that of
-a damping Im H/omega (section 2.3). By eq. (4) a change is noticed where Re H or Im H moves by more
-than c abs(H). A change dk moves Re H by dk, dm moves it by -omega^2 dm, and db moves Im H by omega
-db; so that the least that is noticed of each alone is
+The first is that of a stiffness Re H, or of a mass -Re H/omega^2, as its sign is; the second that
+of a damping Im H/omega (section 2.3). By eq. (4) a change is noticed where Re H or Im H moves by
+more than c abs(H). A change dk moves Re H by dk, dm moves it by -omega^2 dm, and db moves Im H by
+omega db; so that the least that is noticed of each alone is
 
     dk = c abs(H),    db = c abs(H)/omega,    dm = c abs(H)/omega^2.
 

@@ -37,8 +37,8 @@ from haptisym.writing.layout import named
 from haptisym.writing.plain import said
 
 _QUIET = 0.3  # s without a change before the scene is evaluated exactly
-# Steps of a slider, and of a decade of one: a slider takes its nearest step for what is typed, which
-# must be the same to four digits. From 9.999 to the next one is a step of 4.3e-5 decades.
+# Steps of a slider, and of a decade of one: a slider takes its nearest step for what is typed,
+# which must be the same to four digits. From 9.999 to the next one is a step of 4.3e-5 decades.
 _STEPS, _STEPS_A_DECADE = 200_000, 25_000
 _SIZE, _DOTS = (5.6, 3.2), 110  # inches of the figure, and dots per inch
 

@@ -47,8 +47,8 @@ from haptisym.writing.plain import said
 
 @singledispatch
 def latex(value: Any, *, digits: int = DIGITS) -> str:
-    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``), of an answer (its
-    tables), or of several formulas or numbers (an ``align*`` with a line for each).
+    r"""LaTeX of a SymPy expression, of a Distortion (its formulas, an ``align*``), of an answer
+    (its tables), or of several formulas or numbers (an ``align*`` with a line for each).
 
     Formulas stand in descending powers of s or omega, ascending where that avoids a leading minus;
     nothing in them is rounded.

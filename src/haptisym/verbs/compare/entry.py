@@ -282,8 +282,8 @@ class Comparison(Answer):
     """Two to six devices side by side; a sequence of ``ComparedDisplay``.
 
     ``devices`` : as given. ``differences`` : in which parameters, models, band and threshold they
-    differ. ``order`` : their places by bandwidth, the largest first, equal ones together; None where
-    it is undecided, by ``undecided``, the pairs of devices that could not be put in order.
+    differ. ``order`` : their places by bandwidth, the largest first, equal ones together; None
+    where it is undecided, by ``undecided``, the pairs of devices that could not be put in order.
     Proven of formulas: the order, and that two bandwidths are equal. ``certified`` is False where a
     device is measured, or something is undecided.
 
@@ -428,8 +428,9 @@ def compare(
     """Compare two to six devices: which one is transparent furthest, as what each is noticed, and
     whether it is stable in a hand.
 
-    ``devices`` : scenes, their names or files, measured ones too, or answers of ``evaluate``. Each is
-    felt with its own environment, on its own band, with its own threshold; what differs is listed.
+    ``devices`` : scenes, their names or files, measured ones too, or answers of ``evaluate``. Each
+    is felt with its own environment, on its own band, with its own threshold; what differs is
+    listed.
     ``values`` : of one device alone, which is then compared with itself at these values, by path or
     symbol. ``hand`` : hands, by name or as ``Hand``; those that all devices have if not given.
     ``environment`` : which one of a scene that has several. ``files`` : whether files that a scene

@@ -71,13 +71,13 @@ def derive(
     scene: Scene | Distortion | str | Path,
     keep: Iterable[str | Symbol] | str | Symbol | None = None,
 ) -> Derivation:
-    """Derive the formulas of a scene, or of a distortion in its own symbols; ``print`` shows them as
-    a page of text.
+    """Derive the formulas of a scene, or of a distortion in its own symbols; ``print`` shows them
+    as a page of text.
 
     ``scene`` : a scene, the name of one that comes with haptisym, a file, or a distortion.
-    ``keep`` : the parameters that stay symbols, by symbol or name, thresholds among them; the others
-    have the values of the scene. None for all of them, () for none. SceneError for a name that the
-    scene does not have, and for names with a distortion, all of whose symbols stay.
+    ``keep`` : the parameters that stay symbols, by symbol or name, thresholds among them; the
+    others have the values of the scene. None for all of them, () for none. SceneError for a name
+    that the scene does not have, and for names with a distortion, all of whose symbols stay.
 
     >>> found = derive("fu2019", keep=["omega_n"])
     >>> found
@@ -136,8 +136,8 @@ class Derivation(Answer):
     ``kept`` : the parameters that stay symbols; the others have the values of the scene.
     ``kept_thresholds`` : the parts, real and imaginary, whose threshold stays the symbol c.
 
-    ``derivation["Re dH"]`` is a closed form, under a name of ``QUANTITIES``. An argument ``of`` of a
-    method is a criterion, or the part that names it, Part.REAL or Part.IMAG. (The field ``of`` is
+    ``derivation["Re dH"]`` is a closed form, under a name of ``QUANTITIES``. An argument ``of`` of
+    a method is a criterion, or the part that names it, Part.REAL or Part.IMAG. (The field ``of`` is
     another thing: what the page shows.)
     """
 
@@ -230,8 +230,8 @@ class Derivation(Answer):
         return opened(noticed(self.scene.threshold), self.kept_thresholds)
 
     def criterion(self, of: Part | Criterion) -> Criterion:
-        """The criterion of a part, or of the name of a criterion, as it is in ``criteria``: with c in
-        place of a threshold that is kept.
+        """The criterion of a part, or of the name of a criterion, as it is in ``criteria``: with c
+        in place of a threshold that is kept.
 
         SceneError where a threshold is kept as c although the JND is not one number for each part:
         c would have no meaning.
@@ -246,8 +246,8 @@ class Derivation(Answer):
         return self.criterion(of).threshold
 
     def excess(self, of: Part | Criterion) -> RealFunction:
-        """The excess r^2 - c^2: positive exactly where the ratio exceeds its threshold. SceneError for
-        a criterion that is no single formula, as that of a polygon."""
+        """The excess r^2 - c^2: positive exactly where the ratio exceeds its threshold. SceneError
+        for a criterion that is no single formula, as that of a polygon."""
         return self._excess(of, self.distortion)
 
     def _excess(self, of: Part | Criterion, d: Distortion) -> RealFunction:
@@ -261,7 +261,8 @@ class Derivation(Answer):
         )
 
     def piece(self, of: LatticePiece) -> RealFunction:
-        """One of the functions of which the excess of a region is the maximum of minima (a lattice).
+        """One of the functions of which the excess of a region is the maximum of minima (a
+        lattice).
 
         ``of`` : its key on a chart: the criterion of the region (``name``), which of the minima
         (``term``), and its ``place`` in that.
@@ -277,15 +278,16 @@ class Derivation(Answer):
         """The positive frequencies at which the ratio equals its threshold, as formulas with their
         conditions.
 
-        Where a factor of the excess has no formula that is short enough to read, its equation stands
-        in place of one; with ``readable`` nothing does.
+        Where a factor of the excess has no formula that is short enough to read, its equation
+        stands in place of one; with ``readable`` nothing does.
         """
         # Delays of which only the sum is felt are one delay there: an equal function, with fewer
         # angles to solve for.
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
-        """Re H of a system, "env" or "perc", on s = j omega: k - m omega^2 of a spring and a mass."""
+        """Re H of a system, "env" or "perc", on s = j omega: k - m omega^2 of a spring and a
+        mass."""
         if system == "env":
             return self.environment.env_response.real
         return self.distortion.perc_response.real

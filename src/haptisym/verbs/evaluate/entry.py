@@ -68,11 +68,10 @@ def evaluate(
     scene's ratios may differ, and where its crossings are.
     ``regions`` : whether ``regions`` is to have the answers for square, disc and diamond of the
     JND's half widths as well.
-    ``proportion`` : of right answers, to which a JND with a proportion of its own is converted. ``movement``
-    : such as "0:15" (rad/s), for which ``movement`` is to have what a fit of k, b and m to it
-    reports (``verbs.evaluate.movement``). ``discriminate`` :
-    whether ``discrimination`` is to have which changes would decide between square, disc and tilted
-    ellipses.
+    ``proportion`` : of right answers, to which a JND with a proportion of its own is converted.
+    ``movement`` : such as "0:15" (rad/s), for which ``movement`` is to have what a fit of k, b and
+    m to it reports (``verbs.evaluate.movement``). ``discriminate`` : whether ``discrimination`` is
+    to have which changes would decide between square, disc and tilted ellipses.
     ``limit`` : seconds of processor time after which ``left`` names what is not decided; None for
     none. LimitError where the crossings are not.
     A scene whose perceived dynamics is measured is judged at its lines alone, and gives a

@@ -80,7 +80,8 @@ class WorstCase(Shown):
 
     @cached_property
     def binding(self) -> tuple[FamilyBinding, ...]:
-        """Which environment limits each end of the common transparent set inside the band, in ascending order.
+        """Which environment limits each end of the common transparent set inside the band, in
+        ascending order.
 
         Several where their ratios meet their thresholds at the same frequency. Where not even the
         band's low end is in the set, who stands in the way there comes first.
@@ -229,8 +230,8 @@ class FamilyEvaluation(Answer):
 
     @property
     def binding(self) -> tuple[FamilyBinding, ...]:
-        """Which environment limits each end of the common transparent set inside the band, in ascending order;
-        see ``WorstCase``."""
+        """Which environment limits each end of the common transparent set inside the band, in
+        ascending order; see ``WorstCase``."""
         return self.worst.binding
 
     @property
@@ -266,13 +267,13 @@ def evaluate_all(
     and which environment limits it there.
 
     ``digits`` : decimal digits of each crossing. ``regions`` : whether ``regions`` is to have the
-    answers for square, disc and diamond of the JND's half widths. ``proportion`` : of right answers, to
-    which a JND with a proportion of its own is converted. Proven: the common transparent set is the
-    intersection of the environments' own; its ends are proven, and which environment they belong
-    to. ``limit`` : seconds of processor time, None for none. Where they are over before that, or
-    two ends cannot be ordered, the answers of single environments are returned, as of
-    ``answer_each``; LimitError where there is not even one. Raises SceneError if a parameter is
-    still a symbol.
+    answers for square, disc and diamond of the JND's half widths. ``proportion`` : of right
+    answers, to which a JND with a proportion of its own is converted. Proven: the common
+    transparent set is the intersection of the environments' own; its ends are proven, and which
+    environment they belong to. ``limit`` : seconds of processor time, None for none. Where they are
+    over before that, or two ends cannot be ordered, the answers of single environments are
+    returned, as of ``answer_each``; LimitError where there is not even one. Raises SceneError if a
+    parameter is still a symbol.
 
     >>> from haptisym.model.scenefile import load_scenes
     >>> found = evaluate_all(load_scenes("fu2019", ["fu2019", "helicopter-cyclic"]))

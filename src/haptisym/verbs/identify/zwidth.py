@@ -1,11 +1,11 @@
 """A device fitted to a Z-width plot: to the stiffness and damping at which a sampled wall began to
 shake.
 
-The loop's polynomial C(w), w = exp(-s T), is linear in the wall's stiffness K and damping B, so that
-on the unit circle it is zero for one complex K; where that is real a pole crosses the circle, and
-the least such K > 0 with all poles inside below it is the exact limit K(B). Least squares of ln K over
-the free parameters' logarithms; intervals from resampled pairs (one-step bootstrap). Estimated, not
-proven. Read from ``fit_zwidth``.
+The loop's polynomial C(w), w = exp(-s T), is linear in the wall's stiffness K and damping B, so
+that on the unit circle it is zero for one complex K; where that is real a pole crosses the circle,
+and the least such K > 0 with all poles inside below it is the exact limit K(B). Least squares of ln
+K over the free parameters' logarithms; intervals from resampled pairs (one-step bootstrap).
+Estimated, not proven. Read from ``fit_zwidth``.
 """
 
 from __future__ import annotations

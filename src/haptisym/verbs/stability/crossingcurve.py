@@ -1,5 +1,5 @@
-"""All values of a parameter q that put a root of a loop on the imaginary axis, and the frequencies of
-these roots, for a q that is in coefficients alone.
+"""All values of a parameter q that put a root of a loop on the imaginary axis, and the frequencies
+of these roots, for a q that is in coefficients alone.
 
 **Question.** C(s; q) is the characteristic function of the loop (``loops``), here a polynomial in q
 whose coefficients are polynomials in s, delays exp(-s lag) and powers s^alpha. For which real q is
@@ -89,8 +89,8 @@ _REMAINDER = ("c0", "c1")
 
 @dataclass(frozen=True)
 class CrossingCurve:
-    """Where a loop has a root at j omega for some real q: at the zeros of ``condition``, and there q
-    = ``value``.
+    """Where a loop has a root at j omega for some real q: at the zeros of ``condition``, and there
+    q = ``value``.
 
     ``square`` : the square of that q, at a zero of the condition. For A + q B it is |A/B|^2:
     whether it is above or below a number at high frequency is often known, although the value
@@ -236,8 +236,8 @@ def _by_resultant(loop: Loop) -> CrossingCurve:
 def _at_half_turns(
     resultant: Polynomial, real: Polynomial, imag: Polynomial, index: int, axis: Axis
 ) -> RationalFunction:
-    """The resultant of two polynomials by the variable q, the one of number ``index``, as a function
-    of omega that has its zeros at half turns too.
+    """The resultant of two polynomials by the variable q, the one of number ``index``, as a
+    function of omega that has its zeros at half turns too.
 
     Let M be the larger degree of both in a tangent t, and n and m their degrees in q.
 

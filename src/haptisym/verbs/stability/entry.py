@@ -252,7 +252,8 @@ def stability(
     ``hand`` : the hands to ask about: the scene's, or those that the package ships (``hs.hands``),
     by name, or each a ``Hand``; those of the scene if not given. ``free`` : numbers by path or
     symbol; for each, and for the hand's own, it is found where what is stable ends next to the
-    present value; if none is given, all numbers of the display, of a sampled one in a shorter search.
+    present value; if none is given, all numbers of the display, of a sampled one in a shorter
+    search.
     ``digits`` : of each number in the document.
     ``limit`` : seconds of processor time after which the rest is undecided; None for none.
     Verdicts come first, then limits, then margins; LimitError where not even one verdict is there

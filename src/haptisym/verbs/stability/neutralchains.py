@@ -244,8 +244,8 @@ class BesideChains:
         (or at one q, if both are the same); None where none is proven.
 
         The coefficients of P for all of these q are in balls, and the leading one is not negative,
-        as no chain is on the right. So where the lower bound of ``positive_bound`` is positive it is
-        so at all higher frequencies, and bisection finds the least one that is tried.
+        as no chain is on the right. So where the lower bound of ``positive_bound`` is positive it
+        is so at all higher frequencies, and bisection finds the least one that is tried.
         """
         with flint.ctx.workprec(_BITS):
             rows, start = self.rows, low.ball(_BITS)

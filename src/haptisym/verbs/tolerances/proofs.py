@@ -1081,9 +1081,9 @@ def tolerances(
 
     Proven: the verdict where it is not ``BandVerdict.UNDECIDED``; that crossings lie in the
     enclosures and nowhere else; how many there are where a count is given; ends that are marked as
-    reached at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each answered with
-    certainty, drawn uniformly with a seed; none where ranges are of hands alone, which change
-    nothing of what is felt. SceneError where nothing has a range.
+    reached at a corner are exact. Estimated: quantiles over ``samples`` sets of values, each
+    answered with certainty, drawn uniformly with a seed; none where ranges are of hands alone,
+    which change nothing of what is felt. SceneError where nothing has a range.
 
     ``hand`` : those in which the display is held, as of ``stability``; those of the scene if not
     given. For each, ``held``
