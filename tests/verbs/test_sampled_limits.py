@@ -859,6 +859,18 @@ def test_where_a_force_that_acts_at_once_comes_a_whole_sample_later_the_roots_ju
         assert is_in(x) is (size(**{key: x}) < 1), x
     jumps = [float(x.value) for x in found.ends if any(y.omega is None for y in x.bindings)]
     assert jumps == ([2.0, 3.0] if key == "tau" else [1.3])
+    last = nearest(own, path).ends[-1]
+    assert float(last.value) == pytest.approx(2 if key == "tau" else 1.160007, rel=1e-6)
+
+
+def test_what_is_next_to_a_jump_is_told_on_both_sides() -> None:
+    """Of the delay 1.3 s, of which 2 s are one whole sample more: stable below it alone."""
+    own = hs.Scene(
+        E.kelvin_voigt(Rational("2.58"), Rational("0.2")), (F.delay("1.3 s"), F.zero_order_hold("1 s")),
+        hands=(hs.Hand("no mass", b=1, k=Rational("2.4")),),
+    )  # fmt: skip
+    assert told_up_to(nearest(own, "effects.delay.tau"), 2.0)[1] > 2
+    assert hs.stability(own).to_dict()["held"][0]["margins"]["delay"] == {"above": pytest.approx(0.7), "omega": None}
 
 
 def test_a_display_that_acts_at_once_has_limits_of_a_hand_that_is_nothing_but_damping_and_stiffness() -> None:

@@ -260,9 +260,11 @@ class OutwardSearch:
             self.found += looked.found
             self.left = joined([*self.left, *looked.left])
             at, step, left = looked.end, 2 * step, left - looked.number
-            self.jumps += self.loop.jumps_at(at)
+            jumps = self.loop.jumps_at(at)
+            self.jumps += jumps
             yield at, STOPPED
-            verdicts += [self._told(at)] if self.near else []
+            # Beyond a jump the next interval tells.
+            verdicts += [self._told(at)] if self.near and not jumps else []
         is_asked = (self.asked.low, self.asked.high)[side > 0] is not None
         if (
             (at == end and is_asked)
