@@ -93,7 +93,7 @@ Ends: TypeAlias = tuple[float, float]
 Range: TypeAlias = tuple[Fraction, Fraction]
 """The lower and the upper end of a range of theta, s."""
 
-# Working precision, bits; the first one that is tried where more may be needed.
+# Working precision, bits.
 _BITS = 128
 # The range -1 <= x <= 1: times a number, all numbers that are no larger.
 _EITHER = arb(0, 1)

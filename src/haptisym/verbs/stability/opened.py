@@ -9,7 +9,10 @@ in v. A pair: Hurwitz' determinant of order n - 1, which vanishes where two root
 An interval of values is *clear* where the last two are proven not to be 0 for any of its values, in
 balls. It is cut until it is, or until each of the two is 0 once at most, as its slope has one sign:
 then the signs at its ends tell whether it is, and the counts there whether what adds up to 0 is a
-pair on the circle. Intervals that are too short for that stay open. Begin with
+pair on the circle. Intervals that are too short for that stay open.
+
+Roots are continuous in the parameter as long as no delay gets one more whole sample
+(``Opened.piece``); where it does, they may jump over the circle (``Opened.jumps_at``). Begin with
 ``Opened.passages``.
 """
 
