@@ -4,9 +4,10 @@ The number of roots in |z| >= 1 changes only at critical values, which put a roo
 (``opened``; ``criticaldelays`` for a delay), or at which roots jump over it (``Opened.jumps_at``):
 between two of them one exact count tells. They are found from the present value outward, on both
 sides in intervals that grow. How far that goes is bounded, and the answer says how far. It reaches
-down to 0 where all values on the way are clear at once, and has no upper end where Colgate and Schenkel's condition is met with the hand's damping:
-then more damping, or any mass or stiffness, puts no root on the circle. Begin with
-``clocked_question``, which ``limits`` asks; the search is ``OutwardSearch``.
+down to 0 where all values on the way are clear at once, and has no upper end where Colgate and
+Schenkel's condition is met with the hand's damping: then more damping, or any mass or stiffness,
+puts no root on the circle. Begin with ``clocked_question``, which ``limits`` asks; the search is
+``OutwardSearch``.
 """
 
 from __future__ import annotations
