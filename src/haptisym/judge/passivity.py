@@ -2,8 +2,8 @@
 
 **Question.** A display is a one-port. The hand moves it by X(s) and feels the force H_perc(s) X, so
 that its impedance, the force over the velocity s X, is Z(s) = H_perc(s)/s. At s = j omega, with the
-amplitude A, it takes up the energy pi A^2 Im H_perc(j omega) per cycle. Is it passive, so that it is
-stable in the hand of any passive operator? If not, how much damping of the hand compensates it?
+amplitude A, it takes up the energy pi A^2 Im H_perc(j omega) per cycle. Is it passive, so that it
+is stable in the hand of any passive operator? If not, how much damping of the hand compensates it?
 
 **Passive.** A display is passive if and only if Z is positive real: analytic, with Re Z >= 0, in
 Re s > 0 (Brune 1931 for rational Z; Youla, Castriota and Carlin 1959 for all linear one-ports).
@@ -18,11 +18,11 @@ is decided by four conditions:
 4. Z has no *advance*: it does not grow as exp(s tau), tau > 0, for large s > 0.
 
 Each is necessary: a positive real function satisfies abs(Z(s)) <= const s for s >= 1. Together they
-are sufficient. Z is a quotient of sums of powers of s and delays exp(-s tau); in Re s > 0 these grow
-at most exponentially, and by conditions 2 to 4 Z grows there no faster than s (Phragmen and
-Lindelof, for Z/(s + 1); Titchmarsh, The Theory of Functions, 5.6). Its poles on the axis and m s are
-imaginary on the axis, and have Re >= 0 in Re s > 0: with these taken off, Re Z >= 0 carries over
-from the axis to Re s > 0 by the maximum principle. Rational functions always satisfy condition 4.
+are sufficient. Z is a quotient of sums of powers of s and delays exp(-s tau); in Re s > 0 these
+grow at most exponentially, and by conditions 2 to 4 Z grows there no faster than s (Phragmen and
+Lindelof, for Z/(s + 1); Titchmarsh, The Theory of Functions, 5.6). Its poles on the axis and m s
+are imaginary on the axis, and have Re >= 0 in Re s > 0: with these taken off, Re Z >= 0 carries
+over from the axis to Re s > 0 by the maximum principle. Rational functions have no advance.
 
 **How each is decided.** Condition 1 is read off a *chart* (``kernel.roots``: all zeros and signs of
 a function from 0 to some frequency) and, above it, off the sign of Im H_perc at high frequency
@@ -45,15 +45,16 @@ that none is on it.
 **What is returned.** True and False are proven, in exact or ball arithmetic; None means undecided.
 Of a ``bool`` alone, False proves nothing where its docstring says so.
 
-**Words.** A *turn* is the frequency 2 pi/tau, rad/s, at which the phase of the longest delay tau has
-turned once. The *ring* of H_perc is the polynomial ring in s, exp(-s tau) of each of its unit
+**Words.** A *turn* is the frequency 2 pi/tau, rad/s, at which the phase of the longest delay tau
+has turned once. The *ring* of H_perc is the polynomial ring in s, exp(-s tau) of each of its unit
 delays (``lags``) and s^alpha of each of its fractional powers (``orders``). In code an ``axis`` is
-the corresponding ring for s = j omega, with the *angles* omega tau; in words the axis is that of
-Re s = 0. *Raw* real and imaginary parts are not reduced: their common denominator is abs(denominator
+the corresponding ring for s = j omega, with the *angles* omega tau; in words the axis is that of Re
+s = 0. *Raw* real and imaginary parts are not reduced: their common denominator is abs(denominator
 of H_perc)^2 >= 0.
 
-Begin with ``passivity`` and ``force_is_stable``. Sampled loops, of which H_perc is an approximation,
-are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling period T.
+Begin with ``passivity`` and ``force_is_stable``. Sampled loops, of which H_perc is an
+approximation, are judged by ``judge.colgate``; a chart of them ends at pi/T, with the sampling
+period T.
 """
 
 from __future__ import annotations
@@ -90,8 +91,8 @@ from haptisym.model.scene import Scene, clocks, sampled_loop
 
 
 class Beyond(Enum):
-    """The sign of Im H_perc above the highest frequency of a chart, or why it is not known; where it
-    is 0 everywhere, it is ``NEVER`` negative.
+    """The sign of Im H_perc above the highest frequency of a chart, or why it is not known; where
+    it is 0 everywhere, it is ``NEVER`` negative.
 
     The values are printed, and are part of the documents of ``--json``.
     """
@@ -221,8 +222,8 @@ class Passivity:
 
     @property
     def active_from(self) -> Expr | None:
-        """The frequency, rad/s, above which Im H_perc < 0 everywhere, where that lies above ``high``
-        and the gap between them was not examined; otherwise None."""
+        """The frequency, rad/s, above which Im H_perc < 0 everywhere, where that lies above
+        ``high`` and the gap between them was not examined; otherwise None."""
         is_late = self.beyond is Beyond.LATE and self.settled.sense is Sense.NEGATIVE
         return self.settled.radius if is_late else None
 
@@ -241,8 +242,8 @@ class Passivity:
 
     @property
     def dissipates(self) -> bool:
-        """Whether the display is passive, and Im H_perc > 0 at every omega > 0 that is no pole. False
-        proves nothing; it is always False with delays and fractional powers of s.
+        """Whether the display is passive, and Im H_perc > 0 at every omega > 0 that is no pole.
+        False proves nothing; it is always False with delays and fractional powers of s.
 
         Up to ``high`` the chart shows the sign. Above, Im H_perc is never negative
         (``Beyond.NEVER``); nor is it 0: without delays its sign is that of a polynomial in omega,
@@ -252,8 +253,8 @@ class Passivity:
         is_rational = not (ring.lags or ring.orders)
         if not self.holds or self.beyond is not Beyond.NEVER or not is_rational:
             return False
-        # Signs are those of -Im H_perc: above each point, and at it, 0 at a zero. At omega = 0 itself
-        # it vanishes, as an odd function.
+        # Signs are those of -Im H_perc: above each point, and at it, 0 at a zero. At omega = 0
+        # itself it vanishes, as an odd function.
         signs = {x for point in self.chart.points for x in point.after.values()}
         for point in self.chart.points:
             if float(point.omega) > 0:
@@ -297,9 +298,9 @@ class Passivity:
         - Multiplied by powers of the cosines of half angles, numerator and denominator of Im H_perc
           are N = omega^p W(omega) + lower powers, W a sum of sines and cosines, and 0 < D <= const
           omega^q. The quotient is the same, as both have the same powers.
-        - ``asymptotic_sign`` has proven W <= -d < 0 everywhere or, for both signs, at one frequency;
-          of a W <= 0 that has zeros it tells no sign. W is almost periodic: then W <= -d/2 at
-          arbitrarily high frequencies, which can be chosen such that no cosine is near 0.
+        - ``asymptotic_sign`` has proven W <= -d < 0 everywhere or, for both signs, at one
+          frequency; of a W <= 0 that has zeros it tells no sign. W is almost periodic: then W <=
+          -d/2 at arbitrarily high frequencies, which can be chosen such that no cosine is near 0.
         - At these frequencies -Im H_perc/omega >= const omega^(p - q - 1).
         """
         if not self.stays_active:
@@ -457,8 +458,8 @@ def _candidate_bounds(needed: RealFunction, high: Expr) -> list[Expr]:
 
 
 def poles_allow(F: RationalFunction) -> bool | None:
-    """Whether F/s, F in lowest terms, satisfies conditions 2 to 4 of a positive real function, those
-    on its poles and on an advance; None where that is undecided.
+    """Whether F/s, F in lowest terms, satisfies conditions 2 to 4 of a positive real function,
+    those on its poles and on an advance; None where that is undecided.
 
     >>> from sympy import exp
     >>> from haptisym.kernel.rings import s
@@ -569,14 +570,14 @@ def _is_allowed_at_infinity(response: Response) -> bool:
     axis. UndecidedError where the sign of the real part at high frequency is not known.
 
     With delays F may grow as s^2 V(s), V a quotient of sums of delays. Re F alone is then asked. If
-    it is Im F that grows as omega^2, the answer does not matter: Im V is odd and almost periodic, so
-    that it takes both signs, and condition 1 fails.
+    it is Im F that grows as omega^2, the answer does not matter: Im V is odd and almost periodic,
+    so that it takes both signs, and condition 1 fails.
     """
     parts = (response.raw_real, response.raw_imag)
     exponent = max(_growth_exponent(x) for x in parts if not x.is_zero)
     excess = sign_of_number(exponent - 2)
-    # With s^alpha a power may be there in form alone: s^(1/2) s^(1/2) - s is not 0 in the ring, where
-    # s^(1/2) is a variable. A sign shows that the highest one is there.
+    # With s^alpha a power may be there in form alone: s^(1/2) s^(1/2) - s is not 0 in the ring,
+    # where s^(1/2) is a variable. A sign shows that the highest one is there.
     senses = {asymptotic_sign(x).sense for x in parts if excess > 0 and response.real.axis.orders}
     if senses == {Sense.UNKNOWN}:
         raise UndecidedError("how fast H_perc grows, where powers of s may cancel")
@@ -650,8 +651,8 @@ def is_stable_by_parts(scene: Scene, chain: Chain) -> bool:
     """Whether a display coupled to any hand with damping has no root in Re s >= 0 but at 0, because
     no part of the display generates energy. False proves nothing.
 
-    In Re s > 0 the hand's share of Re Z is positive, and the display's is not negative: their sum is
-    not 0. On the axis the hand would not move, nor feel a force: then all that is behind chain
+    In Re s > 0 the hand's share of Re Z is positive, and the display's is not negative: their sum
+    is not 0. On the axis the hand would not move, nor feel a force: then all that is behind chain
     matrices is at rest too, as they have inverses.
 
     ``chain`` : the scene's, in which a parameter may be a symbol. Then True holds for all of its
@@ -777,8 +778,8 @@ def _has_pole_on_axis(distortion: Distortion) -> bool:
     proves nothing."""
     perceived = distortion.perc_response
     # Without losses H_perc has no imaginary part on the axis: there its poles are those of a real
-    # function, which a chart lists. The first of them is enough. (Where Re H_perc has a pole, H_perc
-    # has one in any case, but with losses its chart may take half a minute.)
+    # function, which a chart lists. The first of them is enough. (Where Re H_perc has a pole,
+    # H_perc has one in any case, but with losses its chart may take half a minute.)
     turn = _turn(distortion)
     if not turn or not perceived.raw_imag.is_zero:
         return False

@@ -41,15 +41,15 @@ X with the middle m, and an enclosure J of all derivatives of f over X that hold
 matrix, all zeros of f in X lie in m - J^-1 f(m). If that is within the interior of X, there is
 exactly one.
 
-**Guaranteed.** All numbers are *balls*, intervals with middle and radius (``arb`` of FLINT; complex:
-``acb``), whose operations, at the working precision, enclose all values; comparisons of balls are
-True only where they hold for all values. So what is returned is proven, but for one thing: two
-numbers of which hundreds of bits agree are taken for equal (``ordered``). What is not decided is an
-UndecidedError, None, or an interval of delays in ``CriticalDelays.undecided``.
+**Guaranteed.** All numbers are *balls*, intervals with middle and radius (``arb`` of FLINT;
+complex: ``acb``), whose operations, at the working precision, enclose all values; comparisons of
+balls are True only where they hold for all values. So what is returned is proven, but for one
+thing: two numbers of which hundreds of bits agree are taken for equal (``ordered``). What is not
+decided is an UndecidedError, None, or an interval of delays in ``CriticalDelays.undecided``.
 
 **Words.** A ``Pair`` is a proven crossing (omega, tau), which it refines to any number of bits by
-steps of interval Newton; a ``Passage`` is its delay and its frequency as numbers. An ``Opened`` is a
-loop with an open parameter, here tau; its ``loop.sides`` are N and Q as polynomials in z - 1, of
+steps of interval Newton; a ``Passage`` is its delay and its frequency as numbers. An ``Opened`` is
+a loop with an open parameter, here tau; its ``loop.sides`` are N and Q as polynomials in z - 1, of
 which N is given for theta in place of tau. A ``theta_range`` is one over which N is one analytic
 function of theta.
 
@@ -142,8 +142,9 @@ class CriticalDelays:
         """
         period = Fraction(int(loop.loop.T.p), int(loop.loop.T.q))
         curves, is_cut_off = list[UnitGainCurve](), False
-        # A term of the plant may have a further delay of its own. N is one function of theta as long
-        # as none of these sums gets one more whole sample: ``end`` is where the first one does.
+        # A term of the plant may have a further delay of its own. N is one function of theta as
+        # long as none of these sums gets one more whole sample: ``end`` is where the first one
+        # does.
         start = Fraction(0)
         try:
             while start < period:
@@ -195,8 +196,8 @@ class CriticalDelays:
         return heap
 
     def _next_crossings(self, n: int, k: int) -> tuple[float, int, int]:
-        """For the next k after the given one for which curve ``n`` has delays >= 0: a lower bound of
-        these, s; n; and k."""
+        """For the next k after the given one for which curve ``n`` has delays >= 0: a lower bound
+        of these, s; n; and k."""
         while True:
             k += 1
             delays = self.curves[n].delays(k)
@@ -225,10 +226,10 @@ class CriticalDelays:
     def _add(self, passage: Passage, direction: int) -> None:
         """Add a critical delay, unless it is there already.
 
-        It is found twice where boxes overlap, and where tau is a whole number of samples, the end of
-        one range of theta and the start of the next. There N has a corner: if the directions on both
-        sides differ the root only touches the circle. Then UndecidedError; the passage keeps the
-        change of one side, which ``undecided`` keeps from use.
+        It is found twice where boxes overlap, and where tau is a whole number of samples, the end
+        of one range of theta and the start of the next. There N has a corner: if the directions on
+        both sides differ the root only touches the circle. Then UndecidedError; the passage keeps
+        the change of one side, which ``undecided`` keeps from use.
         """
         # A root and its conjugate. At z = 1 and z = -1, where a root has none, no curve is proven:
         # abs(N/Q) is even in the angle of z there, so that its slope is 0.
@@ -407,8 +408,8 @@ def _phase(log: LogEnclosure, omega: Ball, theta: Ball) -> Ball:
 
 # Boxes of frequency and rest that are examined at most, some seconds.
 _MOST_BOXES = 1200
-# A curve is cut until it is so many times narrower than its frequency, so that its delays (2) spread
-# over a small part of their values.
+# A curve is cut until it is so many times narrower than its frequency, so that its delays (2)
+# spread over a small part of their values.
 _NARROW = 32
 
 
@@ -417,8 +418,8 @@ class UnitGainCurve:
     """A part of a unit-gain curve: abs(N) = abs(Q) at one omega at most for each theta in a box.
 
     ``theta_range`` : where N is that of the loop; the box may reach beyond it.
-    ``phase`` : the phase Im L + omega theta all over the box, on one branch of L; its radius is less
-    than 1 rad.
+    ``phase`` : the phase Im L + omega theta all over the box, on one branch of L; its radius is
+    less than 1 rad.
     """
 
     loop: Opened
@@ -576,7 +577,8 @@ class CrossingEquation:
                 if self._may_be_in_range(result):
                     yield result
             elif result is not None:
-                # On the curve there is at most one omega for each delay: to cut the delay is enough.
+                # On the curve there is at most one omega for each delay: to cut the delay is
+                # enough.
                 omega, delay = result
                 middle = delay.mid()
                 waiting.add(
