@@ -23,8 +23,10 @@ exp(-s tau), powers s^alpha and first harmonics. A first harmonic (of friction, 
 like) is a variable of its own there, whatever it is a function of. *Lowest terms*: numerator and
 denominator have no common factor as polynomials in these variables.
 
-**Guaranteed.** H_perc is an identity in s and the parameters, where no denominator vanishes.
-SceneError is raised where there is no H_perc, or nothing to compare it with.
+**Guaranteed.** H_perc is exact for the matrices given (a sampler or a first harmonic is a model
+itself): an identity in s and the parameters, where no denominator vanishes. SceneError is raised
+where C H + D = 0 behind some effect, so that H_perc has no value there, or where there is nothing
+to compare it with (H_env = 0).
 
 Begin with ``Chain.dynamics``. Closed forms of Re and Im are in ``closedforms``, stiffness, mass and
 damping in ``properties``, crossings, changeovers and bandwidth in ``frequencies``, leading terms at
@@ -213,7 +215,7 @@ class Chain:
 
     @property
     def in_series(self) -> bool:
-        """Whether each effect only multiplies H, by A/D: B = C = 0 in its chain matrix."""
+        """Whether each effect only multiplies H, by A/D: B and C are written as 0 in its matrix."""
         return all(b == 0 and c == 0 for _, b, c, _ in self.matrices)
 
     def without_axis_zeros(self) -> tuple[Chain, bool]:
@@ -221,10 +223,12 @@ class Chain:
         parts have changed places: r_r of this chain is then r_i of that one.
 
         All dynamics are divided by the product Z of the factors of H_env that are polynomials in s
-        and can vanish there. At a zero of Z the ratio abs(Re dH)/abs(H_env) is then a value and not
-        0/0. Zeros that stay are those of factors with a delay (1 - exp(-s T) at omega T = 2 pi n),
-        of a power s^alpha at 0, and those that a polynomial has for isolated values of parameters
-        alone: there the ratio is 0/0, and cells around them stay undecided.
+        and can vanish there. Where dH vanishes with Z, as behind effects in series, the ratio
+        abs(Re dH)/abs(H_env) at a zero of Z is then a value and not 0/0; where dH does not, it has a
+        pole there as before. Zeros that stay are those of factors with a delay (1 - exp(-s T) at
+        omega T = 2 pi n), of a power s^alpha at 0, and those that a polynomial has where its
+        parameters satisfy one more equation (m s^2 + (b_1 - b_2) s + k at b_1 = b_2): there the
+        ratio is 0/0, and cells around them stay undecided.
 
         - (A H + B)/(C H + D) over Z is the map of [[A, B/Z], [C Z, D]] applied to H/Z.
         - Z(j omega) is real, or it is imaginary. If real, Re dH and Im dH of the quotient are those
@@ -309,8 +313,8 @@ def _axis_zeros(ring: Ring, polynomial: Polynomial) -> Polynomial:
 
     These can vanish there, as it takes one equation. Any other factor f in s alone takes two, Re f
     = Im f = 0, for one unknown omega: with numbers it has no zero there, as f(s) and f(-s) would
-    share it, and an irreducible f would be even or odd; with parameters it has one for isolated
-    values alone. Of a factor with a delay or a power nothing is claimed.
+    share it, and an irreducible f would be even or odd; with parameters it has one only where these
+    satisfy one more equation. Of a factor with a delay or a power nothing is claimed.
     """
     zeros_on_axis = ring.constant(1)
     if not polynomial:
