@@ -110,6 +110,29 @@ def test_what_differs_is_told_with_exact_values_and_what_does_not_is_left_out() 
     assert not {x for x in paths if x.startswith("environment")}
 
 
+def test_choices_formulas_and_the_order_of_effects_differ_as_numbers_do() -> None:
+    lag, mass, spring = F.first_order_lag("80 rad/s"), F.shunt(m="0.1 kg"), {"b": 2, "k": 100}
+
+    def differences(one: hs.Scene, other: hs.Scene) -> dict[str, tuple[Any, ...]]:
+        found = hs.compare(one, other)
+        # Two displays that are not the same are never called so.
+        assert "same models" not in str(found)
+        return {x.path: x.values for x in found.differences}
+
+    def of_formula(H: str) -> hs.Scene:
+        return hs.Scene(E.expression(H, parameters=spring), [lag], (0, 15), "0.1")
+
+    late = [lagged(1, 2, 100, F.pade_delay("10 ms", order=n)) for n in (2, 3)]
+    assert differences(*late) == {"effects.pade-delay.order": ("2", "3")}
+    assert differences(of_formula("k + b*s"), of_formula("k + 2*b*s")) == {"environment.H": ("b*s + k", "2*b*s + k")}
+    assert differences(lagged(1, 2, 100, lag, mass), lagged(1, 2, 100, mass, lag)) == {
+        "effects": ("first-order-lag, shunt", "shunt, first-order-lag")
+    }
+    spring_and_mass = hs.Scene(E.mass_spring_damper(m=1, k=100), [lag], (0, 15), "0.1")
+    assert differences(spring_and_mass, lagged(1, 2, 100, lag)) == {"environment.b": (None, 2)}
+    assert "same models" in str(hs.compare(late[0], lagged(1, 2, 100, F.pade_delay("10 ms", order=2))))
+
+
 def test_each_display_is_asked_about_the_hands_that_all_have_or_about_those_that_are_named() -> None:
     light, firm = hs.Hand("light", m="0.1 kg", b="1 N*s/m", k="10 N/m"), hs.hands["firm-grip"]
     rows = [(1, 4, 100, 3, [light, firm]), (1, 1, 900, 20, [firm])]

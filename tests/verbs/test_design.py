@@ -512,6 +512,13 @@ def test_what_is_kept_is_what_is_required(name, keep):
     assert f"--that transparent --that {keep}" in " ".join(str(found).split()) or not found.is_whole
 
 
+def test_the_next_command_searches_the_same_range() -> None:
+    found = hs.design("steering-wheel", free={"omega_c": ("7 Hz", "8 Hz")})
+    # 8 Hz is 16 pi rad/s: rounded to a float, which is smaller, it would be another range.
+    assert "haptisym require SCENE --free effects.motor.omega_c --range 7Hz 8Hz" in str(found)
+    assert hs.require("steering-wheel", "omega_c", ("7Hz", "8Hz")).domain.high == found.ranges[0][1]
+
+
 def test_a_best_value_with_more_digits_than_are_printed_is_printed_as_a_fraction_too() -> None:
     """Passive at 1/3 alone: seventeen digits of it are another value, of which that is not proven."""
     port = hs.effects.two_port("1", "-(3*q-1)^2*s^3/1000", "0", "1", parameters={"q": "1/2"})

@@ -85,7 +85,9 @@ def ratios(found: Comparison, which: int = 0) -> Panel:
         layers.append(Mark(crossed, [limit] * len(crossed), color, look=look))
     finite = [x.ratio[np.isfinite(x.ratio)] for x in curves if x.measured]
     peaks = [float(x.max(initial=0.0)) for x in finite]
-    top = top or max([1.06 * x for x in peaks] + [2 * x for x in limits], default=1.0)
+    # Points that are not far above the curves of scenes are all shown.
+    whole_points = max([1.06 * x for x in peaks] + [2 * x for x in limits], default=1.0)
+    top = whole_points if top < whole_points < 2 * top else top or whole_points
     # Marks at the ends of the axes are whole, unless some are beyond them, which are cut off.
     whole = {"clip_on": max(peaks, default=0.0) > top}
     drawn: list[Layer] = [

@@ -768,6 +768,9 @@ def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> N
         is_long = _letters(text) > _BROAD
         short = textwrap.fill(text, _BROAD, max_lines=2, placeholder="…") if is_long else text
         which, offset = room.along(tried, short, small(ax), others)
+        # Two names on one curve would read as one.
+        left, bottom, right, top = room.boxes[-1]
+        room.boxes[-1] = left - _MARK, bottom, right + _MARK, top
         made = ax.annotate(
             short,
             xy=tried[which],
@@ -775,6 +778,8 @@ def _name_curves(on: On, names: Mapping[tuple[str, str], Sequence[Line2D]]) -> N
             textcoords="offset points",
             fontsize=small(ax),
             color=curves[0].get_color(),
+            # The place is of the lower left corner: at the baseline a "g" would reach below it.
+            va="bottom",
             label=mark,
         )
         made.set_gid(f"{_GROUP}{on.number + 1}.name.{count}")

@@ -221,8 +221,12 @@ def curves(data: xr.Dataset, scene: Scene | None = None) -> Panel:
                 look=look,
             )
         )
-        ends = np.union1d(jumps - 1, jumps).astype(int)
-        marks += [Mark(x[ends], y[ends], color, size=2.4)] if len(ends) else []
+        # A single set that has a value is no line: it has a dot alone.
+        there = np.isfinite(np.concatenate([[np.nan], y, [np.nan]]))
+        alone = np.flatnonzero(there[1:-1] & ~there[:-2] & ~there[2:])
+        ends = np.union1d(np.union1d(jumps - 1, jumps), alone).astype(int)
+        whole = {"clip_on": False}
+        marks += [Mark(x[ends], y[ends], color, size=2.4, look=whole)] if len(ends) else []
     entry = [Words(label="crossings come or go", look=dots(2.4))] if marks else []
     end = Limit(high, width=0.4, label="end of the band", shared=True, look={"zorder": 0})
     strips = [_Held(x, None, *row[1:], label=row[0]) for row in _held(data)]

@@ -56,8 +56,10 @@ def _in_turn(phrases: Iterable[Phrase]) -> Phrase:
 def _ranked(found: Comparison) -> Phrase:
     """Return the devices by bandwidth, the largest first; equal ones are joined by "="."""
     if found.order is None:
-        pairs = listed(" and ".join(pair) for pair in found.undecided)
-        return Strong("order undecided"), " of ", pairs, "; ", _in_turn(map(_width, found))
+        # With one pair it is all of them; several have their lines below.
+        pair = found.undecided[0] if len(found.undecided) == 1 else ()
+        of = (" of ", " and ".join(pair)) if pair else ""
+        return Strong("order undecided"), of, "; ", _in_turn(map(_width, found))
     groups: list[Phrase] = []
     for places in found.order:
         names = " = ".join(found[i].name for i in places)
@@ -102,8 +104,7 @@ def _stability(x: ComparedDisplay) -> Phrase:
 
 def _differences(found: Comparison) -> Iterator[Block]:
     """Yield what differs: parameters, models and band, then each device against the first one."""
-    # Of a part that not all devices have the row of its model is enough.
-    rows = [x for x in found.differences if not x.knobs or _is_shared(found, x)]
+    rows = [x for x in found.differences if _is_of_shared_part(found, x)]
     if rows:
         shown = w.table(
             rows,
@@ -118,13 +119,12 @@ def _differences(found: Comparison) -> Iterator[Block]:
     yield from w.noted(lines)
 
 
-def _is_shared(found: Comparison, x: SceneDifference) -> bool:
-    """Whether all devices that are no measured ones have a parameter at that path."""
-    return all(
-        knob is not None
-        for knob, device in zip(x.knobs, found, strict=True)
-        if isinstance(device.scene, Scene)
-    )
+def _is_of_shared_part(found: Comparison, x: SceneDifference) -> bool:
+    """Whether a difference is in a part that all devices have, or is the model of one: of a part
+    that some lack, and of one with different models, the row of the model is enough."""
+    place, _, key = x.path.rpartition(".")
+    models = {y.parts.get(f"{place}.model") for y in found if isinstance(y.scene, Scene)}
+    return key == "model" or len(models) == 1
 
 
 def _value(place: int, x: SceneDifference) -> Phrase:

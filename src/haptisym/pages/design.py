@@ -290,7 +290,7 @@ def _require(a: Design) -> str:
     must be kept."""
     words = ["haptisym require SCENE"]
     for x, (low, high) in zip(a.free, a.ranges, strict=True):
-        words.append(f"--free {x.path} --range {_option(low)} {_option(high)}")
+        words.append(f"--free {x.path} --range {_option(x, low)} {_option(x, high)}")
     # ``transparent`` is what it asks for unless there are goals.
     if a.keep:
         words += [f"--that {goal}" for goal in ("transparent", *a.keep)]
@@ -302,6 +302,10 @@ def _require(a: Design) -> str:
     return " ".join(words)
 
 
-def _option(x: Expr) -> str:
-    """Return a number as an option of the command line takes it, in SI."""
-    return repr(float(x)).removesuffix(".0")
+def _option(x: Knob, end: Expr) -> str:
+    """Return an end of a range as an option of the command line takes it: in the unit of the scene,
+    where digits are all of it there, or in SI."""
+    unit = x.shown_unit(x.motion)
+    is_short = _is_decimal(end / unit.size)
+    number = repr(float(end / unit.size if is_short else end)).removesuffix(".0")
+    return quote(f"{number}{unit.name}" if is_short else number)

@@ -161,7 +161,7 @@ def _enclosures(a: Tolerances) -> Block:
     figure = w.drawing(a, "enclosures", shown)
     rows = w.table(
         a.enclosures,
-        "Where crossings lie, proven.",
+        f"Where crossings lie, proven{' for the fitted model' if a.box.scene.level else ''}.",
         w.Field(
             "distortion" if region else "ratio",
             lambda x: w.CHANGE if x.criterion.joint else w.symbol(x.criterion.symbol),

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import flint
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Integer, Rational, Symbol
 
 from haptisym.judge.answers import Answer, NoScene
 from haptisym.judge.crossings import Criterion, noticed
@@ -31,8 +31,9 @@ from haptisym.kernel.budget import SECONDS, limited, share
 from haptisym.kernel.errors import SceneError, UndecidedError, several, within
 from haptisym.kernel.objects import Shown
 from haptisym.kernel.reals import Ball, ExactNumber, RealNumber, ordered, whole
+from haptisym.kernel.rings import s
 from haptisym.kernel.roots import Chart, Interval, Key, Signed, chart
-from haptisym.model.catalogue import Hand
+from haptisym.model.catalogue import Effect, Environment, Hand
 from haptisym.model.distortion import Distortion
 from haptisym.model.measuredscene import MeasuredScene
 from haptisym.model.parameters import free_name
@@ -153,12 +154,20 @@ class ComparedDisplay(Shown):
 
     @property
     def parts(self) -> dict[str, str]:
-        """The model of each part by its path, and the shape of the JND's region."""
+        """What has no number: the model of each part by its path, with its choices and formulas;
+        the order of the effects; and the shape of the JND's region."""
         scene = self.scene
         if not isinstance(scene, Scene):
             return {}
-        models = {f"{place}.model": x.model for place, x in scene.elements()}
-        return models | {"evaluation.jnd.shape": str(scene.threshold.region.shape.value)}
+        found: dict[str, str] = {}
+        for place, x in scene.elements():
+            found[f"{place}.model"] = x.model
+            if isinstance(x, Effect):
+                found |= {f"{place}.{key}": str(choice) for key, choice in x.settings}
+            if x.model in _WITH_FORMULAS:
+                found |= _formulas(place, x)
+        found["effects"] = ", ".join(x.name for x in scene.effects)
+        return found | {"evaluation.jnd.shape": str(scene.threshold.region.shape.value)}
 
     @property
     def band(self) -> tuple[Expr, Expr] | None:
@@ -198,6 +207,32 @@ class ComparedDisplay(Shown):
         measured."""
         found = self.answer.passivity if isinstance(self.answer, Evaluation) else None
         return found.holds if found is not None else None
+
+
+def _formulas(place: str, x: Environment | Effect) -> dict[str, str]:
+    """Return the formulas of a part by their paths, in the keys of its parameters, as symbols are
+    named by the scene; of an effect those entries of A, B, C, D that change anything."""
+    names = {p.symbol: Symbol(p.key) for p in x.parameters}
+    if isinstance(x, Environment):
+        entries = {"H": x.dynamics}
+        plain: dict[str, Expr] = {}
+    else:
+        entries = dict(zip("ABCD", x.dynamics, strict=True))
+        plain = dict(zip("ABCD", map(Integer, (1, 0, 0, 1)), strict=True))
+        if x.model == "shunt":
+            # A mass and a damping have rows of their own.
+            powers = {"m": s**2, "b": s}
+            plain["B"] = sum(
+                (Symbol(p.key) * powers.get(p.key, 1) for p in x.parameters), plain["B"]
+            )
+    written = {key: entry.xreplace(names) for key, entry in entries.items()}
+    return {f"{place}.{key}": str(y) for key, y in written.items() if y != plain.get(key)}
+
+
+_WITH_FORMULAS = frozenset(
+    ("expression", "difference-equation", "series", "shunt", "admittance-display", "two-port")
+)
+"""Models whose formulas are the users'."""
 
 
 def _double(x: float) -> ExactNumber:
@@ -360,6 +395,9 @@ class Comparison(Answer):
         """The paths at which not all devices have the same: models, then parameters and thresholds,
         then the band. Measured devices have no paths, and no part in it."""
         parts = [x.parts for x in self.devices]
+        if len({frozenset(x.get("effects", "").split(", ")) for x in parts if x}) > 1:
+            # Which effects there are is seen from their models.
+            parts = [{key: y for key, y in x.items() if key != "effects"} for x in parts]
         knobs = [x.knobs for x in self.devices]
         rows = []
         for path in _paths(parts):
