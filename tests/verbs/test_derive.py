@@ -407,6 +407,15 @@ def test_units_that_do_not_fit_in_any_entry_of_a_chain_matrix_are_refused(place:
     assert "give each parameter its unit" in refusal(groups, hs.Scene(unknown, (hs.effects.delay("1 ms"),)))
 
 
+def test_a_ratio_that_is_the_threshold_everywhere_neither_exceeds_it_nor_stays_below() -> None:
+    """A spring that is felt at 11/10 of its stiffness, with c = 1/10: p_r = 0; it was -1."""
+    scene = hs.Scene(100, (), (0, 15), 0.1, rendered=110)
+    assert hs.derive(scene, keep=())["p_r"] == 0
+    assert hs.derive(scene, keep=()).changeovers("env") == ()
+    with pytest.raises(hs.SceneError, match='"environment" is none: give "env" or "perc"'):
+        hs.derive(scene).changeovers("environment")
+
+
 # --- names, pages, the command ---------------------------------------------------------------------------------------
 
 
@@ -416,6 +425,8 @@ def test_every_name_of_a_quantity_is_found_however_it_is_typed(call: Any) -> Non
             assert bare(typed) == bare(name)
             assert bare(listed_name(typed) or "") == bare(name)
     assert listed_name("dq") is None
+    for other in ("|H_env|", "|dH|", "-dH", "H_env^2"):  # bars, powers and a minus mean something
+        assert listed_name(other) is None
     one, two = (call("derive", "fu2019", "--of", name)[1] for name in ("Re dH", "re_dh"))
     assert one == two
     assert "Re dH = " in one

@@ -286,10 +286,12 @@ class Derivation(Answer):
         return solve(self._excess(of, self.distortion.with_one_delay), readable=readable)
 
     def stiffness(self, system: str) -> RealFunction:
-        """Re H of a system, "env" or "perc", on s = j omega: k - m omega^2 of a spring and a
-        mass."""
+        """Re H of a system, "env" or "perc", on s = j omega: k - m omega^2 of a spring and a mass.
+        SceneError for any other name."""
         if system == "env":
             return self.environment.env_response.real
+        if system != "perc":
+            raise SceneError(f'system: "{system}" is none: give "env" or "perc"')
         return self.distortion.perc_response.real
 
     def changeovers(self, system: str) -> tuple[Solution, ...]:
@@ -371,8 +373,8 @@ def _threshold_polynomial(part: Part) -> Callable[[Derivation], Expr]:
     def polynomial(d: Derivation) -> Expr:
         f = d.excess(part).written
         unit, factors = f.ring.factors(f.numerator)
-        # Of a constant factor the sign alone matters.
-        product = f.ring.one.expression() * (1 if unit > 0 else -1)
+        # Of a constant factor the sign alone matters; it is 0 where the ratio is c everywhere.
+        product = f.ring.one.expression() * (1 if unit > 0 else -1 if unit < 0 else 0)
         for factor, multiplicity in factors:
             product *= f.ring.expression(factor) ** multiplicity
         return product
@@ -445,5 +447,17 @@ def bare(name: str) -> str:
 
 
 def listed_name(name: str) -> str | None:
-    """The quantity that a name stands for, as QUANTITIES lists it; None if it is none."""
-    return next((known for known in QUANTITIES if bare(known) == bare(name)), None)
+    """The quantity that a name stands for, as QUANTITIES lists it; None if it is none.
+
+    Signs may be left out in a shell. Those that are there count: ``|dH|`` is not dH.
+
+    >>> listed_name("re_dh"), listed_name("henv2"), listed_name("|H_env|"), listed_name("-dH")
+    ('Re dH', '|H_env|^2', None, None)
+    """
+    signs = _signs(name)
+    return next((x for x in QUANTITIES if bare(x) == bare(name) and signs in ("", _signs(x))), None)
+
+
+def _signs(name: str) -> str:
+    """The bars and powers of a name, and a minus before it: they change what it means."""
+    return "-" * name.lstrip().startswith("-") + "".join(x for x in name if x in "|^")
