@@ -838,6 +838,15 @@ def test_a_changeover_behind_a_delay_is_solved_for_a_parameter(parameter: Symbol
     assert hs.solve_for(hs.distort(k + m * s**2, exp(-s * tau)), "changeover", k).environment[0].omega == m * omega**2
 
 
+def test_half_a_turn_of_a_delay_is_solved_for() -> None:
+    """Re of (k + b s)(1 + exp(-s tau))/2 has the factor cos(w tau/2), whose zero has an infinite tangent of half of the
+    angle: with k = b w it changes its sign where w tau is pi or 3 pi/2, and nowhere else within a turn."""
+    half = hs.distort(k + b * s, (1 + exp(-s * tau)) / 2)
+    known = {k: Integer(10), b: Integer(2), omega: Integer(5)}
+    put = [x.put(known) for x in hs.solve_for(half, "changeover", tau).perceived]
+    assert sorted(x.omega for x in put if x is not None) == [pi / 5, 3 * pi / 10]
+
+
 def test_where_all_symbols_cancel_an_equation_without_a_formula_is_answered_in_numbers() -> None:
     """A factor with a positive root in proven numbers, none for one without: as on a grid of complex numbers."""
     d = hs.distort(k, 1 / (1 + s) ** 3)

@@ -188,13 +188,19 @@ def exchanged(function: RealFunction, free: Expr, place: Symbol) -> RealFunction
     where = [target.meanings.index(names.get(x, x)) for x in axis.meanings[: axis.size]]
     where += [target.size + [*turning, *resting].index(x) for x in axis.angles]
     where += range(target.size + len(target.angles), len(target.meanings))
-    terms = {}
-    for exponents, value in monomials(function.function.numerator):
-        own = [0] * len(target.meanings)
-        for i, n in zip(where, exponents, strict=True):
-            own[i] = int(n)
-        terms[tuple(own)] = value
-    return RealFunction(target.function(target.context.from_dict(terms)))
+
+    def moved(polynomial: Polynomial) -> Polynomial:
+        terms = {}
+        for exponents, value in monomials(polynomial):
+            own = [0] * len(target.meanings)
+            for i, n in zip(where, exponents, strict=True):
+                own[i] = int(n)
+            terms[tuple(own)] = value
+        return target.context.from_dict(terms)
+
+    # What is below has no zeros, but where its degree in a tangent is higher there is half a turn.
+    quotient = function.function
+    return RealFunction(target.function(moved(quotient.numerator), moved(quotient.denominator)))
 
 
 def _half_turns(function: RealFunction) -> list[Solution]:
