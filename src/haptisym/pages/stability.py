@@ -309,7 +309,8 @@ def _limits(found: Stability) -> Iterator[Block]:
     for x, sets in zip(found.held, found.critical, strict=True):
         rows = [(found.scene.knobs[path], values) for path, values in sets.items()]
         shown = sorted(((knob, y) for knob, y in rows if y.ends), key=lambda row: _reach(*row))
-        # Name and verdict stand in the first two of its rows alone.
+        # Name and verdict stand in the first two of its rows alone; the heading says so, as on a
+        # narrow terminal each row is a list of its own.
         leads: list[Phrase] = [x.hand.name, _in_a_word(x)]
         if len(shown) == 1:
             leads = [(x.hand.name, ": ", _in_a_word(x))]
@@ -323,7 +324,7 @@ def _limits(found: Stability) -> Iterator[Block]:
             "The values, next to the present ones, for which it is stable, and the frequency of "
             "the pole at each end."
         ),
-        w.Field("hand", lambda x: x[0]),
+        w.Field("hand, verdict", lambda x: x[0]),
         w.Field("parameter", lambda x: _name_and_unit(x[1])),
         w.Field("is", lambda x: w.bare(w.value_of(x[1], ExactNumber(x[1].value), Way.NEAREST))),
         w.Field(
