@@ -10,6 +10,7 @@ from typing import Any
 import haptisym as hs
 from haptisym.judge.answers import Answer
 from haptisym.kernel.budget import limited
+from haptisym.kernel.errors import LimitError
 from haptisym.model.quantities import MotionKind
 from haptisym.model.scenefile import scene_text
 from haptisym.pages.explorer import explorer
@@ -32,8 +33,8 @@ ON_PAGE = {
     r" --of prints one of: [^.]*\.": "",
     r" \(with_values in Python; haptisym compare [^)]*\)": "",
     r"in --json": "in the JSON",
-    r"this needs NumPy.*": "this needs NumPy, which the page lacks; install haptisym and ask its command line",
-    r"this scene is measured: .*|a table of lines, not a scene: .*": "the page does not take measured responses; install "
+    r"this needs NumPy[^<]*": "this needs NumPy, which the page lacks; install haptisym and ask its command line",
+    r"this scene is measured: [^<]*|a table of lines, not a scene: [^<]*": "the page does not take measured responses; install "
     "haptisym, and haptisym evaluate SCENE.toml judges them",
     r"; a longer limit may decide it": "; on the command line a longer limit may decide it",
 }
@@ -79,7 +80,7 @@ def stability(scene: str, hand: str = "", limit: float = LIMIT) -> dict[str, Any
     """In a hand, or in those of the scene; ``partial``: something was left undecided within the limit."""
     try:
         found = _asked(hs.parse_scenes(scene), lambda x: hs.stability(x, hand or None, limit=limit))
-    except hs.LimitError:
+    except LimitError:
         if limit == LIMIT:
             raise
         return {"html": "", "partial": True}

@@ -55,6 +55,19 @@ omega_c = 250
 """
 
 
+def test_a_question_about_a_wrong_scene_is_told_what_is_wrong() -> None:
+    wrong = SCENES["fu2019"].replace("zeta = 0.5", "zeta = -1")
+    for question, given in (("evaluate", {}), ("stability", {"hand": "postural-arm"}), ("require", {"path": "zeta"})):
+        assert "needs zeta >= 0" in asked(question, scene=wrong, **given)["error"]
+
+
+def test_words_for_the_page_replace_their_sentence_and_nothing_behind_it() -> None:
+    text = "<p>Undecided: this needs NumPy: pip install numpy.</p><p>Proven: the rest.</p>"
+    for said, own in PAGE["ON_PAGE"].items():
+        text = re.sub(said, own, text)
+    assert text.endswith("its command line</p><p>Proven: the rest.</p>")
+
+
 def test_what_is_too_long_to_be_expanded_is_named_in_whole_sentences() -> None:
     found = asked("derive", scene=LONG)
     assert "Longer than" in words(found)
