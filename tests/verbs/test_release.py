@@ -352,7 +352,10 @@ def test_a_quantised_wall_within_the_bound_of_abbott_and_okamura_rests_and_rattl
         late = run.hand_motion[run.time > 9]
         assert np.ptp(late) < 1e-9
         assert run.limit_cycles is None  # two elements: not searched
-        assert any("several elements" in x for x in run.to_dict()["caveats"])
+        [why] = run.to_dict()["caveats"]
+        # The way out is the release test itself: proposed elsewhere, not here.
+        assert "several elements" in why
+        assert "--release" not in why
     else:
         assert any(x.attracts for x in run.limit_cycles)
 

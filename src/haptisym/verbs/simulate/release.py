@@ -422,7 +422,7 @@ class Release(Answer):
     @property
     def caveats(self) -> tuple[str, ...]:
         """Sentences on limit cycles that are not known."""
-        return cycle_caveats(self.scene, {self.hand.name: self.limit_cycles})
+        return cycle_caveats(self.scene, {self.hand.name: self.limit_cycles}, released=True)
 
     def _closed(self) -> dict[str, Any] | None:
         if self.closed is None:

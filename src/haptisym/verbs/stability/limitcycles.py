@@ -73,26 +73,27 @@ def linear(scene: Scene) -> Scene:
     return replace(scene, effects=tuple(x for x in scene.effects if x.model not in DESCRIBED))
 
 
-def unsearched_cycles(scene: Scene) -> str:
+def unsearched_cycles(scene: Scene, *, released: bool = False) -> str:
     """A sentence that says why possible limit cycles of a scene are not searched; empty where they
-    are, or no element is one that is not linear."""
+    are, or no element is one that is not linear. With ``released`` it proposes no release test."""
     elements = [x for x in scene.effects if x.model in DESCRIBED]
     lead, way_out = (
         "Limit cycles are not searched",
-        "use a release test: haptisym simulate --release",
+        "" if released else "use a release test: haptisym simulate --release",
     )
+    or_else = f", or {way_out}" if way_out else ""
     if len(elements) > 1:
         names = ", ".join(x.name for x in elements)
-        return f"{lead}: {names} are several elements; leave one in, or {way_out}."
+        return f"{lead}: {names} are several elements; leave one in{or_else}."
     if not elements:
         return ""
     reads_first = scene.effects[0].model == SAMPLED_LOOP and scene.effects[1:2] == (elements[0],)
     if clocks(scene) and elements[0].model == FRICTION:
-        return f"{lead}: {elements[0].name} is not what the clock reads; {way_out}."
+        return f"{lead}: {elements[0].name} is not what the clock reads{'; ' * bool(way_out)}{way_out}."
     if clocks(scene) and not reads_first:
         return (
             f"{lead}: {elements[0].name} is not what the clock reads. Place it directly after the "
-            f"sampled controller (haptisym scenes wheel-with-encoder), or {way_out}."
+            f"sampled controller (haptisym scenes wheel-with-encoder){or_else}."
         )
     if not (has_arrays() and find_spec("scipy")):
         return f"{lead}: NumPy or SciPy is missing: pip install 'haptisym[simulate]'."
@@ -100,12 +101,12 @@ def unsearched_cycles(scene: Scene) -> str:
 
 
 def cycle_caveats(
-    scene: Scene, found: Mapping[str, tuple[LimitCycle, ...] | None]
+    scene: Scene, found: Mapping[str, tuple[LimitCycle, ...] | None], *, released: bool = False
 ) -> tuple[str, ...]:
     """The sentences on the hands, by name, whose limit cycles are not known: why none are searched,
-    or that they are undecided."""
+    or that they are undecided; those of a release test where ``released``."""
     unknown = [name for name, cycles in found.items() if cycles is None]
-    if unknown and (why := unsearched_cycles(scene)):
+    if unknown and (why := unsearched_cycles(scene, released=released)):
         return (why,)
     return tuple(f"Limit cycles in {name} are undecided." for name in unknown)
 
