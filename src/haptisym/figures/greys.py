@@ -22,6 +22,8 @@ from haptisym.programs.values import Array
 
 _HATCHES = {pen.UNSTABLE: "\\\\\\\\", pen.OPEN: "...."}
 """Grounds that are as light as others, and their hatches."""
+_UNDER_NAMES = "#c8c8c8"
+"""Lines of a hatch over which names can be read."""
 _LINEAR = 0.04045, 12.92, 0.055, 2.4
 """sRGB (IEC 61966-2-1): below the first number a value is a multiple of the light, above it a
 power."""
@@ -71,7 +73,12 @@ def put_in_greys(artists: Iterable[Artist]) -> None:
 def _collection(x: Collection) -> None:
     """Give a collection greys: its map of values, or its faces and edges."""
     if x.get_array() is not None:
-        x.set_cmap(ListedColormap(greys(x.get_cmap()(np.linspace(0, 1, 256)))))
+        colors = x.get_cmap()(np.linspace(0, 1, 256))
+        x.set_cmap(ListedColormap(greys(colors)))
+        # A ground of filled contours has a map of its one colour.
+        hatch = _hatch(colors[0]) if (colors == colors[0]).all() else ""
+        if hatch:
+            x.set(hatch=hatch, edgecolor=_UNDER_NAMES, linewidth=0)
         return
     faces, edges = x.get_facecolor(), x.get_edgecolor()
     hatch = _hatch(faces[0]) if len(faces) else ""
