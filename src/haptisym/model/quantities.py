@@ -770,7 +770,8 @@ def quantity(given: Number, dimension: Dimension) -> Quantity:
 def refuse_units(given: object) -> None:
     """SceneError for a quantity with a unit of Pint or SymPy, with how to write it."""
     parts = preorder_traversal(given) if isinstance(given, Expr) else ()
-    is_of_sympy = any(type(x).__module__.startswith("sympy.physics.units") for x in parts)
+    # The class of an applied function of SymPy, f(x), has None for its module.
+    is_of_sympy = any(str(type(x).__module__).startswith("sympy.physics.units") for x in parts)
     if is_of_sympy or (hasattr(given, "magnitude") and hasattr(given, "units")):
         raise SceneError(
             f'{quoted(given)} has units of another package: give text, as "100 N/m", or a number '
