@@ -4,7 +4,8 @@ const QUIET = 250; // ms without a change before the scene is asked about
 const scene = find("scene");
 const first = JSON.parse(find("first").textContent); // what the build computed: the scenes, and the answer about the one that the page shows
 const { scenes } = first;
-let [worker, ready] = [null, false];
+const about = new Map(["answer", "rest", "explorer-place"].map((id) => [id, scenes.fu2019])); // the text that each result is of
+let [worker, ready, bytes] = [null, false, 0];
 let [busy, waiting, last] = [null, [], 0]; // the question that is being answered, and the next ones: of each kind the latest alone
 
 // Questions.
@@ -71,8 +72,20 @@ function begin() {
   ready = true;
   find("loading").hidden = true;
   find("questions").disabled = false;
+  find("megabytes").textContent = "";
+  loaded(bytes);
   if (!waiting.length && !find("built").hidden) evaluate();
   next();
+}
+
+/** The bytes that were loaded here before, or are now: they are told once. */
+function loaded(now = 0) {
+  try {
+    if (now) localStorage.setItem("haptisym", now);
+    return Number(localStorage.getItem("haptisym"));
+  } catch {
+    return 0; // of a browser that stores nothing
+  }
 }
 
 function say(text, kind = "") {
@@ -80,15 +93,17 @@ function say(text, kind = "") {
   find("said").className = kind;
 }
 
-/** Whether the scene cannot be answered as it is: what stands below it is then about another one. */
+/** Whether the scene cannot be answered as it is. */
 function invalid(is) {
   if (is) scene.setAttribute("aria-invalid", "true");
   else scene.removeAttribute("aria-invalid");
-  outdated(is);
 }
 
-function outdated(is, parts = ["answer", "rest", "explorer-place"]) {
-  parts.forEach((id) => { find(id).className = is ? "old" : ""; });
+/** These results are of this text; those of another one than is there say so. */
+function mark(ids = [], text = "") {
+  ids.forEach((id) => about.set(id, text));
+  about.forEach((own, id) => find(id).classList.toggle("old", own !== scene.value));
+  find("names").value = shipped() ?? "";
 }
 
 // The answer.
@@ -101,22 +116,21 @@ function put(id, html) {
 /** Ask about the text. `moved`: it was a slider that changed it, and so the sliders stay. */
 function evaluate(moved = false) {
   const text = scene.value;
+  mark(moved ? ["explorer-place"] : [], text);
   if (!ready) wait(text, moved);
   ask({ ask: "evaluate", scene: text, environment: find("environments").value }, (found, seconds) => {
     find("built").hidden = true;
     show(found);
     find("further").replaceChildren();
+    mark(["answer", "rest", "further"], text);
     say(`Answered in ${seconds.toFixed(2)} s.`);
     if (!moved) explore(found.explorer, text);
   }, "Evaluating");
 }
 
-/** Until the program is there, what is shown is about the scene of the build; the figures follow their sliders. */
+/** Until the program is there, what is shown is about the scene as it was; the figures follow their sliders. */
 function wait(text, moved) {
-  const same = text === scenes.fu2019;
-  foreign = !moved && !same;
-  outdated(!same, moved ? ["answer", "rest"] : undefined);
-  say(same ? "" : `It is answered as soon as the program is loaded. ${moved ? "The figures follow already, computed." : "What is shown is about fu2019."}`);
+  say(text === about.get("answer") ? "" : `It is answered as soon as the program is loaded. ${moved ? "The figures follow already, computed." : "What is shown is of the scene as it was."}`);
 }
 
 function show(found) {
@@ -141,7 +155,6 @@ function options(id, names, shown = {}) {
 }
 
 let [paths, units, sent, unmoved] = [[], new Map(), new Map(), ""]; // of the sliders: where their numbers stand, what was written there, and the text before
-let foreign = false; // whether the text is another scene than that of the sliders
 
 /** The report's explorer, whose scripts run when they are put in anew. */
 function explore(html, text) {
@@ -156,7 +169,8 @@ function explore(html, text) {
 
 /** Where the numbers of the sliders stand in the text. */
 function known(text) {
-  [unmoved, foreign] = [text, false];
+  unmoved = text;
+  mark(["explorer-place"], text);
   const { paths: places, sliders, limits } = JSON.parse(find("explorer-data").textContent);
   const first = places.filter(([id], i) => places.findIndex(([other]) => other === id) === i); // elsewhere it is referred to
   paths = [...first, ...limits.map((id) => [id, "evaluation", id === "explorer-c" ? "jnd" : id.replace(/^explorer-(c-)?/, "")])];
@@ -196,7 +210,7 @@ export function rewritten(text, place, key, number, unit, environment) {
 
 /** What the boxes show that the text does not have yet goes into the text. */
 function moved() {
-  if (foreign) return;
+  if (scene.value !== about.get("explorer-place")) return; // the sliders are of another scene
   let [text, lost] = [scene.value, ""];
   paths.forEach(([id, place, key]) => {
     const box = find(`${id}-value`);
@@ -220,26 +234,36 @@ const soon = (run) => {
 find("explorer").addEventListener("input", () => soon(moved));
 find("explorer").addEventListener("click", ({ target }) => {
   if (target.id !== "explorer-reset") return;
-  clearTimeout(resting);
   note();
+  if (scene.value !== about.get("explorer-place")) return mark(["explorer-place"], unmoved); // what was typed stays
+  clearTimeout(resting);
   scene.value = unmoved; // with the units and all digits that were written there
   evaluate(true);
 });
-scene.addEventListener("input", () => soon(() => evaluate()));
+scene.addEventListener("input", () => {
+  mark();
+  soon(() => evaluate());
+});
 find("stop").addEventListener("click", stop);
 
 // Further questions.
 
-const further = (asked, words) => ask({ ...asked, scene: scene.value }, (found, seconds) => {
-  put("further", found.html);
+function below(html, text) {
+  put("further", html);
+  mark(["further"], text);
+  if (document.activeElement !== scene) find("further").scrollIntoView({ block: "nearest" });
+}
+
+const further = (asked, words, text = scene.value) => ask({ ...asked, scene: text }, ({ html }, seconds) => {
+  below(html, text);
   say(`Answered in ${seconds.toFixed(2)} s.`);
 }, words);
 const SOON = 3; // s after which the verdicts that are found so far are shown, and the limits are searched again with all the time
 find("ask-stability").addEventListener("click", () => {
   const asked = { ask: "stability", scene: scene.value, hand: find("hands").value };
   ask({ ...asked, limit: SOON }, ({ html, partial }, seconds) => {
-    put("further", html);
-    if (partial) further(asked, html ? "The verdicts are below; searching the limits" : "Counting roots");
+    below(html, asked.scene);
+    if (partial) further(asked, html ? "The verdicts are below; searching the limits" : "Counting roots", asked.scene);
     else say(`Answered in ${seconds.toFixed(2)} s.`);
   }, "Counting roots");
 });
@@ -269,7 +293,6 @@ function linked() {
     given = decodeURIComponent(given);
   } catch {} // as it is
   if (!Object.hasOwn(scenes, given)) return given;
-  find("names").value = given;
   return scenes[given];
 }
 
@@ -277,9 +300,10 @@ function linked() {
 const shipped = () => Object.keys(scenes).find((x) => scenes[x] === scene.value);
 
 async function copy(text, words) {
-  await navigator.clipboard?.writeText(text).catch(() => {}); // it is shown as well, for a browser that forbids this
   find("copied").hidden = false;
   find("copied").textContent = text;
+  mark(["copied"], scene.value);
+  await navigator.clipboard?.writeText(text).catch(() => {}); // it is shown as well, for a browser that forbids this
   say(words);
 }
 
@@ -330,7 +354,8 @@ addEventListener("drop", (event) => {
   take(event.dataTransfer.files[0]);
 });
 fetch(new URL("packages.json", import.meta.url)).then((x) => x.json()).then(({ core, packages }) => {
-  find("megabytes").textContent = `, ${Math.round((core + packages.reduce((sum, x) => sum + x.size, 0)) / 1e6)} MB`;
+  bytes = core + packages.reduce((sum, x) => sum + x.size, 0);
+  if (loaded() !== bytes) find("megabytes").textContent = `, once, ${Math.round(bytes / 1e6)} MB`;
 }).catch(() => {});
 start();
 const given = linked();

@@ -407,7 +407,9 @@ def test_the_page_has_an_answer_and_sliders_before_its_program_is_there(early: B
     until(early, "document.getElementById('explorer-place').className === 'old'")
     typed(early, "explorer-3", "60")
     time.sleep(0.5)  # until the page takes it for the end of the typing
+    early.value(CLICK.format("explorer-reset"))
     assert early.value("document.getElementById('scene').value") == text_of("delayed-spring")
+    assert early.value("document.getElementById('explorer-place').className") == "old"
     early.look(400)
     assert early.value("document.documentElement.scrollWidth") <= 400
 
@@ -500,6 +502,10 @@ def test_the_page_says_what_is_wrong_answers_further_questions_and_checks_certif
         assert said in words(tried, "further").replace("ωn", "ω_n")
     do(tried, CLICK.format("ask-derive"), "Answered in")
     assert "by exact algebra" in words(tried, "further")
+    do(tried, PUT.format(json.dumps(wrong)), "scene:")
+    assert tried.value("document.querySelectorAll('#answer.old, #rest.old, #further.old').length") == 3
+    do(tried, PUT.format(json.dumps(text_of("fu2019"))), "Answered in")
+    assert not tried.value("document.querySelector('.old')")
     proof = tmp_path / "proof.json"
     for text, said in ((hs.evaluate("fu2019").certificate(), "Proven"), ("{}", "NOT proven")):
         proof.write_text(text, encoding="utf-8")
