@@ -941,7 +941,7 @@ def test_where_neither_part_is_noticed_alone_both_are_named(tmp_path: Path, call
     assert {x.name for x in tmp_path.glob("*.png")} == {"ratios.png", "nyquist.png", "plane.png"}
     text = " ".join(call("evaluate", str(tmp_path / "bench.toml"))[1].split())
     assert "The change lies outside the diamond at 1 of 2 points" in text
-    assert "(both)" in text
+    assert "Felt as higher damping and higher stiffness at 2 rad/s" in text
 
 
 def test_where_the_environment_is_zero_the_floor_is_what_is_noticed() -> None:
