@@ -431,7 +431,7 @@ HELD = {"k": "40", "b": "3", "T": "0.02", "m": "0.05", "d": "0.1", "m_h": "0.2",
         Wall(TUSTIN, "tustin"),  # a pole of the controller at z = -1, and a root next to it
         Wall(HELD | {"k": "900", "b": "2", "d": "0.2"}, "tustin", samples=1, late="0.0013"),
         Wall(HELD | {"b": "0.5", "m_h": "0.1", "b_h": "4", "k_h": "200"}, "tustin", samples=1),
-        Wall(HELD, late="0.0013"),  # many samples late
+        Wall(HELD | {"b_h": "4"}, late="0.0013"),  # many samples late
         Wall(HELD | {"k": "900", "b": "0", "T": "0.001", "k_h": "200"}, "tustin"),
     ],
 )
